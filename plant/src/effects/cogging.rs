@@ -1,0 +1,52 @@
+//! Cogging: a torque that depends on the rotor's position, N periods a revolution
+//! (on a linear axis N is a wave number in rad/m: 2 pi over the spatial period).
+
+use drivescope_numerics::Real;
+
+use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+
+/// Torque a cos(N theta) + b sin(N theta).
+pub struct Cogging;
+
+impl Effect<3, 0> for Cogging {
+    const INFO: Info = Info {
+        aliases: &["torque_ripple", "unbalance"],
+        nulls: &[("a", 0.0), ("b", 0.0)],
+        ..Info::new("cogging", "torque += a cos(N theta) + b sin(N theta)", "theta, N periods")
+    };
+    const PARAMETERS: [Parameter; 3] = [
+        Parameter {
+            name: "N",
+            unit: "1",
+            nominal: 12.0,
+            range: (0.0, f64::INFINITY),
+            description: "periods a revolution (linear: 2 pi over the spatial period, rad/m)",
+        },
+        Parameter {
+            name: "a",
+            unit: "N m",
+            nominal: 0.002,
+            range: (f64::NEG_INFINITY, f64::INFINITY),
+            description: "cosine amplitude",
+        },
+        Parameter {
+            name: "b",
+            unit: "N m",
+            nominal: 0.002,
+            range: (f64::NEG_INFINITY, f64::INFINITY),
+            description: "sine amplitude",
+        },
+    ];
+    const STATES: [OwnState; 0] = [];
+
+    #[inline(always)]
+    fn share<R: Real>([n, a, b]: [R; 3], _: [R; 0], at: &View<R>, sum: &mut Sum<R>) {
+        let (sin, cos) = (n * at.theta).sin_cos();
+        sum.torque += a * cos + b * sin;
+    }
+
+    fn fastest([n, a, b]: [f64; 3], speed: f64, inertia: f64) -> f64 {
+        let stiffness = n * a.hypot(b);
+        (n * speed).abs().max((stiffness / inertia).sqrt())
+    }
+}

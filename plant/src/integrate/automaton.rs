@@ -1,0 +1,207 @@
+//! The stick-slip automaton: forward, stuck, backward, with located changes.
+//!
+//! Within a sub-step the sign of the motion is fixed and the field smooth. Where the speed
+//! would cross zero, or a stuck shaft would break away, the instant is located, the speed set
+//! to exactly zero and the next sign decided by the torques at rest. For duals the instant
+//! carries its derivatives by the implicit-function theorem.
+
+use drivescope_numerics::Real;
+
+use super::step::{Armature, Stages, step};
+use crate::model::{Applied, Model, SPEED, field, rest};
+
+/// More changes of the sign than this within a sub-step: the shaft is held for the rest of it.
+const MOST_EVENTS: usize = 16;
+/// Halvings of a bracket until it is as short as a rounding error of the step.
+const MOST_HALVINGS: usize = 60;
+/// Share of the step by which the rate of the event function is found by differences.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Advances one drive by `h`, its state `x` and sign of motion in place. `start` is room for
+/// the state before the step, to return to if the step met an event.
+#[inline(always)]
+pub(super) fn advance<R: Real>(
+    model: &Model<R, 1>,
+    (x, sign): (&mut Vec<[R; 1]>, &mut f64),
+    applied: &Applied<R, 1>,
+    h: R,
+    armature: &Armature<R, 1>,
+    room: &mut Stages<R, 1>,
+    start: &mut Vec<[R; 1]>,
+) {
+    start.clone_from(x);
+    step(model, x, applied, &[*sign], h, armature, room);
+    if model.dry() && crossed(model, x, *sign, applied) {
+        x.clone_from(start);
+        through_events(model, x, sign, applied, h, room);
+    }
+}
+
+/// The event function: positive while the sign of the motion holds.
+fn event<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], sign: f64, applied: &Applied<R, 1>) -> R {
+    if sign == 0.0 { rest(model, x, applied).margin() } else { x[SPEED][0].scaled(sign) }
+}
+
+fn crossed<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], sign: f64, applied: &Applied<R, 1>) -> bool {
+    event(model, x, sign, applied).value() < 0.0
+}
+
+/// The state after a step of `h` with that sign of the motion.
+fn stepped<R: Real>(
+    model: &Model<R, 1>,
+    x: &[[R; 1]],
+    sign: f64,
+    applied: &Applied<R, 1>,
+    h: R,
+    room: &mut Stages<R, 1>,
+) -> Vec<[R; 1]> {
+    let mut next = x.to_vec();
+    step(model, &mut next, applied, &[sign], h, &Armature::new(model, h), room);
+    next
+}
+
+#[cold]
+fn through_events<R: Real>(
+    model: &Model<R, 1>,
+    x: &mut Vec<[R; 1]>,
+    sign: &mut f64,
+    applied: &Applied<R, 1>,
+    h: R,
+    room: &mut Stages<R, 1>,
+) {
+    let mut left = h;
+    let mut applied = *applied;
+    for _ in 0..MOST_EVENTS {
+        let end = stepped(model, x, *sign, &applied, left, room);
+        let last = event(model, &end, *sign, &applied).value();
+        if last >= 0.0 {
+            *x = end;
+            return;
+        }
+        let start = event(model, x, *sign, &applied).value();
+        let located = locate(start, last, left.value(), |tau| {
+            let there = stepped(model, x, *sign, &applied, R::constant(tau), room);
+            event(model, &there, *sign, &applied).value()
+        });
+        let Some(instant) = located else {
+            // Pressed back at once: it was at rest and stays there.
+            *sign = 0.0;
+            continue;
+        };
+        let (there, moved) = at_event(model, x, *sign, &applied, (instant, left), room);
+        left -= R::constant(instant) + moved;
+        applied.time += instant;
+        let torques = rest(model, &there, &applied);
+        *sign = if *sign == 0.0 {
+            // It breaks away to the side it is pushed to, whatever the last bit says.
+            if torques.net.value() > 0.0 { 1.0 } else { -1.0 }
+        } else {
+            torques.sign()
+        };
+        *x = there;
+        if left.value() <= 0.0 {
+            return;
+        }
+    }
+    *sign = 0.0;
+    x[SPEED] = [R::zero()];
+    *x = stepped(model, x, *sign, &applied, left, room);
+}
+
+/// The state at a located event, its speed exactly zero, and by how much the instant moves with
+/// the parameters: d tau = -d(event) / (rate of the event). The value of that is zero.
+fn at_event<R: Real>(
+    model: &Model<R, 1>,
+    x: &[[R; 1]],
+    sign: f64,
+    applied: &Applied<R, 1>,
+    (instant, left): (f64, R),
+    room: &mut Stages<R, 1>,
+) -> (Vec<[R; 1]>, R) {
+    let mut there = stepped(model, x, sign, applied, R::constant(instant), room);
+    let value = event(model, &there, sign, applied);
+    let mut beside = |tau: f64| {
+        let there = stepped(model, x, sign, applied, R::constant(tau), room);
+        event(model, &there, sign, applied).value()
+    };
+    let difference = DIFFERENCE * left.value();
+    let rise = beside(instant + difference) - beside(instant - difference);
+    let rate = rise / (2.0 * difference);
+    let moved = (R::constant(value.value()) - value).scaled(1.0 / rate);
+    let mut slope = there.clone();
+    field(model, &there, applied, &[sign], &mut slope, None);
+    for (state, slope) in there.iter_mut().zip(&slope) {
+        state[0] += slope[0] * moved;
+    }
+    there[SPEED] = [R::zero()];
+    (there, moved)
+}
+
+/// The instant in (0, h] at which an event function that ends negative becomes so; nothing if
+/// it is negative from the start on. By the Illinois method, to a rounding error of `h`.
+fn locate(start: f64, end: f64, h: f64, mut event: impl FnMut(f64) -> f64) -> Option<f64> {
+    let (mut low, mut at_low) = (0.0, start);
+    let (mut high, mut at_high) = (h, end);
+    // An event leaves exactly zero behind: go forward until the function is clear of it.
+    let mut halvings = 0;
+    while at_low <= 0.0 {
+        halvings += 1;
+        if halvings > MOST_HALVINGS {
+            return None;
+        }
+        let tau = 0.5 * high;
+        let value = event(tau);
+        if value > 0.0 {
+            (low, at_low) = (tau, value);
+        } else {
+            (high, at_high) = (tau, value);
+        }
+    }
+    let mut side = 0;
+    for _ in 0..MOST_HALVINGS {
+        if high - low <= f64::EPSILON * h {
+            break;
+        }
+        let chord = (low * at_high - high * at_low) / (at_high - at_low);
+        let inside = chord > low && chord < high;
+        let tau = if inside { chord } else { 0.5 * (low + high) };
+        let value = event(tau);
+        if value == 0.0 {
+            return Some(tau);
+        }
+        if value > 0.0 {
+            (low, at_low) = (tau, value);
+            if side == 1 {
+                at_high *= 0.5;
+            }
+            side = 1;
+        } else {
+            (high, at_high) = (tau, value);
+            if side == -1 {
+                at_low *= 0.5;
+            }
+            side = -1;
+        }
+    }
+    Some(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_root_is_located_to_a_rounding_error() {
+        let f = |t: f64| 2.0 - (3.0 * t).exp();
+        let root = locate(f(0.0), f(1.0), 1.0, f).expect("it crosses");
+        assert!((root - 2f64.ln() / 3.0).abs() < 1e-15, "{root}");
+    }
+
+    #[test]
+    fn a_function_that_leaves_zero_upwards_first_is_located_later() {
+        let f = |t: f64| t * (0.3 - t);
+        let root = locate(f(0.0), f(1.0), 1.0, f).expect("it crosses");
+        assert!((root - 0.3).abs() < 1e-15, "{root}");
+        assert_eq!(locate(0.0, -1.0, 1.0, |t| -t), None);
+    }
+}

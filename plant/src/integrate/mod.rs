@@ -1,0 +1,172 @@
+//! Time integration of the drive over a sample.
+//!
+//! The rule that ties internal steps to samples and communication points: inputs are held
+//! from one instant at which they may change (a sample of the controller, a communication
+//! point, an event of the importer) to the next. Over such an interval of length h the state is
+//! advanced either by one exact affine step or by n equal sub-steps h / n; n follows from the
+//! fastest rate of the drive ([`Plan::new`]) and not from the state, so the result depends only
+//! on the state, the inputs and h. Events of stick-slip lie inside sub-steps, which are split
+//! there. Time is t0 + k h, never a running sum.
+//!
+//! [`Integrator`] advances one drive; [`Block`] advances lanes of drives and hands a lane that
+//! meets an event to the former, from its saved state: a lane equals the scalar run bit for bit.
+
+mod affine;
+mod automaton;
+mod block;
+mod dispatch;
+mod exponential;
+mod step;
+
+use drivescope_numerics::Real;
+
+use crate::model::{Applied, Model, OWN, SPEED, rest};
+use affine::Affine;
+use step::{Armature, Stages};
+
+pub use block::Block;
+
+/// Sub-step times fastest rate: a quarter of a radian leaves about 1e-8 a step at order four.
+const RADIANS_A_STEP: f64 = 0.125;
+/// Sub-step over armature time constant: the exponential stages are exact for a frozen
+/// back-EMF, but break-away is looked for only at the ends of sub-steps.
+const ARMATURE_A_STEP: f64 = 1.0;
+/// A drive that needs more sub-steps than this over one interval is stepped with this many.
+const MOST_SUBSTEPS: usize = 100_000;
+
+/// The state of `N` drives: current, speed, position, own states; and the sign of the motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State<R, const N: usize> {
+    /// `x[state][lane]`, in the order of [`crate::model`].
+    pub x: Vec<[R; N]>,
+    /// +1 forward, -1 backward, 0 stuck; +1 throughout for a drive without dry friction.
+    pub sign: [f64; N],
+}
+
+impl<R: Real, const N: usize> State<R, N> {
+    /// At rest: every state zero.
+    pub fn at_rest(model: &Model<R, N>) -> Self {
+        let sign = if model.dry() { 0.0 } else { 1.0 };
+        Self { x: vec![[R::zero(); N]; model.states()], sign: [sign; N] }
+    }
+
+    /// Sets the speed, and with it the sign of the motion, of lane `l`.
+    pub fn set_speed(&mut self, model: &Model<R, N>, l: usize, omega: R) {
+        self.x[SPEED][l] = omega;
+        if model.dry() {
+            let value = omega.value();
+            self.sign[l] = if value == 0.0 { 0.0 } else { value.signum() };
+        }
+    }
+}
+
+/// How an interval of one length is stepped, for one set of parameters.
+#[derive(Debug, Clone)]
+struct Plan<R, const N: usize> {
+    h: R,
+    substeps: usize,
+    armature: Armature<R, N>,
+    forward: Option<Affine<R, N>>,
+    backward: Option<Affine<R, N>>,
+}
+
+impl<R: Real, const N: usize> Plan<R, N> {
+    fn new(model: &Model<R, N>, h: R, substeps: usize) -> Self {
+        let armature = Armature::new(model, h.scaled(1.0 / substeps as f64));
+        let forward = Affine::new(model, 1.0, h);
+        let backward = if model.dry() { Affine::new(model, -1.0, h) } else { None };
+        Self { h, substeps, armature, forward, backward }
+    }
+
+    /// The exact step in that direction of motion, if there is one.
+    #[inline(always)]
+    fn affine(&self, sign: f64) -> Option<&Affine<R, N>> {
+        if sign > 0.0 {
+            self.forward.as_ref()
+        } else if sign < 0.0 {
+            self.backward.as_ref()
+        } else {
+            None
+        }
+    }
+}
+
+/// Sub-steps of an interval of `h` seconds for every lane up to that speed.
+pub fn substeps<R: Real, const N: usize>(model: &Model<R, N>, h: f64, speed: f64) -> usize {
+    let needed = (0..N).map(|l| {
+        let motor = model.motors.lane(l);
+        let armature = if model.force { 0.0 } else { (motor.r / motor.l).value() };
+        let smooth = model.fastest(l, speed) / RADIANS_A_STEP;
+        h * smooth.max(armature / ARMATURE_A_STEP)
+    });
+    let most = needed.fold(1.0, f64::max).ceil();
+    if most < MOST_SUBSTEPS as f64 { most as usize } else { MOST_SUBSTEPS }
+}
+
+/// Advances one drive.
+#[derive(Debug, Clone)]
+pub struct Integrator<R> {
+    model: Model<R, 1>,
+    speed: f64,
+    plan: Option<Plan<R, 1>>,
+    room: Stages<R, 1>,
+    saved: Vec<[R; 1]>,
+}
+
+impl<R: Real> Integrator<R> {
+    /// An integrator of that drive; `speed` is the greatest speed to expect, rad/s (it sets the
+    /// sub-steps where a law is faster at speed, such as cogging).
+    pub fn new(model: Model<R, 1>, speed: f64) -> Self {
+        let room = Stages::new(model.states());
+        Self { model, speed, plan: None, room, saved: Vec::new() }
+    }
+
+    /// The drive.
+    pub fn model(&self) -> &Model<R, 1> {
+        &self.model
+    }
+
+    /// Changes the drive's parameters.
+    pub fn change(&mut self, change: impl FnOnce(&mut Model<R, 1>)) {
+        change(&mut self.model);
+        self.plan = None;
+    }
+
+    /// The plan for intervals of length `h`, from the last call if that is unchanged.
+    fn ready(&mut self, h: R, steps: Option<usize>) {
+        if self.plan.as_ref().is_none_or(|plan| plan.h != h) {
+            let steps = steps.unwrap_or_else(|| substeps(&self.model, h.value(), self.speed));
+            self.plan = Some(Plan::new(&self.model, h, steps));
+        }
+    }
+
+    /// Advances the state by `h`, the inputs held.
+    #[inline]
+    pub fn advance(&mut self, state: &mut State<R, 1>, applied: &Applied<R, 1>, h: R) {
+        self.ready(h, None);
+        self.advance_planned(state, applied);
+    }
+
+    #[inline]
+    fn advance_planned(&mut self, state: &mut State<R, 1>, applied: &Applied<R, 1>) {
+        let Self { model, plan, room, saved, .. } = self;
+        let Some(plan) = plan else { return };
+        let State { x, sign: [sign] } = state;
+        if model.dry() && *sign == 0.0 {
+            *sign = rest(model, x, applied).sign();
+        }
+        if let Some(affine) = plan.affine(*sign) {
+            let next = affine.step(x, applied);
+            if !model.dry() || affine.holds(0, x, &next, applied) {
+                x[..OWN].copy_from_slice(&next);
+                return;
+            }
+        }
+        let h = plan.h.scaled(1.0 / plan.substeps as f64);
+        for k in 0..plan.substeps {
+            let time = applied.time + k as f64 * h.value();
+            let held = Applied { time, ..*applied };
+            automaton::advance(model, (x, sign), &held, h, &plan.armature, room, saved);
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The continuous drive: motor, placed effects, and the one right-hand side of (20)-(23).
+
+mod field;
+mod motor;
+
+use std::sync::Arc;
+
+use drivescope_numerics::Real;
+
+use crate::effects::custom::Law;
+use crate::effects::law::{Info, OutputLanes};
+use crate::effects::registry::{Kind, Placed, REGISTRY};
+
+pub use field::{Rest, field, rest};
+pub use motor::{Motor, Motors};
+
+/// Index of the armature current in the state.
+pub const CURRENT: usize = 0;
+/// Index of the speed in the state.
+pub const SPEED: usize = 1;
+/// Index of the position in the state.
+pub const POSITION: usize = 2;
+/// Index of the first own state of the effects.
+pub const OWN: usize = 3;
+
+/// What acts on the drive from outside at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Applied<R, const N: usize> {
+    /// Armature voltage, V, or the commanded force signal.
+    pub u: [R; N],
+    /// Load torque, N m, or force, N.
+    pub load: [R; N],
+    /// Time, s.
+    pub time: f64,
+}
+
+/// `N` drives of one structure, each with its own parameters.
+#[derive(Debug, Clone)]
+pub struct Model<R, const N: usize> {
+    /// Motor parameters.
+    pub motors: Motors<R, N>,
+    /// Whether u commands the force directly (no electrical state).
+    pub force: bool,
+    placed: Vec<Placed>,
+    laws: Arc<[Law]>,
+    p: Vec<[R; N]>,
+    own_states: usize,
+    stiff: Vec<bool>,
+    dry: bool,
+}
+
+/// An effect to place: its law and the values of its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part<R> {
+    /// Which law; custom laws by their number in the list of laws.
+    pub kind: Kind,
+    /// One value a parameter.
+    pub parameters: Vec<R>,
+}
+
+fn info(kind: Kind) -> Option<&'static Info> {
+    REGISTRY.iter().find(|entry| entry.kind == kind).map(|entry| entry.info)
+}
+
+fn own_states(kind: Kind) -> usize {
+    REGISTRY.iter().find(|entry| entry.kind == kind).map_or(0, |entry| entry.states.len())
+}
+
+impl<R: Real> Model<R, 1> {
+    /// One drive.
+    pub fn new(motor: Motor<R>, force: bool, parts: &[Part<R>], laws: Arc<[Law]>) -> Self {
+        let mut placed = Vec::new();
+        let mut p = Vec::new();
+        let mut stiff = vec![false; OWN];
+        for part in parts {
+            placed.push(Placed { kind: part.kind, p: p.len(), x: stiff.len() - OWN });
+            p.extend(part.parameters.iter().map(|value| [*value]));
+            let is_stiff = info(part.kind).is_some_and(|i| i.stiff);
+            stiff.extend(vec![is_stiff; own_states(part.kind)]);
+        }
+        let any = |of: fn(&Info) -> bool| parts.iter().filter_map(|q| info(q.kind)).any(of);
+        let dry = any(|i| i.dry) && !any(|i| i.replaces_dry);
+        let motors = Motors::splat(motor);
+        Self { motors, force, placed, laws, p, own_states: stiff.len() - OWN, stiff, dry }
+    }
+}
+
+impl<R: Real, const N: usize> Model<R, N> {
+    /// The drives of several models of one structure, side by side.
+    ///
+    /// # Panics
+    /// If the models differ in structure: they are made from one drive file.
+    pub fn side_by_side(of: [&Model<R, 1>; N]) -> Self {
+        let first = of[0];
+        assert!(
+            of.iter().all(|m| m.placed == first.placed && m.force == first.force),
+            "lanes share one structure"
+        );
+        let mut motors = Motors::splat(first.motors.lane(0));
+        for (l, model) in of.iter().enumerate() {
+            motors.set_lane(l, model.motors.lane(0));
+        }
+        let p = (0..first.p.len()).map(|k| of.map(|m| m.p[k][0])).collect();
+        Self {
+            motors,
+            force: first.force,
+            placed: first.placed.clone(),
+            laws: first.laws.clone(),
+            p,
+            own_states: first.own_states,
+            stiff: first.stiff.clone(),
+            dry: first.dry,
+        }
+    }
+
+    /// One lane as a model of its own.
+    pub fn lane(&self, l: usize) -> Model<R, 1> {
+        Model {
+            motors: Motors::splat(self.motors.lane(l)),
+            force: self.force,
+            placed: self.placed.clone(),
+            laws: self.laws.clone(),
+            p: self.p.iter().map(|values| [values[l]]).collect(),
+            own_states: self.own_states,
+            stiff: self.stiff.clone(),
+            dry: self.dry,
+        }
+    }
+
+    /// States: current, speed, position, and the effects' own.
+    pub fn states(&self) -> usize {
+        OWN + self.own_states
+    }
+
+    /// Whether dry friction makes the shaft stick and slip.
+    pub fn dry(&self) -> bool {
+        self.dry
+    }
+
+    /// Whether a state is stiff and takes exponential stages of its own decay rate.
+    pub(crate) fn is_stiff(&self, state: usize) -> bool {
+        self.stiff[state]
+    }
+
+    /// The flat parameters of the effects, in the order of the parts.
+    pub fn parameters_mut(&mut self) -> &mut [[R; N]] {
+        &mut self.p
+    }
+
+    /// What ideal sensors show, measurement effects included.
+    #[inline(always)]
+    pub fn outputs(&self, x: &[[R; N]], applied: &Applied<R, N>) -> OutputLanes<R, N> {
+        let i = if self.force { applied.u } else { x[CURRENT] };
+        let mut shown = OutputLanes { i, omega: x[SPEED], theta: x[POSITION] };
+        if self.placed.iter().any(|part| self.senses(part.kind)) {
+            let at = field::views(self, x, applied);
+            for part in &self.placed {
+                part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
+            }
+        }
+        shown
+    }
+
+    fn senses(&self, kind: Kind) -> bool {
+        match kind {
+            Kind::Custom(k) => self.laws[k].senses(),
+            other => info(other).is_some_and(|i| i.senses),
+        }
+    }
+
+    /// Speed beyond which lane `l` is affine in its state; infinite if nowhere.
+    pub(crate) fn affine_beyond(&self, l: usize) -> f64 {
+        if self.own_states > 0 {
+            return f64::INFINITY;
+        }
+        let p: Vec<f64> = self.p.iter().map(|values| values[l].value()).collect();
+        self.placed.iter().map(|part| part.affine_beyond(&p)).fold(0.0, f64::max)
+    }
+
+    /// Fastest rate of lane `l` up to that speed without the armature's own decay, 1/s.
+    pub(crate) fn fastest(&self, l: usize, speed: f64) -> f64 {
+        let motor = self.motors.lane(l);
+        let inertia = motor.j.value();
+        let p: Vec<f64> = self.p.iter().map(|values| values[l].value()).collect();
+        let effects = self.placed.iter().map(|part| part.fastest(&p, speed, inertia));
+        effects.fold(motor.fastest(self.force), f64::max)
+    }
+}

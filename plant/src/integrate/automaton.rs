@@ -127,7 +127,9 @@ fn at_event<R: Real>(
     let difference = DIFFERENCE * left.value();
     let rise = beside(instant + difference) - beside(instant - difference);
     let rate = rise / (2.0 * difference);
-    let moved = (R::constant(value.value()) - value).scaled(1.0 / rate);
+    // A plain number does not move, and a grazing event (rate zero) has no derivative.
+    let inverse = if rate == 0.0 { 0.0 } else { 1.0 / rate };
+    let moved = (R::constant(value.value()) - value).scaled(inverse);
     let mut slope = there.clone();
     field(model, &there, applied, &[sign], &mut slope, None);
     for (state, slope) in there.iter_mut().zip(&slope) {

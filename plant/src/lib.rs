@@ -7,6 +7,9 @@
 
 pub mod drive;
 pub mod effects;
+pub mod fault;
 pub mod integrate;
 pub mod model;
+pub mod noise;
+pub mod sampled;
 pub mod units;

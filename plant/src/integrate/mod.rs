@@ -170,3 +170,44 @@ impl<R: Real> Integrator<R> {
         }
     }
 }
+
+/// What advances `N` drives: one by an [`Integrator`], lanes by a [`Block`].
+pub trait Stepper<const N: usize> {
+    /// The drives.
+    fn model(&self) -> &Model<f64, N>;
+
+    /// Changes the drives' parameters.
+    fn change(&mut self, change: impl FnOnce(&mut Model<f64, N>));
+
+    /// Advances the state by `h` seconds, the inputs held.
+    fn advance(&mut self, state: &mut State<f64, N>, applied: &Applied<f64, N>, h: f64);
+}
+
+impl Stepper<1> for Integrator<f64> {
+    fn model(&self) -> &Model<f64, 1> {
+        Self::model(self)
+    }
+
+    fn change(&mut self, change: impl FnOnce(&mut Model<f64, 1>)) {
+        Self::change(self, change);
+    }
+
+    #[inline]
+    fn advance(&mut self, state: &mut State<f64, 1>, applied: &Applied<f64, 1>, h: f64) {
+        Self::advance(self, state, applied, h);
+    }
+}
+
+impl<const N: usize> Stepper<N> for Block<f64, N> {
+    fn model(&self) -> &Model<f64, N> {
+        Self::model(self)
+    }
+
+    fn change(&mut self, change: impl FnOnce(&mut Model<f64, N>)) {
+        Self::change(self, change);
+    }
+
+    fn advance(&mut self, state: &mut State<f64, N>, applied: &Applied<f64, N>, h: f64) {
+        Self::advance(self, state, applied, h);
+    }
+}

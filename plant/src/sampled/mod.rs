@@ -1,0 +1,222 @@
+//! The sampled layer around the continuous drive: sensors, PI controller, amplifier, hold.
+//!
+//! At sample k (time t_k) the sensors are read, the controller computes C_m from the reference
+//! and T, the amplifier turns it into u; then u, the load and the faults are held while the
+//! drive moves on to t_{k+1}. [`Sampled`] does this for lanes of drives; one drive is a lane.
+
+mod amplifier;
+mod controller;
+mod sensors;
+
+use crate::drive::{AmplifierData, ControllerData, Drive, GeneratorData};
+use crate::effects::law::{OutputLanes, lanes};
+use crate::fault::FaultLanes;
+use crate::integrate::{State, Stepper};
+use crate::model::{Applied, Model, Motors};
+
+use amplifier::amplify;
+use controller::Pi;
+use sensors::Sensors;
+
+lanes! {
+    /// What enters the drive at a sample and is held until the next; SI units.
+    Inputs / InputLanes {
+        /// Reference speed, rad/s (m/s); closed loop.
+        reference,
+        /// Armature voltage or force signal; open loop.
+        u,
+        /// Load torque, N m (N).
+        load,
+        /// Generator control signal C_g, V.
+        c_g,
+        /// Noise on the reference, rad/s (m/s).
+        noise_reference,
+        /// Noise on the tachometer, in the unit of T.
+        noise_t,
+        /// Noise on the current sensor, A.
+        noise_i_m,
+    }
+}
+
+impl Inputs<f64> {
+    /// Nothing acts.
+    pub const NONE: Self = Self {
+        reference: 0.0,
+        u: 0.0,
+        load: 0.0,
+        c_g: 0.0,
+        noise_reference: 0.0,
+        noise_t: 0.0,
+        noise_i_m: 0.0,
+    };
+}
+
+lanes! {
+    /// The signals of a sample, held until the next.
+    Signals / SignalLanes {
+        /// Control signal C_m, V (open loop: the u that was asked for).
+        c_m,
+        /// Tachometer signal T, in its unit.
+        t,
+        /// Measured armature current I_m, A.
+        i_m,
+        /// Armature voltage or force signal that acts.
+        u,
+        /// Generator current I_g, A.
+        i_g,
+        /// Load torque that acts, faults and generator included, N m (N).
+        load,
+    }
+}
+
+/// Share of the stall torque that counts as rated torque where the file does not say: small DC
+/// motors are rated at a fifth to a third of it.
+const RATED_SHARE_OF_STALL: f64 = 0.25;
+
+/// Rated torque of the drive, N m (N): given, or a quarter of the torque at standstill under
+/// full voltage; nothing if neither is known.
+pub fn rated_torque(drive: &Drive) -> Option<f64> {
+    drive.motor.rated_torque.or_else(|| {
+        let limit = input_limit(drive)?;
+        let full = match drive.motor.r {
+            Some(r) => drive.motor.k_m * limit / r,
+            None => drive.motor.k_m * limit,
+        };
+        Some(RATED_SHARE_OF_STALL * full)
+    })
+}
+
+/// Greatest magnitude of u that controller and amplifier can give, if they limit it.
+pub fn input_limit(drive: &Drive) -> Option<f64> {
+    let gain = drive.amplifier.map_or(1.0, |amplifier| amplifier.gain);
+    let control = drive.controller.and_then(|c| c.limit).map(|limit| limit * gain);
+    let amplifier = drive.amplifier.and_then(|amplifier| amplifier.limit);
+    match (control, amplifier) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// `N` drives with their sampled layer.
+#[derive(Debug, Clone)]
+pub struct Sampled<const N: usize, S> {
+    stepper: S,
+    healthy: Motors<f64, N>,
+    controller: Option<ControllerData>,
+    amplifier: Option<AmplifierData>,
+    generator: Option<GeneratorData>,
+    rated_torque: f64,
+    sensors: Sensors<N>,
+    pi: Pi<N>,
+    state: State<f64, N>,
+    signals: SignalLanes<f64, N>,
+    /// Sizes of the faults in the motors for which the stepper is set up.
+    in_motors: [[f64; 5]; N],
+}
+
+impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
+    /// The drives of that stepper, at rest; `controlled` closes the loop of the drive's
+    /// controller, else u is an input.
+    pub fn new(drive: &Drive, stepper: S, controlled: bool) -> Self {
+        let state = State::at_rest(stepper.model());
+        let healthy = stepper.model().motors;
+        let zero = Signals { c_m: 0.0, t: 0.0, i_m: 0.0, u: 0.0, i_g: 0.0, load: 0.0 };
+        Self {
+            healthy,
+            controller: drive.controller.filter(|_| controlled),
+            amplifier: drive.amplifier,
+            generator: drive.generator,
+            rated_torque: rated_torque(drive).unwrap_or(0.0),
+            sensors: Sensors::new(drive.sensors),
+            pi: Pi::at_rest(),
+            state,
+            signals: SignalLanes::splat(zero),
+            in_motors: [[0.0; 5]; N],
+            stepper,
+        }
+    }
+
+    /// State of the continuous drives.
+    pub fn state(&self) -> &State<f64, N> {
+        &self.state
+    }
+
+    /// State of the continuous drives, to set a start or to follow another integrator.
+    pub fn state_mut(&mut self) -> &mut State<f64, N> {
+        &mut self.state
+    }
+
+    /// The continuous drives with the faults that act.
+    pub fn model(&self) -> &Model<f64, N> {
+        self.stepper.model()
+    }
+
+    /// Signals of the last sample.
+    pub fn signals(&self) -> &SignalLanes<f64, N> {
+        &self.signals
+    }
+
+    /// What acts on the continuous drives since the last sample.
+    pub fn applied(&self, time: f64) -> Applied<f64, N> {
+        Applied { u: self.signals.u, load: self.signals.load, time }
+    }
+
+    /// What ideal sensors show at that time.
+    pub fn outputs(&self, time: f64) -> OutputLanes<f64, N> {
+        self.stepper.model().outputs(&self.state.x, &self.applied(time))
+    }
+
+    /// Reads the sensors, runs the controller and holds its output: sample k at time t_k.
+    #[inline]
+    pub fn sample(&mut self, time: f64, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
+        self.put_faults_into_motors(faults);
+        // A force-driven drive shows its command as current: it is known only after control.
+        let shown = self.outputs(time);
+        self.sensors.read(&shown, inputs, faults, &mut self.signals);
+        match &self.controller {
+            Some(data) => self.pi.sample(data, &self.sensors, inputs, &mut self.signals),
+            None => self.signals.c_m = inputs.u,
+        }
+        let amplifier = if self.controller.is_some() { self.amplifier } else { None };
+        amplify(amplifier, faults, &mut self.signals);
+        for l in 0..N {
+            let i_g = self.generator.map_or(0.0, |g| limited(g.gain * inputs.c_g[l], g.limit));
+            let braking = self.generator.map_or(0.0, |g| g.k_m * i_g);
+            self.signals.i_g[l] = i_g;
+            self.signals.load[l] = inputs.load[l] + self.rated_torque * faults.load[l] + braking;
+        }
+    }
+
+    /// Moves the drives on by `h` under the held inputs.
+    #[inline]
+    pub fn advance(&mut self, time: f64, h: f64) {
+        let applied = self.applied(time);
+        self.stepper.advance(&mut self.state, &applied, h);
+    }
+
+    fn put_faults_into_motors(&mut self, faults: &FaultLanes<f64, N>) {
+        let now: [[f64; 5]; N] = std::array::from_fn(|l| faults.lane(l).of_motor());
+        if now == self.in_motors {
+            return;
+        }
+        self.in_motors = now;
+        let healthy = self.healthy;
+        self.stepper.change(|model| {
+            for l in 0..N {
+                model.motors.set_lane(l, faults.lane(l).in_motor(&healthy.lane(l)));
+            }
+        });
+    }
+}
+
+/// The value within plus or minus the limit, if there is one.
+#[inline(always)]
+fn limited(value: f64, limit: Option<f64>) -> f64 {
+    match limit {
+        Some(limit) => {
+            let capped = if value > limit { limit } else { value };
+            if capped < -limit { -limit } else { capped }
+        }
+        None => value,
+    }
+}

@@ -1,1 +1,38 @@
-//! Placeholder until the crate is filled.
+//! Telling faults from signals alone: models of signals, residuals, bands, decision.
+//!
+//! ```text
+//!  u ──┬──> SignalModel ── y_m ──> r = y - y_m ──> band exceeded? ──> 50 in a row? ──> declared
+//!  y ──┼───────────────────────────────^                ^
+//!      └──> Threshold: constant, or error model y_e +- t_beta v
+//! ```
+//!
+//! Nothing here knows a drive: a diagnoser is trained on recordings of healthy signals and sees
+//! nothing else, so that it works alike on native runs, FMUs and measurements. A [`SignalModel`]
+//! simulates the output from the input alone ([`Arx`] implements it); [`BandDesign`] and
+//! [`ErrorBands`] are model error modelling, [`ConstantThreshold`] the plain alternative; a
+//! [`Detector`] puts them to work sample by sample, and its [`Trace`] yields rates and times.
+//!
+//! Equation numbers are those of K. Patan, M. Witczak, J. Korbicz, "Towards robustness in neural
+//! network based fault diagnosis", Int. J. Appl. Math. Comput. Sci. 18 (2008), 443-454.
+
+mod arx;
+mod data;
+mod decision;
+mod detector;
+mod history;
+mod interface;
+mod model_error;
+mod signal_model;
+mod stability;
+#[cfg(test)]
+mod testing;
+mod threshold;
+
+pub use arx::{Arx, ArxError, ArxFit, ArxRun, OrderRow, OrderTable, Orders};
+pub use data::{Column, Data, DataError};
+pub use decision::{RunRule, SpanError, Trace};
+pub use detector::{Detector, DetectorError, Verdict};
+pub use interface::{Channel, Interface, InterfaceError};
+pub use model_error::{BandDesign, ErrorBands};
+pub use signal_model::{SignalModel, free_run, residual};
+pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};

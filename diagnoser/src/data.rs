@@ -1,0 +1,190 @@
+//! Signals to learn from: checked once, borrowed from where they lie.
+
+use std::ops::Range;
+
+use thiserror::Error;
+
+/// Why signals cannot be learned from.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DataError {
+    /// No input signal was given.
+    #[error("no input signal was given: a model needs at least one")]
+    NoInput,
+    /// Signals of different length.
+    #[error("signal {signal} has {samples} samples where the output has {expected}")]
+    Length {
+        /// The shorter or longer input.
+        signal: String,
+        /// Its samples.
+        samples: usize,
+        /// Samples of the output.
+        expected: usize,
+    },
+    /// A value is NaN or infinite.
+    #[error("signal {signal} is not a finite number at sample {sample}: cut or repair the gap")]
+    NotFinite {
+        /// The signal.
+        signal: String,
+        /// First such sample, from 0.
+        sample: usize,
+    },
+    /// A signal that never changes.
+    #[error("signal {signal} is constant at {value}: nothing can be learned from it")]
+    Constant {
+        /// The signal.
+        signal: String,
+        /// Its only value.
+        value: f64,
+    },
+    /// Fewer samples than the model needs.
+    #[error("{purpose} needs at least {needed} samples, there are {samples}")]
+    TooFew {
+        /// What they are needed for.
+        purpose: &'static str,
+        /// Fewest samples.
+        needed: usize,
+        /// Samples given.
+        samples: usize,
+    },
+}
+
+/// One signal with its name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Column<'a> {
+    /// Name for messages.
+    pub name: &'a str,
+    /// One value a sample.
+    pub values: &'a [f64],
+}
+
+/// Inputs and one output over the same samples, all finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Data<'a> {
+    inputs: Vec<Column<'a>>,
+    output: Column<'a>,
+}
+
+impl<'a> Data<'a> {
+    /// Checks lengths and that every value is finite.
+    pub fn new(inputs: Vec<Column<'a>>, output: Column<'a>) -> Result<Self, DataError> {
+        if inputs.is_empty() {
+            return Err(DataError::NoInput);
+        }
+        let expected = output.values.len();
+        for column in &inputs {
+            let samples = column.values.len();
+            if samples != expected {
+                return Err(DataError::Length { signal: column.name.into(), samples, expected });
+            }
+        }
+        for column in inputs.iter().chain([&output]) {
+            if let Some(sample) = column.values.iter().position(|value| !value.is_finite()) {
+                return Err(DataError::NotFinite { signal: column.name.into(), sample });
+            }
+        }
+        Ok(Self { inputs, output })
+    }
+
+    /// The inputs, in the order in which a model takes them.
+    pub fn inputs(&self) -> &[Column<'a>] {
+        &self.inputs
+    }
+
+    /// The output.
+    pub fn output(&self) -> Column<'a> {
+        self.output
+    }
+
+    /// Samples.
+    pub fn len(&self) -> usize {
+        self.output.values.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The same inputs with another output of the same length.
+    pub fn with_output<'b>(&self, name: &'b str, values: &'b [f64]) -> Result<Data<'b>, DataError>
+    where
+        'a: 'b,
+    {
+        Data::new(self.inputs.clone(), Column { name, values })
+    }
+
+    /// These samples only.
+    ///
+    /// # Panics
+    /// If the range reaches beyond the data (an error of the calling code).
+    pub fn span(&self, range: Range<usize>) -> Data<'a> {
+        let cut = |column: &Column<'a>| Column {
+            name: column.name,
+            values: &column.values[range.clone()],
+        };
+        Data { inputs: self.inputs.iter().map(cut).collect(), output: cut(&self.output) }
+    }
+
+    /// Refuses signals that never change.
+    pub fn require_variation(&self) -> Result<(), DataError> {
+        for column in self.inputs.iter().chain([&self.output]) {
+            if let Some(&value) = column.values.first()
+                && column.values.iter().all(|other| *other == value)
+            {
+                return Err(DataError::Constant { signal: column.name.into(), value });
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses fewer samples than `needed`.
+    pub fn require_samples(&self, needed: usize, purpose: &'static str) -> Result<(), DataError> {
+        let samples = self.len();
+        if samples < needed {
+            return Err(DataError::TooFew { purpose, needed, samples });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column<'a>(name: &'a str, values: &'a [f64]) -> Column<'a> {
+        Column { name, values }
+    }
+
+    #[test]
+    fn what_cannot_be_learned_from_is_refused_by_name_and_sample() {
+        let fine = [1.0, 2.0, 3.0];
+        let gap = [1.0, f64::NAN, 3.0];
+        assert_eq!(Data::new(vec![], column("T", &fine)), Err(DataError::NoInput));
+        assert_eq!(
+            Data::new(vec![column("C_m", &fine)], column("T", &gap)),
+            Err(DataError::NotFinite { signal: "T".into(), sample: 1 })
+        );
+        assert_eq!(
+            Data::new(vec![column("C_m", &fine[..2])], column("T", &fine)),
+            Err(DataError::Length { signal: "C_m".into(), samples: 2, expected: 3 })
+        );
+        let still = Data::new(vec![column("C_m", &[4.0; 3])], column("T", &fine)).unwrap();
+        assert_eq!(
+            still.require_variation(),
+            Err(DataError::Constant { signal: "C_m".into(), value: 4.0 })
+        );
+        assert_eq!(
+            still.require_samples(10, "a test"),
+            Err(DataError::TooFew { purpose: "a test", needed: 10, samples: 3 })
+        );
+    }
+
+    #[test]
+    fn a_span_holds_its_samples_of_every_signal() {
+        let (u, y) = ([0.0, 1.0, 2.0, 3.0], [5.0, 6.0, 7.0, 8.0]);
+        let data = Data::new(vec![column("u", &u)], column("y", &y)).unwrap();
+        let span = data.span(1..3);
+        assert_eq!(span.inputs()[0].values, [1.0, 2.0]);
+        assert_eq!(span.output().values, [6.0, 7.0]);
+    }
+}

@@ -1,0 +1,158 @@
+//! When a fault is declared, and the rates that a detector is judged by.
+//!
+//! A fault is declared when `window` samples in a row exceed their band (50 samples are 0.25 s).
+//! The detection time t_dt of a run that starts at sample s is s + window, as the paper counts
+//! (3968 and 4018). r_td and r_fd are raw shares of exceeding samples, over the fault's span and
+//! over a healthy span, without the window.
+
+use std::ops::Range;
+
+use thiserror::Error;
+
+use crate::detector::Verdict;
+
+/// Counts exceedances in a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunRule {
+    window: usize,
+    consecutive: usize,
+}
+
+impl RunRule {
+    /// Declares after `window` exceedances in a row.
+    pub fn new(window: usize) -> Self {
+        Self { window, consecutive: 0 }
+    }
+
+    /// Forgets the past.
+    pub fn reset(&mut self) {
+        self.consecutive = 0;
+    }
+
+    /// Takes the next sample; whether a fault stands declared.
+    #[inline]
+    pub fn step(&mut self, exceeds: bool) -> bool {
+        self.consecutive = if exceeds { self.consecutive + 1 } else { 0 };
+        exceeds && self.consecutive >= self.window
+    }
+}
+
+/// A span over which no rate can be stated.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum SpanError {
+    /// It reaches into the run-up, where nothing is judged.
+    #[error("samples {} to {} reach into the run-up of {run_up} samples", span.start, span.end)]
+    InRunUp {
+        /// The span asked for.
+        span: Range<usize>,
+        /// Samples that are not judged.
+        run_up: usize,
+    },
+    /// It is empty or ends after the run.
+    #[error("samples {} to {} are not within a run of {samples} samples", span.start, span.end)]
+    OutsideRun {
+        /// The span asked for.
+        span: Range<usize>,
+        /// Samples of the run.
+        samples: usize,
+    },
+}
+
+/// A detector's verdicts over a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// One a sample.
+    pub verdicts: Vec<Verdict>,
+    /// Samples at the start that are not judged.
+    pub run_up: usize,
+    /// Exceedances in a row that declare a fault.
+    pub window: usize,
+}
+
+impl Trace {
+    /// Share of exceeding samples over a span: r_td over a fault's span, r_fd over a healthy one.
+    pub fn exceedance_rate(&self, span: Range<usize>) -> Result<f64, SpanError> {
+        let samples = self.verdicts.len();
+        if span.is_empty() || span.end > samples {
+            return Err(SpanError::OutsideRun { span, samples });
+        }
+        if span.start < self.run_up {
+            return Err(SpanError::InRunUp { span, run_up: self.run_up });
+        }
+        let length = span.len() as f64;
+        let exceeding = self.verdicts[span].iter().filter(|verdict| verdict.exceeds).count();
+        Ok(exceeding as f64 / length)
+    }
+
+    /// t_dt of every declaration, in order: start of its run of exceedances + window. The first
+    /// is the detection time; one before the fault's onset + window is a false alarm.
+    pub fn declarations(&self) -> Vec<usize> {
+        let mut times = Vec::new();
+        let mut standing = false;
+        for (k, verdict) in self.verdicts.iter().enumerate() {
+            if verdict.declared && !standing {
+                times.push(k + 1);
+            }
+            standing = verdict.declared;
+        }
+        times
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(exceeding: impl Fn(usize) -> bool, samples: usize) -> Trace {
+        let mut rule = RunRule::new(50);
+        let verdicts = (0..samples)
+            .map(|k| Verdict {
+                residual: 0.0,
+                lower: -1.0,
+                upper: 1.0,
+                exceeds: exceeding(k),
+                declared: rule.step(exceeding(k)),
+            })
+            .collect();
+        Trace { verdicts, run_up: 10, window: 50 }
+    }
+
+    #[test]
+    fn the_detection_time_is_the_start_of_the_run_and_fifty() {
+        let trace = trace(|k| k >= 3968, 5000);
+        assert_eq!(trace.declarations(), [4018]);
+        assert_eq!(trace.exceedance_rate(4000..5000), Ok(1.0));
+        assert_eq!(trace.exceedance_rate(3000..4000), Ok(0.032));
+    }
+
+    #[test]
+    fn forty_nine_in_a_row_are_not_enough_and_each_run_counts_once() {
+        let trace = trace(|k| k % 50 != 49 || (1000..1200).contains(&k), 2000);
+        assert_eq!(trace.declarations(), [1050]);
+        let twice = super::tests::trace(|k| (100..200).contains(&k) || k >= 300, 400);
+        assert_eq!(twice.declarations(), [150, 350]);
+    }
+
+    #[test]
+    fn rates_break_when_their_meaning_is_broken() {
+        // An always-exceeding band has a perfect r_td and shows it by r_fd = 1 ...
+        let always = trace(|_| true, 5000);
+        assert_eq!(always.exceedance_rate(4000..5000), Ok(1.0));
+        assert_eq!(always.exceedance_rate(1000..4000), Ok(1.0));
+        assert!(always.declarations()[0] < 4000);
+        // ... and with labels shuffled (a healthy span called faulty) r_td is r_fd.
+        let fault = trace(|k| k >= 4000 || k % 20 == 0, 5000);
+        assert_eq!(fault.exceedance_rate(1000..2000), Ok(0.05));
+    }
+
+    #[test]
+    fn spans_without_meaning_are_refused() {
+        let trace = trace(|_| false, 100);
+        assert_eq!(
+            trace.exceedance_rate(5..50),
+            Err(SpanError::InRunUp { span: 5..50, run_up: 10 })
+        );
+        assert!(matches!(trace.exceedance_rate(50..101), Err(SpanError::OutsideRun { .. })));
+        assert!(matches!(trace.exceedance_rate(50..50), Err(SpanError::OutsideRun { .. })));
+    }
+}

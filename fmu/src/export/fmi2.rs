@@ -78,7 +78,7 @@ macro_rules! fmi2_functions {
         |i| { let info = info.get()?; *info = i.update_discrete()?.into(); Ok(()) };
     fn fmi2EnterContinuousTimeMode(c) => |i| i.enter_continuous_time_mode();
     fn fmi2CompletedIntegratorStep(c, no_set_state: i32, enter_event_mode: Out<Boolean2>, terminate: Out<Boolean2>) =>
-        |i| { let flags = [enter_event_mode.get()?, terminate.get()?]; i.completed_integrator_step()?; flags.map(|flag| *flag = Boolean2::FALSE); Ok(()) };
+        |i| { let flags = [enter_event_mode.get()?, terminate.get()?]; i.completed_integrator_step()?; flags.into_iter().for_each(|flag| *flag = Boolean2::FALSE); Ok(()) };
     fn fmi2SetTime(c, time: f64) => |i| i.set_time(time);
     fn fmi2SetContinuousStates(c, states: In<f64>, n: usize) => |i| i.set_states(states.slice(n)?);
     fn fmi2GetDerivatives(c, values: Out<f64>, n: usize) => |i| i.derivatives(values.slice(n)?);

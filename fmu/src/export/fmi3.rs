@@ -171,7 +171,7 @@ macro_rules! fmi3_functions {
         };
     fn fmi3EnterContinuousTimeMode(c) => |i| i.enter_continuous_time_mode();
     fn fmi3CompletedIntegratorStep(c, no_set_state: u8, enter_event_mode: Out<Boolean3>, terminate: Out<Boolean3>) =>
-        |i| { let flags = [enter_event_mode.get()?, terminate.get()?]; i.completed_integrator_step()?; flags.map(|flag| *flag = false.into()); Ok(()) };
+        |i| { let flags = [enter_event_mode.get()?, terminate.get()?]; i.completed_integrator_step()?; flags.into_iter().for_each(|flag| *flag = false.into()); Ok(()) };
     fn fmi3SetTime(c, time: f64) => |i| i.set_time(time);
     fn fmi3SetContinuousStates(c, states: In<f64>, n: usize) => |i| i.set_states(states.slice(n)?);
     fn fmi3GetContinuousStateDerivatives(c, values: Out<f64>, n: usize) => |i| i.derivatives(values.slice(n)?);
@@ -187,7 +187,7 @@ macro_rules! fmi3_functions {
     fn fmi3DoStep(c, t: f64, h: f64, no_set_state: u8, event_needed: Out<Boolean3>, terminate: Out<Boolean3>, early_return: Out<Boolean3>, last_time: Out<f64>) =>
         |i| {
             let (flags, last_time) = ([event_needed.get()?, terminate.get()?, early_return.get()?], last_time.get()?);
-            flags.map(|flag| *flag = false.into());
+            flags.into_iter().for_each(|flag| *flag = false.into());
             let done = i.do_step(t, h);
             *last_time = i.time();
             done

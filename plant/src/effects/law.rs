@@ -81,6 +81,14 @@ macro_rules! lanes {
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct $many<R, const N: usize> { $($(#[$field_doc])* pub $field: [R; N]),+ }
 
+        impl<R> $one<R> {
+            /// Every field through the function.
+            #[inline(always)]
+            pub fn map<S>(self, mut f: impl FnMut(R) -> S) -> $one<S> {
+                $one { $($field: f(self.$field)),+ }
+            }
+        }
+
         impl<R: Copy, const N: usize> $many<R, N> {
             /// One lane.
             #[inline(always)]

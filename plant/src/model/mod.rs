@@ -152,13 +152,24 @@ impl<R: Real, const N: usize> Model<R, N> {
     pub fn outputs(&self, x: &[[R; N]], applied: &Applied<R, N>) -> OutputLanes<R, N> {
         let i = if self.force { applied.u } else { x[CURRENT] };
         let mut shown = OutputLanes { i, omega: x[SPEED], theta: x[POSITION] };
-        if self.placed.iter().any(|part| self.senses(part.kind)) {
+        if self.distorts_sensors() {
             let at = field::views(self, x, applied);
             for part in &self.placed {
                 part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
             }
         }
         shown
+    }
+
+    /// Whether an effect distorts what a sensor shows.
+    #[inline(always)]
+    fn distorts_sensors(&self) -> bool {
+        self.placed.iter().any(|part| self.senses(part.kind))
+    }
+
+    /// Whether ideal sensors show the states themselves.
+    pub fn shows_state(&self) -> bool {
+        !self.force && !self.distorts_sensors()
     }
 
     fn senses(&self, kind: Kind) -> bool {

@@ -10,7 +10,7 @@ use crate::drive::ControllerData;
 /// The integrators of `N` PI controllers, V.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pi<const N: usize> {
-    integral: [f64; N],
+    pub(super) integral: [f64; N],
 }
 
 impl<const N: usize> Pi<N> {

@@ -8,7 +8,7 @@ mod amplifier;
 mod controller;
 mod sensors;
 
-use crate::drive::{AmplifierData, ControllerData, Drive, GeneratorData};
+use crate::drive::{AmplifierData, ControllerData, Drive, GeneratorData, Input, Motion};
 use crate::effects::law::{OutputLanes, lanes};
 use crate::fault::FaultLanes;
 use crate::integrate::{State, Stepper};
@@ -86,6 +86,25 @@ pub fn rated_torque(drive: &Drive) -> Option<f64> {
     })
 }
 
+/// Speeds that a drive is stepped for where its limits do not say: 3000 rpm, or 1 m/s.
+const USUAL_SPEEDS: (f64, f64) = (314.0, 1.0);
+
+/// Greatest speed to expect, rad/s (m/s): no-load speed at the greatest u.
+pub fn speed_bound(drive: &Drive) -> f64 {
+    let usual = match drive.motion {
+        Motion::Rotary => USUAL_SPEEDS.0,
+        Motion::Linear => USUAL_SPEEDS.1,
+    };
+    let slope = match drive.motor.input {
+        Input::Voltage => drive.motor.k_e.unwrap_or(0.0),
+        Input::Force => drive.motor.b_m / drive.motor.k_m,
+    };
+    match input_limit(drive) {
+        Some(limit) if slope > 0.0 => limit / slope,
+        _ => usual,
+    }
+}
+
 /// Greatest magnitude of u that controller and amplifier can give, if they limit it.
 pub fn input_limit(drive: &Drive) -> Option<f64> {
     let gain = drive.amplifier.map_or(1.0, |amplifier| amplifier.gain);
@@ -161,21 +180,62 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         Applied { u: self.signals.u, load: self.signals.load, time }
     }
 
+    /// What the controllers remember, V.
+    pub fn integrals(&self) -> [f64; N] {
+        self.pi.integral
+    }
+
+    /// Puts back what the controllers remember and the held signals.
+    pub fn restore(&mut self, integrals: [f64; N], signals: SignalLanes<f64, N>) {
+        self.pi.integral = integrals;
+        self.signals = signals;
+    }
+
     /// What ideal sensors show at that time.
     pub fn outputs(&self, time: f64) -> OutputLanes<f64, N> {
         self.stepper.model().outputs(&self.state.x, &self.applied(time))
     }
 
-    /// Reads the sensors, runs the controller and holds its output: sample k at time t_k.
+    /// The same drives with other parameters: the state and the held signals stay.
+    #[must_use]
+    pub fn with_parameters(&self, drive: &Drive, stepper: S) -> Self {
+        let mut changed = Self::new(drive, stepper, self.controller.is_some());
+        changed.state.clone_from(&self.state);
+        changed.pi = self.pi;
+        changed.signals = self.signals;
+        changed
+    }
+
+    /// Sample k at time t_k: reads the sensors, runs the controller, and applies its output.
     #[inline]
     pub fn sample(&mut self, time: f64, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
+        self.signals = self.measured(time, inputs, faults);
+        if let Some(data) = &self.controller {
+            self.pi.sample(data, &self.sensors, inputs, &mut self.signals);
+        }
+        self.apply(inputs, faults);
+    }
+
+    /// The signals with T and I_m read at that time.
+    #[inline]
+    pub fn measured(
+        &self,
+        time: f64,
+        inputs: &InputLanes<f64, N>,
+        faults: &FaultLanes<f64, N>,
+    ) -> SignalLanes<f64, N> {
+        let mut signals = self.signals;
+        self.sensors.read(&self.outputs(time), inputs, faults, &mut signals);
+        signals
+    }
+
+    /// Applies inputs and faults to the continuous drives: they act at once, also between
+    /// samples, on the control signal of the last sample.
+    #[inline]
+    pub fn apply(&mut self, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
         self.put_faults_into_motors(faults);
-        // A force-driven drive shows its command as current: it is known only after control.
-        let shown = self.outputs(time);
-        self.sensors.read(&shown, inputs, faults, &mut self.signals);
-        match &self.controller {
-            Some(data) => self.pi.sample(data, &self.sensors, inputs, &mut self.signals),
-            None => self.signals.c_m = inputs.u,
+        if self.controller.is_none() {
+            self.signals.c_m = inputs.u;
         }
         let amplifier = if self.controller.is_some() { self.amplifier } else { None };
         amplify(amplifier, faults, &mut self.signals);

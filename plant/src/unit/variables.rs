@@ -92,7 +92,7 @@ pub(super) fn list(drive: &Drive, controlled: bool, dry: bool) -> Vec<Variable> 
     inputs(&mut list, drive, controlled);
     faults(&mut list, drive);
     outputs(&mut list, drive, controlled);
-    states(&mut list, drive);
+    states(&mut list, drive, controlled);
     if dry {
         indicators(&mut list, drive);
     }
@@ -229,7 +229,7 @@ fn outputs(list: &mut Vec<Variable>, drive: &Drive, controlled: bool) {
 }
 
 /// States and their derivatives, in the order of the model.
-fn states(list: &mut Vec<Variable>, drive: &Drive) {
+fn states(list: &mut Vec<Variable>, drive: &Drive, controlled: bool) {
     let speed = name_for_motion(drive.motion, "omega");
     let position = name_for_motion(drive.motion, "theta");
     let mut names = vec![
@@ -243,6 +243,9 @@ fn states(list: &mut Vec<Variable>, drive: &Drive) {
             let name = format!("{}.{}", effect.id, state.name);
             names.push((name, state.unit, state.description, state.nominal));
         }
+    }
+    if drive.controller.is_some_and(|controller| controlled && controller.period.is_none()) {
+        names.push(("controller.integral".to_owned(), "V", "integrator of the controller", 1.0));
     }
     for (number, (name, unit, description, nominal)) in names.iter().enumerate() {
         list.push(Variable {

@@ -47,7 +47,7 @@ pub fn write(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error>
 /// Writes a recording as CSV: `time [s],name [unit],...`, numbers that read back to the same bits.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_csv(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error> {
     write_whole(path.as_ref(), recording, |out| csv::write(out, recording))
 }

@@ -135,20 +135,28 @@ fn parquet_keeps_every_bit() {
     }
 }
 
+/// The content with some bytes replaced.
+fn changed(mut content: Vec<u8>, changes: &[(prop::sample::Index, u8)]) -> Vec<u8> {
+    for (at, byte) in changes {
+        let at = at.index(content.len());
+        content[at] = *byte;
+    }
+    content
+}
+
 proptest! {
-    /// Whatever one changes in a MAT file, it is read or refused, never a panic.
+    /// Whatever one changes in a file, it is read or refused, never a panic.
     #[test]
-    fn damaged_mat_files_are_refused(
-        packed in any::<bool>(),
+    fn damaged_files_are_refused(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
     ) {
-        let mut content = bytes(if packed { "mat_packed" } else { "mat_plain" });
-        for (at, byte) in changes {
-            let at = at.index(content.len());
-            content[at] = byte;
-        }
-        if let Ok((recording, _)) = read_as("mat", &content, &ReadOptions::default()) {
-            prop_assert!(recording.check().is_ok());
+        for (name, extension) in
+            [("mat_plain", "mat"), ("mat_packed", "mat"), ("parquet_pyarrow", "parquet")]
+        {
+            let content = changed(bytes(name), &changes);
+            if let Ok((recording, _)) = read_as(extension, &content, &ReadOptions::default()) {
+                prop_assert!(recording.check().is_ok());
+            }
         }
     }
 }

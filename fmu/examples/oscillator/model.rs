@@ -1,8 +1,8 @@
-//! A mass on a spring with dry friction, pushed by a square wave and by an input.
+//! A mass on a spring with dry friction, pushed by a square wave and by two inputs.
 //!
 //! ```text
 //! x' = v
-//! m v' = F - F_c sign(v)   sliding,   F = u + (+-A) - k x - d v
+//! m v' = F - F_c sign(v)   sliding,   F = u + push + (+-A) - k x - d v
 //! v' = 0                   stuck, until |F| >= F_c
 //! ```
 //!
@@ -41,13 +41,15 @@ const F_C: u32 = 13;
 const A: u32 = 14;
 const PANICS: u32 = 15;
 const FORCE: u32 = 16;
+const PUSH: u32 = 17;
 
 /// The oscillator with its parameters and its state.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Oscillator {
+pub struct Oscillator {
     /// m, k, d, F_c, A
     parameters: [f64; 5],
     u: f64,
+    push: f64,
     t: f64,
     /// x, v
     states: [f64; 2],
@@ -63,7 +65,7 @@ pub(crate) struct Oscillator {
 
 /// What the oscillator refuses.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum OscillatorError {
+pub enum OscillatorError {
     /// No such variable, or none that can be set.
     #[error("value reference {0} cannot be set")]
     NotSettable(u32),
@@ -85,7 +87,7 @@ impl Oscillator {
     fn force(&self, [x, v]: [f64; 2]) -> f64 {
         let [_, k, d, _, amplitude] = self.parameters;
         let wave = if self.events % 2.0 == 0.0 { amplitude } else { -amplitude };
-        self.u + wave - k * x - d * v
+        self.u + self.push + wave - k * x - d * v
     }
 
     fn rates(&self, states: [f64; 2]) -> [f64; 2] {
@@ -179,6 +181,10 @@ impl Oscillator {
                 .described("Force on the mass")
                 .in_unit("N")?
                 .starting_at(0.0),
+            Variable::new(PUSH, "push", Input, Discrete)
+                .described("Force on the mass that changes at events only")
+                .in_unit("N")?
+                .starting_at(0.0),
             Variable {
                 kind: Kind::Boolean,
                 ..Variable::new(STUCK, "stuck", Output, Discrete).described("The mass is stuck")
@@ -226,6 +232,7 @@ impl Model for Oscillator {
         Ok(Self {
             parameters: [1.0, 40.0, 0.2, 0.5, 1.0],
             u: 0.0,
+            push: 0.0,
             t: 0.0,
             states: [0.05, 0.0],
             derivatives: [0.0; 2],
@@ -261,16 +268,16 @@ impl Model for Oscillator {
                     unknown(V, &[V]),
                     unknown(STUCK, &[]),
                     unknown(EVENTS, &[]),
-                    unknown(FORCE, &[X, V, U]),
+                    unknown(FORCE, &[X, V, U, PUSH]),
                 ],
-                derivatives: vec![unknown(DER_X, &[V]), unknown(DER_V, &[X, V, U])],
-                event_indicators: vec![unknown(Z_STOP, &[V]), unknown(Z_BREAK, &[X, V, U])],
+                derivatives: vec![unknown(DER_X, &[V]), unknown(DER_V, &[X, V, U, PUSH])],
+                event_indicators: vec![unknown(Z_STOP, &[V]), unknown(Z_BREAK, &[X, V, U, PUSH])],
                 initial_unknowns: vec![
                     unknown(DER_X, &[V]),
-                    unknown(DER_V, &[X, V, U, M, K, D, F_C, A]),
-                    unknown(STUCK, &[X, V, U, K, D, F_C, A]),
+                    unknown(DER_V, &[X, V, U, PUSH, M, K, D, F_C, A]),
+                    unknown(STUCK, &[X, V, U, PUSH, K, D, F_C, A]),
                     unknown(EVENTS, &[]),
-                    unknown(FORCE, &[X, V, U, K, D, A]),
+                    unknown(FORCE, &[X, V, U, PUSH, K, D, A]),
                 ],
             },
             default_experiment: DefaultExperiment {
@@ -289,6 +296,7 @@ impl Model for Oscillator {
             DER_X => self.rates(self.states)[0],
             DER_V => self.rates(self.states)[1],
             U => self.u,
+            PUSH => self.push,
             STUCK => f64::from(u8::from(self.direction == 0.0)),
             EVENTS => self.events,
             Z_STOP => self.crossings(self.states)[0],
@@ -304,6 +312,7 @@ impl Model for Oscillator {
             X => self.states[0] = value,
             V => self.states[1] = value,
             U => self.u = value,
+            PUSH => self.push = value,
             PANICS => self.panics = value,
             other => {
                 let index = Self::parameter(other).ok_or(OscillatorError::NotSettable(other))?;
@@ -346,13 +355,13 @@ impl Model for Oscillator {
 
     fn serialize(&self) -> Vec<u8> {
         let Self { parameters: [m, k, d, friction, amplitude], states: [x, v], .. } = *self;
-        let run = [self.u, self.t, self.direction, self.events, self.start, self.panics];
+        let run = [self.u, self.push, self.t, self.direction, self.events, self.start, self.panics];
         let numbers = [m, k, d, friction, amplitude, x, v];
         numbers.iter().chain(&run).flat_map(|number| number.to_le_bytes()).collect()
     }
 
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
-        const NUMBERS: usize = 13;
+        const NUMBERS: usize = 14;
         let (chunks, rest) = bytes.as_chunks::<8>();
         let length = OscillatorError::Length { expected: 8 * NUMBERS, given: bytes.len() };
         let numbers: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
@@ -363,8 +372,9 @@ impl Model for Oscillator {
         let [m, k, d, friction, amplitude, x, v, ..] = numbers;
         self.parameters = [m, k, d, friction, amplitude];
         self.states = [x, v];
-        [self.u, self.t, self.direction, self.events, self.start, self.panics] =
-            [7, 8, 9, 10, 11, 12].map(|index| numbers[index]);
+        let [.., u, push, t, direction, events, start, panics] = numbers;
+        [self.u, self.push, self.t] = [u, push, t];
+        [self.direction, self.events, self.start, self.panics] = [direction, events, start, panics];
         Ok(())
     }
 
@@ -375,7 +385,7 @@ impl Model for Oscillator {
     fn directional(&self, unknowns: &[u32], knowns: &[u32], seed: &[f64]) -> Option<Vec<f64>> {
         let [m, k, d, _, _] = self.parameters;
         let slides = if self.direction == 0.0 { 0.0 } else { 1.0 };
-        // Rows of the Jacobian over x, v, u.
+        // Rows of the Jacobian over x, v, u; push acts as u does.
         let row = |unknown: &u32| match *unknown {
             X => Some([1.0, 0.0, 0.0]),
             V => Some([0.0, 1.0, 0.0]),
@@ -386,8 +396,8 @@ impl Model for Oscillator {
         };
         let mut direction = [0.0; 3];
         for (known, seed) in knowns.iter().zip(seed) {
-            let column = [X, V, U].iter().position(|reference| reference == known)?;
-            direction[column] += seed;
+            let column = [X, V, U, PUSH].iter().position(|reference| reference == known)?;
+            direction[column.min(2)] += seed;
         }
         let along = |row: [f64; 3]| row.iter().zip(direction).map(|(a, b)| a * b).sum();
         unknowns.iter().map(|unknown| row(unknown).map(along)).collect()

@@ -47,6 +47,7 @@ pub struct Model<R, const N: usize> {
     own_states: usize,
     stiff: Vec<bool>,
     dry: bool,
+    restless: bool,
 }
 
 /// An effect to place: its law and the values of its parameters.
@@ -80,8 +81,10 @@ impl<R: Real> Model<R, 1> {
         }
         let any = |of: fn(&Info) -> bool| parts.iter().filter_map(|q| info(q.kind)).any(of);
         let dry = any(|i| i.dry) && !any(|i| i.replaces_dry);
+        let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
         let motors = Motors::splat(motor);
-        Self { motors, force, placed, laws, p, own_states: stiff.len() - OWN, stiff, dry }
+        let own_states = stiff.len() - OWN;
+        Self { motors, force, placed, laws, p, own_states, stiff, dry, restless }
     }
 }
 
@@ -110,6 +113,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             own_states: first.own_states,
             stiff: first.stiff.clone(),
             dry: first.dry,
+            restless: first.restless,
         }
     }
 
@@ -124,6 +128,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             own_states: self.own_states,
             stiff: self.stiff.clone(),
             dry: self.dry,
+            restless: self.restless,
         }
     }
 
@@ -135,6 +140,12 @@ impl<R: Real, const N: usize> Model<R, N> {
     /// Whether dry friction makes the shaft stick and slip.
     pub fn dry(&self) -> bool {
         self.dry
+    }
+
+    /// Whether the torque on a shaft at rest may turn round while the inputs are held: in the
+    /// base drive it follows the current, which goes one way.
+    pub(crate) fn restless(&self) -> bool {
+        self.restless
     }
 
     /// Whether a state is stiff and takes exponential stages of its own decay rate.

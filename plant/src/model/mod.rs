@@ -51,6 +51,7 @@ pub struct Model<R, const N: usize> {
     stiff: Vec<bool>,
     dry: bool,
     control: Option<Controls<R, N>>,
+    restless: bool,
 }
 
 /// An effect to place: its law and the values of its parameters.
@@ -84,9 +85,11 @@ impl<R: Real> Model<R, 1> {
         }
         let any = |of: fn(&Info) -> bool| parts.iter().filter_map(|q| info(q.kind)).any(of);
         let dry = any(|i| i.dry) && !any(|i| i.replaces_dry);
+        let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
         let motors = Motors::splat(motor);
         let own_states = stiff.len() - OWN;
-        Self { motors, force, placed, laws, p, own_states, stiff, dry, control: None }
+        let control = None;
+        Self { motors, force, placed, laws, p, own_states, stiff, dry, restless, control }
     }
 }
 
@@ -122,6 +125,7 @@ impl<R: Real, const N: usize> Model<R, N> {
                 }
                 controls
             }),
+            restless: first.restless,
         }
     }
 
@@ -137,6 +141,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             stiff: self.stiff.clone(),
             dry: self.dry,
             control: self.control.map(|controls| Controls::splat(controls.lane(l))),
+            restless: self.restless,
         }
     }
 
@@ -168,6 +173,12 @@ impl<R: Real, const N: usize> Model<R, N> {
     /// Whether dry friction makes the shaft stick and slip.
     pub fn dry(&self) -> bool {
         self.dry
+    }
+
+    /// Whether the torque on a shaft at rest may turn round while the inputs are held: in the
+    /// base drive it follows the current, which goes one way.
+    pub(crate) fn restless(&self) -> bool {
+        self.restless
     }
 
     /// Whether a state is stiff and takes exponential stages of its own decay rate.

@@ -7,6 +7,8 @@
 
 pub mod drive;
 pub mod effects;
+pub mod file;
 pub mod integrate;
 pub mod model;
+pub mod parameters;
 pub mod units;

@@ -1,5 +1,6 @@
 //! The continuous drive: motor, placed effects, and the one right-hand side of (20)-(23).
 
+mod build;
 mod control;
 mod field;
 mod motor;

@@ -3,6 +3,7 @@
 use crate::drive::{Drive, Motion, TachoUnit};
 use crate::effects::registry::Entry;
 use crate::fault::MECHANISMS;
+use crate::parameters;
 use crate::units::{for_motion, name_for_motion};
 
 /// Who gives a variable its value.
@@ -97,10 +98,14 @@ pub(super) fn list(drive: &Drive, controlled: bool, dry: bool) -> Vec<Variable> 
         indicators(&mut list, drive);
     }
     for (number, parameter) in drive.parameters().into_iter().enumerate() {
+        // Noise comes from outside, and the rating scales a fault: neither is the model's.
+        if !matches!(parameter.role, parameters::Role::Physics | parameters::Role::Control) {
+            continue;
+        }
         list.push(Variable {
             name: parameter.name,
             unit: parameter.unit,
-            description: parameter.description,
+            description: parameter.description.to_owned(),
             role: Role::Parameter,
             continuous: false,
             start: Some(parameter.value),

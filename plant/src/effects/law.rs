@@ -201,6 +201,11 @@ pub trait Effect<const P: usize, const X: usize> {
         f64::INFINITY
     }
 
+    /// Change of speed over which the law bends near rest: it is not crossed in one stride.
+    fn grain(_p: [f64; P]) -> f64 {
+        f64::INFINITY
+    }
+
     /// Fastest rate that the law brings in at that speed, 1/s: it sets the sub-steps.
     fn fastest(_p: [f64; P], _speed: f64, _inertia: f64) -> f64 {
         0.0

@@ -51,6 +51,10 @@ impl Effect<2, 0> for Stribeck {
         AFFINE_BEYOND * omega_s
     }
 
+    fn grain([_, omega_s]: [f64; 2]) -> f64 {
+        omega_s
+    }
+
     fn fastest([t_b, omega_s]: [f64; 2], _: f64, inertia: f64) -> f64 {
         // Greatest slope of the curve, sqrt(2/e) T_b / omega_s, over the inertia.
         0.86 * t_b / omega_s / inertia

@@ -122,8 +122,22 @@ impl System<f64, Y> for Phase {
 /// Every step of a fine integration over `span`.
 fn path(phase: Phase, y: Y, span: f64) -> (Vec<f64>, Vec<Y>) {
     let mut solver = Dop853::from_param(
-        phase, 0.0, span, span, y, TOLERANCE, TOLERANCE, 0.9, 0.0, 0.333, 6.0,
-        LONGEST, 0.0, 1_000_000, 1_000_000, OutputType::Sparse,
+        phase,
+        0.0,
+        span,
+        span,
+        y,
+        TOLERANCE,
+        TOLERANCE,
+        0.9,
+        0.0,
+        0.333,
+        6.0,
+        LONGEST,
+        0.0,
+        1_000_000,
+        1_000_000,
+        OutputType::Sparse,
     );
     solver.integrate().expect("a smooth phase integrates");
     let (t, y) = solver.results().get();

@@ -81,9 +81,7 @@ pub(crate) fn stick_slip() -> Vec<OpenLoop> {
     let mut m = noise(8);
     vec![
         OpenLoop::new("slow sine", 10.0, |t| [3.0 * (TAU * 0.5 * t).sin(), 0.0]),
-        OpenLoop::new("fast noisy sine", 5.0, |t| {
-            [4.0 * (TAU * 5.0 * t).sin() + 0.5 * n(), 0.0]
-        }),
+        OpenLoop::new("fast noisy sine", 5.0, |t| [4.0 * (TAU * 5.0 * t).sin() + 0.5 * n(), 0.0]),
         OpenLoop::new("load breaks away", 10.0, |t| [0.2, 0.05 * (TAU * 0.9 * t).sin()]),
         OpenLoop::new("creep at break-away", 10.0, |t| [1.1 + 0.15 * m() + 0.005 * t, 0.0]),
         OpenLoop::new("full voltage steps", 6.0, |t| {

@@ -54,3 +54,19 @@ impl Effect<3, 0> for Cogging {
         (IMPOSED * n * speed).abs().max((stiffness / inertia).sqrt())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn the_torque_repeats_n_times_a_revolution() {
+        let p = parameters::<Cogging, 3, 0>([("a", 0.002), ("b", 0.003), ("N", 12.0)]);
+        let torque = |theta: f64| shared::<Cogging, 3, 0>(p, [], View { theta, ..AT }).torque;
+        assert_eq!(torque(0.0), 0.002);
+        let quarter = std::f64::consts::FRAC_PI_2 / 12.0;
+        assert_same(torque(quarter), 0.003);
+        assert_same(torque(2.0 * quarter), -0.002);
+    }
+}

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use drivescope_diagnoser::{
-    Network, NetworkRun, Structure, Trained, Training, train as train_network,
-};
-use drivescope_diagnoser::{
     Arx, ArxFit, ArxRun, Band, BandDesign, Column, Confidence, ConstantThreshold, Data, Detector,
     ErrorBands, Orders, residual,
+};
+use drivescope_diagnoser::{
+    Network, NetworkRun, Structure, Trained, Training, train as train_network,
 };
 use drivescope_fmu::import::Fmu;
 use drivescope_recording::Recording;

@@ -41,6 +41,8 @@ pub use decision::{RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
 pub use detector::{Detector, DetectorError, Verdict};
 pub use diagnoser::{Diagnoser, DiagnosisError, ModelError, ThresholdKind, ThresholdRun};
+/// When a Levenberg-Marquardt search stops.
+pub use drivescope_numerics::Limits;
 pub use file::{FileError, SCHEMA};
 pub use interface::{Channel, Interface, InterfaceError};
 pub use model::{Model, ModelRun};

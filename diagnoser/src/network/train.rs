@@ -78,6 +78,9 @@ pub enum TrainingError {
     /// Nothing was tried.
     #[error("training needs at least one start")]
     NoStart,
+    /// No structure to choose from.
+    #[error("a choice of structure needs at least one candidate")]
+    NoCandidate,
     /// Every start ended in an error that is not finite.
     #[error("none of {starts} starts reached a finite error: give other data or more starts")]
     NoFiniteStart {

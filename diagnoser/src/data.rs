@@ -11,9 +11,9 @@ pub enum DataError {
     #[error("no input signal was given: a model needs at least one")]
     NoInput,
     /// Signals of different length.
-    #[error("signal {signal} has {samples} samples where the output has {expected}")]
+    #[error("signal {signal} has {samples} samples where the first output has {expected}")]
     Length {
-        /// The shorter or longer input.
+        /// The shorter or longer signal.
         signal: String,
         /// Its samples.
         samples: usize,
@@ -57,32 +57,32 @@ pub struct Column<'a> {
     pub values: &'a [f64],
 }
 
-/// Inputs and one output over the same samples, all finite.
+/// Inputs and outputs over the same samples, all finite.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Data<'a> {
     inputs: Vec<Column<'a>>,
-    output: Column<'a>,
+    /// Never empty; a detector and an ARX model see the first.
+    outputs: Vec<Column<'a>>,
 }
 
 impl<'a> Data<'a> {
-    /// Checks lengths and that every value is finite.
+    /// One output; checks lengths and that every value is finite.
     pub fn new(inputs: Vec<Column<'a>>, output: Column<'a>) -> Result<Self, DataError> {
         if inputs.is_empty() {
             return Err(DataError::NoInput);
         }
         let expected = output.values.len();
-        for column in &inputs {
-            let samples = column.values.len();
-            if samples != expected {
-                return Err(DataError::Length { signal: column.name.into(), samples, expected });
-            }
-        }
         for column in inputs.iter().chain([&output]) {
-            if let Some(sample) = column.values.iter().position(|value| !value.is_finite()) {
-                return Err(DataError::NotFinite { signal: column.name.into(), sample });
-            }
+            check(column, expected)?;
         }
-        Ok(Self { inputs, output })
+        Ok(Self { inputs, outputs: vec![output] })
+    }
+
+    /// One more output over the same samples.
+    pub fn and_output(mut self, output: Column<'a>) -> Result<Self, DataError> {
+        check(&output, self.len())?;
+        self.outputs.push(output);
+        Ok(self)
     }
 
     /// The inputs, in the order in which a model takes them.
@@ -90,14 +90,19 @@ impl<'a> Data<'a> {
         &self.inputs
     }
 
-    /// The output.
+    /// The first output, or the only one.
     pub fn output(&self) -> Column<'a> {
-        self.output
+        self.outputs[0]
+    }
+
+    /// All outputs; at least one.
+    pub fn outputs(&self) -> &[Column<'a>] {
+        &self.outputs
     }
 
     /// Samples.
     pub fn len(&self) -> usize {
-        self.output.values.len()
+        self.output().values.len()
     }
 
     /// Whether there is no sample.
@@ -122,12 +127,15 @@ impl<'a> Data<'a> {
             name: column.name,
             values: &column.values[range.clone()],
         };
-        Data { inputs: self.inputs.iter().map(cut).collect(), output: cut(&self.output) }
+        Data {
+            inputs: self.inputs.iter().map(cut).collect(),
+            outputs: self.outputs.iter().map(cut).collect(),
+        }
     }
 
     /// Refuses signals that never change.
     pub fn require_variation(&self) -> Result<(), DataError> {
-        for column in self.inputs.iter().chain([&self.output]) {
+        for column in self.inputs.iter().chain(&self.outputs) {
             if let Some(&value) = column.values.first()
                 && column.values.iter().all(|other| *other == value)
             {
@@ -144,6 +152,18 @@ impl<'a> Data<'a> {
             return Err(DataError::TooFew { purpose, needed, samples });
         }
         Ok(())
+    }
+}
+
+fn check(column: &Column, expected: usize) -> Result<(), DataError> {
+    let signal = || column.name.to_owned();
+    let samples = column.values.len();
+    if samples != expected {
+        return Err(DataError::Length { signal: signal(), samples, expected });
+    }
+    match column.values.iter().position(|value| !value.is_finite()) {
+        Some(sample) => Err(DataError::NotFinite { signal: signal(), sample }),
+        None => Ok(()),
     }
 }
 

@@ -8,7 +8,7 @@
 //!
 //! Nothing here knows a drive: a diagnoser is trained on recordings of healthy signals and sees
 //! nothing else, so that it works alike on native runs, FMUs and measurements. A [`SignalModel`]
-//! simulates the output from the input alone ([`Arx`] implements it); [`BandDesign`] and
+//! simulates the output from the input alone ([`Arx`] and [`Network`] are such models); [`BandDesign`] and
 //! [`ErrorBands`] are model error modelling, [`ConstantThreshold`] the plain alternative; a
 //! [`Detector`] puts them to work sample by sample, and its [`Trace`] yields rates and times.
 //!
@@ -22,6 +22,8 @@ mod detector;
 mod history;
 mod interface;
 mod model_error;
+mod network;
+mod scale;
 mod signal_model;
 mod stability;
 #[cfg(test)]
@@ -34,5 +36,10 @@ pub use decision::{RunRule, SpanError, Trace};
 pub use detector::{Detector, DetectorError, Verdict};
 pub use interface::{Channel, Interface, InterfaceError};
 pub use model_error::{BandDesign, ErrorBands};
+pub use network::{
+    FirNeuron, IirNeuron, Method, Network, NetworkRun, StartRow, Structure, StructureRow, Theta,
+    Trained, Training, TrainingError, select_structure, train,
+};
+pub use scale::Scale;
 pub use signal_model::{SignalModel, free_run, residual};
 pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};

@@ -12,15 +12,22 @@ use drivescope_fmu::description::Version;
 use drivescope_fmu::export::Model;
 
 #[path = "../examples/oscillator/model.rs"]
-mod oscillator;
+pub mod oscillator;
 
-/// The example's library, which cargo builds with the tests.
+/// The example's library. Built here: cargo builds examples for a run of all tests, but leaves an
+/// old one in place when this test is run alone.
 fn library() -> PathBuf {
-    let test = std::env::current_exe().expect("a test has a path");
-    let profile = test.parent().and_then(Path::parent).expect("target/<profile>/deps/<test>");
-    let name =
-        format!("{}oscillator{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    profile.join("examples").join(name)
+    let build = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--example", "oscillator"])
+        .arg("--message-format=json-render-diagnostics")
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo starts");
+    assert!(build.status.success(), "{}", String::from_utf8_lossy(&build.stderr));
+    let messages = String::from_utf8_lossy(&build.stdout).into_owned();
+    let suffix = format!("oscillator{}", std::env::consts::DLL_SUFFIX);
+    let path = messages.split('"').find(|text| text.ends_with(&suffix));
+    PathBuf::from(path.expect("cargo names the library that it built"))
 }
 
 fn python() -> PathBuf {

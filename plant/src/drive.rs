@@ -3,10 +3,14 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::effects::custom::Target;
 
 /// Whether the drive turns or slides; it decides the units of every label.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Motion {
     /// rad, rad/s, N m, kg m^2; variables `theta`, `omega`.
     Rotary,
@@ -15,7 +19,8 @@ pub enum Motion {
 }
 
 /// What the signal `u` is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Input {
     /// The armature voltage.
     Voltage,

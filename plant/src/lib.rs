@@ -8,8 +8,11 @@
 pub mod drive;
 pub mod effects;
 pub mod fault;
+pub mod file;
 pub mod integrate;
 pub mod model;
 pub mod noise;
+pub mod parameters;
 pub mod sampled;
+pub mod unit;
 pub mod units;

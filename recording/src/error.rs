@@ -319,4 +319,55 @@ pub enum Error {
         /// Length of the first signal.
         expected: usize,
     },
+    /// The Parquet reader gives up.
+    #[error("{file}: is not a whole Parquet file: {source}")]
+    Parquet {
+        /// The file.
+        file: String,
+        /// What the Parquet reader says.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A Parquet file packed in a way that is not unpacked here.
+    #[error(
+        "{file}: is packed with {compression}, which is not read; write it with \
+         compression=\"snappy\""
+    )]
+    Compression {
+        /// The file.
+        file: String,
+        /// The packer's name.
+        compression: String,
+    },
+    /// A MAT file of another version than 5.
+    #[error(
+        "{file}: is a MAT file of {version}, only version 5 little-endian is read; save it with \
+         `save -v7` in MATLAB or Octave, or with scipy.io.savemat in Python"
+    )]
+    MatVersion {
+        /// The file.
+        file: String,
+        /// What it is.
+        version: &'static str,
+    },
+    /// Bytes that are not what the format says.
+    #[error("{file}: is not a whole MAT file: {what} near byte {at}")]
+    MatDamaged {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        what: &'static str,
+        /// Bytes read up to there.
+        at: u64,
+    },
+    /// No plain numeric series in a MAT file.
+    #[error(
+        "{file}: holds no plain numeric series, but {found}; flatten it with \
+         scipy.io.loadmat(..., simplify_cells=True) and scipy.io.savemat(..., {{\"t\": t, \"u\": u}})"
+    )]
+    MatNoSeries {
+        /// The file.
+        file: String,
+        /// The variables that are there.
+        found: String,
+    },
 }

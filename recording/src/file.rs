@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::mapping::ReadOptions;
 use crate::report::Report;
 use crate::signal::Recording;
+use crate::{mat, parquet};
 
 /// Reads a recording; the extension tells the format.
 ///
@@ -20,6 +21,8 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<(Recording,
     let (opened, bytes) = open(path, &file)?;
     match extension(path).as_str() {
         "csv" | "txt" | "tsv" => csv::read_sized(opened, &file, bytes, options),
+        "parquet" | "pq" => parquet::read(opened, &file, options),
+        "mat" => mat::read(opened, &file, options),
         extension => Err(Error::Format { file, extension: extension.to_owned() }),
     }
 }
@@ -33,6 +36,7 @@ pub fn write(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error>
     let path = path.as_ref();
     match extension(path).as_str() {
         "csv" => write_csv(path, recording),
+        "parquet" | "pq" => write_whole(path, recording, |out| parquet::write(out, recording)),
         extension => {
             let (file, extension) = (path.display().to_string(), extension.to_owned());
             Err(Error::WriteFormat { file, extension })
@@ -43,7 +47,7 @@ pub fn write(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error>
 /// Writes a recording as CSV: `time [s],name [unit],...`, numbers that read back to the same bits.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_csv(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error> {
     write_whole(path.as_ref(), recording, |out| csv::write(out, recording))
 }

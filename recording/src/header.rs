@@ -126,6 +126,19 @@ pub(crate) fn resolve(file: &str, texts: &[String], maps: &[Mapping]) -> Result<
     Ok(Header { columns, time })
 }
 
+/// Whether a column of that text will be the time.
+pub(crate) fn is_time(text: &str, maps: &[Mapping]) -> bool {
+    let given = [split(text)];
+    match maps.iter().find(|map| map.canonical == "time") {
+        Some(map) => find(&given, &map.foreign).is_some(),
+        None => {
+            let Given { name, unit, .. } = &given[0];
+            let guess = || canonical::guess(name, unit.as_deref());
+            canonical::exact(name).or_else(guess).is_some_and(|known| known.name == "time")
+        }
+    }
+}
+
 /// The error of a file in which no column is the time.
 pub(crate) fn missing_time(file: &str, texts: &[String]) -> Error {
     let given: Vec<Given> = texts.iter().map(|text| split(text)).collect();

@@ -18,6 +18,8 @@ mod error;
 mod file;
 mod header;
 mod mapping;
+mod mat;
+mod parquet;
 mod place;
 mod quality;
 mod quantum;

@@ -163,7 +163,8 @@ fn compare(
     let (aa, bb, ab) =
         finite().fold((0.0, 0.0, 0.0), |(aa, bb, ab), (a, b)| (aa + a * a, bb + b * b, ab + a * b));
     let correlation = ab / (aa * bb).sqrt();
-    if !(correlation.abs() >= SAME_THING) {
+    // Not a number where one of them does not move at all.
+    if correlation.is_nan() || correlation.abs() < SAME_THING {
         return None;
     }
     let ratio = (aa / bb).sqrt().copysign(correlation);

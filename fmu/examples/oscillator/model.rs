@@ -1,8 +1,8 @@
-//! A mass on a spring with dry friction, pushed by a square wave and by an input.
+//! A mass on a spring with dry friction, pushed by a square wave and by two inputs.
 //!
 //! ```text
 //! x' = v
-//! m v' = F - F_c sign(v)   sliding,   F = u + (+-A) - k x - d v
+//! m v' = F - F_c sign(v)   sliding,   F = u + push + (+-A) - k x - d v
 //! v' = 0                   stuck, until |F| >= F_c
 //! ```
 //!
@@ -11,11 +11,12 @@
 
 use std::path::Path;
 
-use drivescope_fmu::description::{
-    Capabilities, Causality, DefaultExperiment, Initial, Kind, ModelDescription, Structure,
-    UnitError, Unknown, Variability, Variable,
-};
+use drivescope_fmu::description::ModelDescription;
 use drivescope_fmu::export::{Continuous, DiscreteUpdate, Model};
+
+#[path = "variables.rs"]
+mod variables;
+use variables::{A, DER_V, DER_X, EVENTS, FORCE, M, PANICS, PUSH, STUCK, U, V, X, Z_BREAK, Z_STOP};
 
 /// Half a period of the square wave, s.
 const HALF_PERIOD: f64 = 0.1;
@@ -24,30 +25,13 @@ const SAME_TIME: f64 = 1e-9;
 /// Longest step of the own integration, s: the error of RK4 is below 1e-12 at 1 Hz.
 const LONGEST_STEP: f64 = 1e-3;
 
-// Value references.
-const X: u32 = 1;
-const V: u32 = 2;
-const DER_X: u32 = 3;
-const DER_V: u32 = 4;
-const U: u32 = 5;
-const STUCK: u32 = 6;
-const EVENTS: u32 = 7;
-const Z_STOP: u32 = 8;
-const Z_BREAK: u32 = 9;
-const M: u32 = 10;
-const K: u32 = 11;
-const D: u32 = 12;
-const F_C: u32 = 13;
-const A: u32 = 14;
-const PANICS: u32 = 15;
-const FORCE: u32 = 16;
-
 /// The oscillator with its parameters and its state.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Oscillator {
+pub struct Oscillator {
     /// m, k, d, F_c, A
     parameters: [f64; 5],
     u: f64,
+    push: f64,
     t: f64,
     /// x, v
     states: [f64; 2],
@@ -63,7 +47,7 @@ pub(crate) struct Oscillator {
 
 /// What the oscillator refuses.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum OscillatorError {
+pub enum OscillatorError {
     /// No such variable, or none that can be set.
     #[error("value reference {0} cannot be set")]
     NotSettable(u32),
@@ -85,7 +69,7 @@ impl Oscillator {
     fn force(&self, [x, v]: [f64; 2]) -> f64 {
         let [_, k, d, _, amplitude] = self.parameters;
         let wave = if self.events % 2.0 == 0.0 { amplitude } else { -amplitude };
-        self.u + wave - k * x - d * v
+        self.u + self.push + wave - k * x - d * v
     }
 
     fn rates(&self, states: [f64; 2]) -> [f64; 2] {
@@ -154,69 +138,6 @@ impl Oscillator {
     fn parameter(reference: u32) -> Option<usize> {
         (M..=A).contains(&reference).then(|| (reference - M) as usize)
     }
-
-    fn variables() -> Result<Vec<Variable>, UnitError> {
-        use Causality::{Input, Local, Output, Parameter};
-        use Variability::{Continuous, Discrete, Fixed, Tunable};
-        let positive = |variable: Variable| Variable { min: Some(1e-6), ..variable };
-        let state = |variable: Variable| Variable {
-            initial: Some(Initial::Exact),
-            nominal: Some(0.1),
-            reinit: variable.reference == V,
-            ..variable
-        };
-        let of = |state, variable: Variable| Variable { derivative_of: Some(state), ..variable };
-        Ok(vec![
-            state(Variable::new(X, "x", Output, Continuous).described("Position"))
-                .in_unit("m")?
-                .starting_at(0.05),
-            state(Variable::new(V, "v", Output, Continuous).described("Velocity"))
-                .in_unit("m/s")?
-                .starting_at(0.0),
-            of(X, Variable::new(DER_X, "der(x)", Local, Continuous)).in_unit("m/s")?,
-            of(V, Variable::new(DER_V, "der(v)", Local, Continuous)).in_unit("m/s^2")?,
-            Variable::new(U, "u", Input, Continuous)
-                .described("Force on the mass")
-                .in_unit("N")?
-                .starting_at(0.0),
-            Variable {
-                kind: Kind::Boolean,
-                ..Variable::new(STUCK, "stuck", Output, Discrete).described("The mass is stuck")
-            },
-            Variable {
-                kind: Kind::Integer,
-                ..Variable::new(EVENTS, "events", Output, Discrete).described("Time events so far")
-            },
-            Variable::new(Z_STOP, "z.stop", Local, Continuous),
-            Variable::new(Z_BREAK, "z.break_away", Local, Continuous),
-            positive(Variable::new(M, "m", Parameter, Fixed).described("Mass"))
-                .in_unit("kg")?
-                .starting_at(1.0),
-            positive(Variable::new(K, "k", Parameter, Tunable).described("Stiffness"))
-                .in_unit("N/m")?
-                .starting_at(40.0),
-            Variable::new(D, "d", Parameter, Tunable)
-                .described("Damping")
-                .in_unit("N s/m")?
-                .starting_at(0.2),
-            positive(Variable::new(F_C, "coulomb.F_c", Parameter, Tunable).described("Friction"))
-                .in_unit("N")?
-                .starting_at(0.5),
-            Variable::new(A, "A", Parameter, Tunable)
-                .described("Amplitude of the square wave")
-                .in_unit("N")?
-                .starting_at(1.0),
-            Variable {
-                kind: Kind::Boolean,
-                ..Variable::new(PANICS, "panics", Parameter, Tunable)
-                    .described("The next step panics: the instance is lost, the importer is not")
-                    .starting_at(0.0)
-            },
-            Variable::new(FORCE, "force", Output, Continuous)
-                .described("Force without dry friction")
-                .in_unit("N")?,
-        ])
-    }
 }
 
 impl Model for Oscillator {
@@ -226,6 +147,7 @@ impl Model for Oscillator {
         Ok(Self {
             parameters: [1.0, 40.0, 0.2, 0.5, 1.0],
             u: 0.0,
+            push: 0.0,
             t: 0.0,
             states: [0.05, 0.0],
             derivatives: [0.0; 2],
@@ -238,48 +160,7 @@ impl Model for Oscillator {
     }
 
     fn description(&self) -> ModelDescription {
-        let unknown = |reference, dependencies: &[u32]| Unknown {
-            reference,
-            dependencies: dependencies.to_vec(),
-        };
-        ModelDescription {
-            name: "Oscillator".into(),
-            identifier: "oscillator".into(),
-            description: "A mass on a spring with dry friction".into(),
-            version: env!("CARGO_PKG_VERSION").into(),
-            generation_tool: concat!("drivescope ", env!("CARGO_PKG_VERSION")).into(),
-            capabilities: Capabilities {
-                co_simulation: true,
-                model_exchange: true,
-                directional_derivatives: true,
-                variable_step: true,
-            },
-            variables: Self::variables().expect("the units above are known"),
-            structure: Structure {
-                outputs: vec![
-                    unknown(X, &[X]),
-                    unknown(V, &[V]),
-                    unknown(STUCK, &[]),
-                    unknown(EVENTS, &[]),
-                    unknown(FORCE, &[X, V, U]),
-                ],
-                derivatives: vec![unknown(DER_X, &[V]), unknown(DER_V, &[X, V, U])],
-                event_indicators: vec![unknown(Z_STOP, &[V]), unknown(Z_BREAK, &[X, V, U])],
-                initial_unknowns: vec![
-                    unknown(DER_X, &[V]),
-                    unknown(DER_V, &[X, V, U, M, K, D, F_C, A]),
-                    unknown(STUCK, &[X, V, U, K, D, F_C, A]),
-                    unknown(EVENTS, &[]),
-                    unknown(FORCE, &[X, V, U, K, D, A]),
-                ],
-            },
-            default_experiment: DefaultExperiment {
-                start: 0.0,
-                stop: 2.0,
-                tolerance: 1e-9,
-                step: 0.01,
-            },
-        }
+        variables::description().expect("the units are known")
     }
 
     fn get(&self, reference: u32) -> Option<f64> {
@@ -289,6 +170,7 @@ impl Model for Oscillator {
             DER_X => self.rates(self.states)[0],
             DER_V => self.rates(self.states)[1],
             U => self.u,
+            PUSH => self.push,
             STUCK => f64::from(u8::from(self.direction == 0.0)),
             EVENTS => self.events,
             Z_STOP => self.crossings(self.states)[0],
@@ -304,6 +186,7 @@ impl Model for Oscillator {
             X => self.states[0] = value,
             V => self.states[1] = value,
             U => self.u = value,
+            PUSH => self.push = value,
             PANICS => self.panics = value,
             other => {
                 let index = Self::parameter(other).ok_or(OscillatorError::NotSettable(other))?;
@@ -346,13 +229,13 @@ impl Model for Oscillator {
 
     fn serialize(&self) -> Vec<u8> {
         let Self { parameters: [m, k, d, friction, amplitude], states: [x, v], .. } = *self;
-        let run = [self.u, self.t, self.direction, self.events, self.start, self.panics];
+        let run = [self.u, self.push, self.t, self.direction, self.events, self.start, self.panics];
         let numbers = [m, k, d, friction, amplitude, x, v];
         numbers.iter().chain(&run).flat_map(|number| number.to_le_bytes()).collect()
     }
 
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
-        const NUMBERS: usize = 13;
+        const NUMBERS: usize = 14;
         let (chunks, rest) = bytes.as_chunks::<8>();
         let length = OscillatorError::Length { expected: 8 * NUMBERS, given: bytes.len() };
         let numbers: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
@@ -363,8 +246,9 @@ impl Model for Oscillator {
         let [m, k, d, friction, amplitude, x, v, ..] = numbers;
         self.parameters = [m, k, d, friction, amplitude];
         self.states = [x, v];
-        [self.u, self.t, self.direction, self.events, self.start, self.panics] =
-            [7, 8, 9, 10, 11, 12].map(|index| numbers[index]);
+        let [.., u, push, t, direction, events, start, panics] = numbers;
+        [self.u, self.push, self.t] = [u, push, t];
+        [self.direction, self.events, self.start, self.panics] = [direction, events, start, panics];
         Ok(())
     }
 
@@ -375,7 +259,7 @@ impl Model for Oscillator {
     fn directional(&self, unknowns: &[u32], knowns: &[u32], seed: &[f64]) -> Option<Vec<f64>> {
         let [m, k, d, _, _] = self.parameters;
         let slides = if self.direction == 0.0 { 0.0 } else { 1.0 };
-        // Rows of the Jacobian over x, v, u.
+        // Rows of the Jacobian over x, v, u; push acts as u does.
         let row = |unknown: &u32| match *unknown {
             X => Some([1.0, 0.0, 0.0]),
             V => Some([0.0, 1.0, 0.0]),
@@ -386,8 +270,8 @@ impl Model for Oscillator {
         };
         let mut direction = [0.0; 3];
         for (known, seed) in knowns.iter().zip(seed) {
-            let column = [X, V, U].iter().position(|reference| reference == known)?;
-            direction[column] += seed;
+            let column = [X, V, U, PUSH].iter().position(|reference| reference == known)?;
+            direction[column.min(2)] += seed;
         }
         let along = |row: [f64; 3]| row.iter().zip(direction).map(|(a, b)| a * b).sum();
         unknowns.iter().map(|unknown| row(unknown).map(along)).collect()

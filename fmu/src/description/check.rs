@@ -245,15 +245,15 @@ fn check_variable(variable: &Variable) -> Result<(), DescriptionError> {
     let Variable { causality, variability, kind, start, min, max, nominal, .. } = *variable;
     let initial = variable.initial();
     // The table of FMI 2.0.4 section 2.2.7, unchanged in FMI 3.0.2.
-    let together = match (causality, variability, initial) {
-        (C::Parameter, V::Fixed | V::Tunable, I::Exact) => true,
-        (C::CalculatedParameter, V::Fixed | V::Tunable, I::Calculated | I::Approx) => true,
-        (C::Input, V::Discrete | V::Continuous, I::Exact) => true,
-        (C::Output | C::Local, V::Constant, I::Exact) => true,
-        (C::Local, V::Fixed | V::Tunable, I::Calculated | I::Approx) => true,
-        (C::Output | C::Local, V::Discrete | V::Continuous, _) => true,
-        _ => false,
-    };
+    let together = matches!(
+        (causality, variability, initial),
+        (C::Parameter, V::Fixed | V::Tunable, I::Exact)
+            | (C::CalculatedParameter, V::Fixed | V::Tunable, I::Calculated | I::Approx)
+            | (C::Input, V::Discrete | V::Continuous, I::Exact)
+            | (C::Output | C::Local, V::Constant, I::Exact)
+            | (C::Local, V::Fixed | V::Tunable, I::Calculated | I::Approx)
+            | (C::Output | C::Local, V::Discrete | V::Continuous, _)
+    );
     if !together || (kind != Kind::Real && variability == V::Continuous) {
         let name = name();
         return Err(DescriptionError::Combination { name, causality, variability, initial, kind });
@@ -276,7 +276,7 @@ fn check_variable(variable: &Variable) -> Result<(), DescriptionError> {
     Ok(())
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "export"))]
 mod tests {
     use super::super::tests::description;
     use super::*;

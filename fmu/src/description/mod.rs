@@ -170,11 +170,6 @@ impl ModelDescription {
         let derivatives = self.structure.derivatives.iter();
         derivatives.filter_map(|unknown| self.variable(unknown.reference)?.derivative_of).collect()
     }
-
-    /// Whether every name is a "structured" one of the standard (`coulomb.T_c`, `der(omega)`).
-    fn names_are_structured(&self) -> bool {
-        self.variables.iter().all(|variable| variable::is_structured(&variable.name))
-    }
 }
 
 #[cfg(feature = "export")]
@@ -197,6 +192,11 @@ impl ModelDescription {
         format!("{{{}}}", uuid::Uuid::new_v5(&uuid::Uuid::NAMESPACE_OID, content.as_bytes()))
     }
 
+    /// Whether every name is a "structured" one of the standard (`coulomb.T_c`, `der(omega)`).
+    fn names_are_structured(&self) -> bool {
+        self.variables.iter().all(|variable| variable::is_structured(&variable.name))
+    }
+
     fn document(&self, version: Version, token: &str) -> String {
         match version {
             Version::Two => fmi2::document(self, token),
@@ -206,5 +206,5 @@ impl ModelDescription {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "export"))]
 pub(crate) mod tests;

@@ -149,6 +149,7 @@ impl Variable {
 
 /// `name` follows the standard's "structured" naming convention: identifiers joined by dots, or
 /// `der(...)` of that.
+#[cfg(feature = "export")]
 pub(super) fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')).unwrap_or(name);
     inner.split('.').all(|part| {
@@ -157,7 +158,7 @@ pub(super) fn is_structured(name: &str) -> bool {
     })
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "export"))]
 mod tests {
     use super::*;
 

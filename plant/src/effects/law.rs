@@ -51,6 +51,8 @@ pub struct Info {
     pub senses: bool,
     /// Whether its own states are stiff and give a decay rate to the exponential stages.
     pub stiff: bool,
+    /// Whether it acts in the armature circuit alone, which a force-driven drive does not have.
+    pub electrical: bool,
 }
 
 impl Info {
@@ -66,6 +68,7 @@ impl Info {
             replaces_dry: false,
             senses: false,
             stiff: false,
+            electrical: false,
         }
     }
 }

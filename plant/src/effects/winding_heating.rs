@@ -12,6 +12,7 @@ pub struct WindingHeating;
 
 impl Effect<3, 1> for WindingHeating {
     const INFO: Info = Info {
+        electrical: true,
         nulls: &[("alpha", 0.0)],
         ..Info::new(
             "winding_heating",

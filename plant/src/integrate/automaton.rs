@@ -14,6 +14,8 @@ use crate::model::{Applied, Model, SPEED, field, rest};
 const MOST_EVENTS: usize = 16;
 /// Halvings of a bracket until it is as short as a rounding error of the step.
 const MOST_HALVINGS: usize = 60;
+/// Golden sections until a minimum is known as well as rounding lets it: 0.618^36 = 3e-8.
+const MOST_SECTIONS: usize = 36;
 /// Share of the step by which the rate of the event function is found by differences.
 const DIFFERENCE: f64 = 1e-4;
 
@@ -31,19 +33,53 @@ pub(super) fn advance<R: Real>(
 ) {
     start.clone_from(x);
     step(model, x, applied, &[*sign], h, armature, room);
-    if model.dry() && crossed(model, x, *sign, applied) {
+    if model.dry() && may_change(model, (start, x), *sign, applied, h.value(), room) {
         x.clone_from(start);
         through_events(model, x, sign, applied, h, room);
     }
 }
 
-/// The event function: positive while the sign of the motion holds.
-fn event<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], sign: f64, applied: &Applied<R, 1>) -> R {
-    if sign == 0.0 { rest(model, x, applied).margin() } else { x[SPEED][0].scaled(sign) }
+/// The event function `tau` after the inputs' time: positive while the sign of the motion holds.
+fn event<R: Real>(
+    model: &Model<R, 1>,
+    x: &[[R; 1]],
+    sign: f64,
+    applied: &Applied<R, 1>,
+    tau: f64,
+) -> R {
+    if sign == 0.0 {
+        rest(model, x, &Applied { time: applied.time + tau, ..*applied }).margin()
+    } else {
+        x[SPEED][0].scaled(sign)
+    }
 }
 
-fn crossed<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], sign: f64, applied: &Applied<R, 1>) -> bool {
-    event(model, x, sign, applied).value() < 0.0
+/// Whether the sign of the motion changes by the end of the step just made from `start` to
+/// `end`, or may have changed inside it.
+#[inline(always)]
+fn may_change<R: Real>(
+    model: &Model<R, 1>,
+    (start, end): (&[[R; 1]], &[[R; 1]]),
+    sign: f64,
+    applied: &Applied<R, 1>,
+    h: f64,
+    room: &Stages<R, 1>,
+) -> bool {
+    let last = event(model, end, sign, applied, h).value();
+    if last < 0.0 {
+        return true;
+    }
+    if sign != 0.0 {
+        return room.may_dip(0, sign, (sign * start[SPEED][0].value(), last), h);
+    }
+    if !model.restless() {
+        return false;
+    }
+    let first = event(model, start, sign, applied, 0.0).value();
+    let middle = event(model, room.middle(), sign, applied, 0.5 * h).value();
+    // The parabola first + b t + c t^2 through the three has its lowest point inside.
+    let (b, c) = (4.0 * middle - 3.0 * first - last, 2.0 * (first + last - 2.0 * middle));
+    middle < 0.0 || (b < 0.0 && -b < 2.0 * c && 4.0 * c * first < b * b)
 }
 
 /// The state after a step of `h` with that sign of the motion.
@@ -73,17 +109,24 @@ fn through_events<R: Real>(
     let mut applied = *applied;
     for _ in 0..MOST_EVENTS {
         let end = stepped(model, x, *sign, &applied, left, room);
-        let last = event(model, &end, *sign, &applied).value();
-        if last >= 0.0 {
+        let whole = left.value();
+        let may_change = may_change(model, (x, &end), *sign, &applied, whole, room);
+        let last = event(model, &end, *sign, &applied, whole).value();
+        let start = event(model, x, *sign, &applied, 0.0).value();
+        let mut margin = |tau: f64| {
+            let there = stepped(model, x, *sign, &applied, R::constant(tau), room);
+            event(model, &there, *sign, &applied, tau).value()
+        };
+        let negative = match may_change {
+            true if last < 0.0 => Some((whole, last)),
+            true => Some(lowest(whole, &mut margin)).filter(|(_, value)| *value < 0.0),
+            false => None,
+        };
+        let Some((until, value)) = negative else {
             *x = end;
             return;
-        }
-        let start = event(model, x, *sign, &applied).value();
-        let located = locate(start, last, left.value(), |tau| {
-            let there = stepped(model, x, *sign, &applied, R::constant(tau), room);
-            event(model, &there, *sign, &applied).value()
-        });
-        let Some(instant) = located else {
+        };
+        let Some(instant) = locate(start, value, until, margin) else {
             // Pressed back at once: it was at rest and stays there.
             *sign = 0.0;
             continue;
@@ -119,10 +162,10 @@ fn at_event<R: Real>(
     room: &mut Stages<R, 1>,
 ) -> (Vec<[R; 1]>, R) {
     let mut there = stepped(model, x, sign, applied, R::constant(instant), room);
-    let value = event(model, &there, sign, applied);
+    let value = event(model, &there, sign, applied, instant);
     let mut beside = |tau: f64| {
         let there = stepped(model, x, sign, applied, R::constant(tau), room);
-        event(model, &there, sign, applied).value()
+        event(model, &there, sign, applied, tau).value()
     };
     let difference = DIFFERENCE * left.value();
     let rise = beside(instant + difference) - beside(instant - difference);
@@ -131,12 +174,37 @@ fn at_event<R: Real>(
     let inverse = if rate == 0.0 { 0.0 } else { 1.0 / rate };
     let moved = (R::constant(value.value()) - value).scaled(inverse);
     let mut slope = there.clone();
-    field(model, &there, applied, &[sign], &mut slope, None);
+    let then = Applied { time: applied.time + instant, ..*applied };
+    field(model, &there, &then, &[sign], &mut slope, None);
     for (state, slope) in there.iter_mut().zip(&slope) {
         state[0] += slope[0] * moved;
     }
     there[SPEED] = [R::zero()];
     (there, moved)
+}
+
+/// The lowest point of a function with one minimum in [0, h], as (place, value): by golden
+/// section, which ends early once the function is seen negative.
+fn lowest(h: f64, mut event: impl FnMut(f64) -> f64) -> (f64, f64) {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut low, mut high) = (0.0, h);
+    let mut left = (h - golden * h, event(h - golden * h));
+    let mut right = (golden * h, event(golden * h));
+    for _ in 0..MOST_SECTIONS {
+        if left.1 < 0.0 || right.1 < 0.0 {
+            break;
+        }
+        if left.1 < right.1 {
+            (high, right) = (right.0, left);
+            let place = high - golden * (high - low);
+            left = (place, event(place));
+        } else {
+            (low, left) = (left.0, right);
+            let place = low + golden * (high - low);
+            right = (place, event(place));
+        }
+    }
+    if left.1 < right.1 { left } else { right }
 }
 
 /// The instant in (0, h] at which an event function that ends negative becomes so; nothing if
@@ -197,6 +265,14 @@ mod tests {
         let f = |t: f64| 2.0 - (3.0 * t).exp();
         let root = locate(f(0.0), f(1.0), 1.0, f).expect("it crosses");
         assert!((root - 2f64.ln() / 3.0).abs() < 1e-15, "{root}");
+    }
+
+    #[test]
+    fn a_dip_is_found_and_its_depth_where_it_stays_above_zero() {
+        let (place, value) = lowest(2.0, |t| (t - 0.7).powi(2) + 0.1);
+        assert!((place - 0.7).abs() < 1e-7 && (value - 0.1).abs() < 1e-14, "{place}, {value}");
+        let (place, value) = lowest(2.0, |t| (t - 0.7).powi(2) - 1e-6);
+        assert!(value < 0.0 && (place - 0.7).abs() < 1e-3, "{place}, {value}");
     }
 
     #[test]

@@ -4,14 +4,14 @@ use drivescope_numerics::Real;
 
 use super::dispatch::{Work, widest};
 use super::step::{Stages, step};
-use super::{Integrator, Plan, State, substeps};
+use super::{Integrator, Pace, Plan, State};
 use crate::model::{Applied, Model, OWN, SPEED};
 
 /// Advances `N` drives of one structure.
 #[derive(Debug, Clone)]
 pub struct Block<R, const N: usize> {
     model: Model<R, N>,
-    speed: f64,
+    pace: Pace,
     plan: Option<Plan<R, N>>,
     room: Stages<R, N>,
     saved: Vec<[R; N]>,
@@ -21,12 +21,22 @@ pub struct Block<R, const N: usize> {
 }
 
 impl<R: Real, const N: usize> Block<R, N> {
-    /// A block of those drives; `speed` is the greatest speed to expect, rad/s.
+    /// A block of those drives; `speed` is the greatest speed to expect, rad/s. Every lane
+    /// takes the sub-steps that the fastest of them needs.
     pub fn new(model: Model<R, N>, speed: f64) -> Self {
+        Self::with(model, Pace::Speed(speed))
+    }
+
+    /// A block whose sub-steps last at most `longest` seconds whatever the drives: a lane
+    /// equals [`Integrator::paced`] bit for bit, whichever drives stand beside it.
+    pub fn paced(model: Model<R, N>, longest: f64) -> Self {
+        Self::with(model, Pace::Longest(longest))
+    }
+
+    fn with(model: Model<R, N>, pace: Pace) -> Self {
         let room = Stages::new(model.states());
-        let alone = (0..N).map(|l| Integrator::new(model.lane(l), speed)).collect();
         let saved = vec![[R::zero(); N]; model.states()];
-        Self { model, speed, plan: None, room, saved, alone, redo: [false; N] }
+        Self { model, pace, plan: None, room, saved, alone: Vec::new(), redo: [false; N] }
     }
 
     /// The drives.
@@ -38,22 +48,28 @@ impl<R: Real, const N: usize> Block<R, N> {
     pub fn change(&mut self, change: impl FnOnce(&mut Model<R, N>)) {
         change(&mut self.model);
         self.plan = None;
-        self.alone = (0..N).map(|l| Integrator::new(self.model.lane(l), self.speed)).collect();
     }
 
-    /// Advances every lane by `h`, the inputs held. Every lane takes the sub-steps that the
-    /// fastest of them needs.
+    /// Advances every lane by `h`, the inputs held.
     pub fn advance(&mut self, state: &mut State<R, N>, applied: &Applied<R, N>, h: R) {
         if self.plan.as_ref().is_none_or(|plan| plan.h != h) {
-            let steps = substeps(&self.model, h.value(), self.speed);
-            self.plan = Some(Plan::new(&self.model, h, steps));
-            for alone in &mut self.alone {
-                alone.plan = None;
-                alone.ready(h, Some(steps));
-            }
+            self.ready(h);
         }
         widest(Advance { block: self, state, applied });
         self.redo_alone(state, applied);
+    }
+
+    /// The plan for intervals of length `h`, the same for the block and for its lanes alone.
+    fn ready(&mut self, h: R) {
+        let steps = self.pace.substeps(&self.model, h.value());
+        let plan = Plan::new(&self.model, h, steps);
+        self.alone.clear();
+        for l in 0..N {
+            let mut alone = Integrator::with(self.model.lane(l), self.pace);
+            alone.plan = Some(Plan::new(alone.model(), h, steps));
+            self.alone.push(alone);
+        }
+        self.plan = Some(plan);
     }
 
     fn redo_alone(&mut self, state: &mut State<R, N>, applied: &Applied<R, N>) {
@@ -113,10 +129,15 @@ impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
         for k in 0..plan.substeps {
             let time = applied.time + k as f64 * h.value();
             let held = Applied { time, ..*applied };
+            let before = state.x[SPEED];
             step(model, &mut state.x, &held, &state.sign, h, &plan.armature, room);
             if model.dry() {
                 for l in 0..N {
-                    redo[l] |= state.sign[l] * state.x[SPEED][l].value() < 0.0;
+                    let sign = state.sign[l];
+                    let first = sign * before[l].value();
+                    let last = sign * state.x[SPEED][l].value();
+                    let dips = room.may_dip(l, sign, (first, last), h.value());
+                    redo[l] |= (last < 0.0) | dips;
                 }
             }
         }

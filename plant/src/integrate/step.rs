@@ -3,7 +3,7 @@
 use drivescope_numerics::Real;
 
 use super::exponential::Exponential;
-use crate::model::{Applied, CURRENT, Model, OWN, field};
+use crate::model::{Applied, CURRENT, Model, OWN, SPEED, field};
 
 /// Room for the stages of a step; allocated once, reused by every step.
 #[derive(Debug, Clone)]
@@ -28,6 +28,23 @@ impl<R: Real, const N: usize> Stages<R, N> {
             lambda: zero,
             stiff: vec![None; states],
         }
+    }
+
+    /// Whether the speed of lane `l` may have dipped below zero inside the step just made over
+    /// `h`, from `first` to `last` (speeds in the direction of motion): a curve that is bent
+    /// upwards stays above its two end tangents, and so above where they meet.
+    #[inline(always)]
+    pub(super) fn may_dip(&self, l: usize, sign: f64, (first, last): (f64, f64), h: f64) -> bool {
+        let falls = sign * self.slopes[0][SPEED][l].value() * h;
+        let rises = sign * self.slopes[3][SPEED][l].value() * h;
+        // Meet at t: first + falls t = last - rises (1 - t), for falls < 0 < rises.
+        let meeting = first * rises - falls * (last - rises);
+        (falls < 0.0) & (rises > 0.0) & (meeting < 0.0)
+    }
+
+    /// The state about the middle of the step just made.
+    pub(super) fn middle(&self) -> &[[R; N]] {
+        &self.middle
     }
 }
 

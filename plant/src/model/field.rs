@@ -7,6 +7,8 @@
 //! the shaft slips, 0 while it sticks. For a given s the field is smooth, also across
 //! omega = 0: the automaton of [`crate::integrate`] changes s at located events.
 
+use std::array::from_fn;
+
 use drivescope_numerics::Real;
 
 use super::{Applied, CURRENT, Model, OWN, POSITION, SPEED};
@@ -19,14 +21,29 @@ pub(super) fn views<R: Real, const N: usize>(
     x: &[[R; N]],
     applied: &Applied<R, N>,
 ) -> Views<R, N> {
+    let u = match &model.control {
+        Some(_) => from_fn(|l| model.controlled(x, applied, l).map_or(applied.u[l], |c| c.u)),
+        None => applied.u,
+    };
+    views_under(model, x, applied, u)
+}
+
+/// What the effects see under that input.
+#[inline(always)]
+pub(super) fn views_under<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    applied: &Applied<R, N>,
+    u: [R; N],
+) -> Views<R, N> {
     let motors = &model.motors;
     let zero = [R::zero(); N];
-    let i = if model.force { applied.u } else { x[CURRENT] };
+    let i = if model.force { u } else { x[CURRENT] };
     let mut at = Views {
         i,
         omega: x[SPEED],
         theta: x[POSITION],
-        u: applied.u,
+        u,
         drive: zero,
         load: applied.load,
         copper: zero,
@@ -115,6 +132,13 @@ pub fn field<R: Real, const N: usize>(
         dx[CURRENT][l] = if model.force { R::zero() } else { electrical };
         dx[SPEED][l] = sum.acceleration[l];
         dx[POSITION][l] = at.omega[l];
+    }
+    if model.control.is_some() {
+        let integral = OWN + model.own_states;
+        for l in 0..N {
+            let rate = model.controlled(x, applied, l).map(|signals| signals.integral_rate);
+            dx[integral][l] = rate.unwrap_or(R::zero());
+        }
     }
     if model.own_states == 0 {
         return;

@@ -1,5 +1,7 @@
 //! The continuous drive: motor, placed effects, and the one right-hand side of (20)-(23).
 
+mod build;
+mod control;
 mod field;
 mod motor;
 
@@ -11,6 +13,7 @@ use crate::effects::custom::Law;
 use crate::effects::law::{Info, OutputLanes};
 use crate::effects::registry::{Kind, Placed, REGISTRY};
 
+pub use control::{Control, Controlled, Controls};
 pub use field::{Rest, field, rest};
 pub use motor::{Motor, Motors};
 
@@ -26,7 +29,8 @@ pub const OWN: usize = 3;
 /// What acts on the drive from outside at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Applied<R, const N: usize> {
-    /// Armature voltage, V, or the commanded force signal.
+    /// Armature voltage, V, or the commanded force signal; with continuous control the command:
+    /// the reference less what disturbs the tachometer, rad/s (m/s).
     pub u: [R; N],
     /// Load torque, N m, or force, N.
     pub load: [R; N],
@@ -47,6 +51,8 @@ pub struct Model<R, const N: usize> {
     own_states: usize,
     stiff: Vec<bool>,
     dry: bool,
+    control: Option<Controls<R, N>>,
+    restless: bool,
 }
 
 /// An effect to place: its law and the values of its parameters.
@@ -80,8 +86,11 @@ impl<R: Real> Model<R, 1> {
         }
         let any = |of: fn(&Info) -> bool| parts.iter().filter_map(|q| info(q.kind)).any(of);
         let dry = any(|i| i.dry) && !any(|i| i.replaces_dry);
+        let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
         let motors = Motors::splat(motor);
-        Self { motors, force, placed, laws, p, own_states: stiff.len() - OWN, stiff, dry }
+        let own_states = stiff.len() - OWN;
+        let control = None;
+        Self { motors, force, placed, laws, p, own_states, stiff, dry, restless, control }
     }
 }
 
@@ -110,6 +119,14 @@ impl<R: Real, const N: usize> Model<R, N> {
             own_states: first.own_states,
             stiff: first.stiff.clone(),
             dry: first.dry,
+            control: first.control.map(|one| {
+                let mut controls = Controls::splat(one.lane(0));
+                for (l, model) in of.iter().enumerate() {
+                    controls.set_lane(l, model.control.as_ref().unwrap_or(&one).lane(0));
+                }
+                controls
+            }),
+            restless: first.restless,
         }
     }
 
@@ -124,17 +141,45 @@ impl<R: Real, const N: usize> Model<R, N> {
             own_states: self.own_states,
             stiff: self.stiff.clone(),
             dry: self.dry,
+            control: self.control.map(|controls| Controls::splat(controls.lane(l))),
+            restless: self.restless,
         }
     }
 
     /// States: current, speed, position, and the effects' own.
     pub fn states(&self) -> usize {
-        OWN + self.own_states
+        OWN + self.own_states + usize::from(self.control.is_some())
+    }
+
+    /// Puts a continuous controller around the drive, or changes it.
+    pub fn set_control(&mut self, control: Controls<R, N>) {
+        if self.control.replace(control).is_none() {
+            self.stiff.push(false);
+        }
+    }
+
+    /// The signals of the continuous controller of lane `l`, if there is one.
+    pub fn controlled(
+        &self,
+        x: &[[R; N]],
+        applied: &Applied<R, N>,
+        l: usize,
+    ) -> Option<Controlled<R>> {
+        let control = self.control.as_ref()?.lane(l);
+        let truth = OutputLanes { i: x[CURRENT], omega: x[SPEED], theta: x[POSITION] };
+        let speed = self.distorted(truth, x, applied).omega[l];
+        Some(control.signals(applied.u[l], speed, x[OWN + self.own_states][l]))
     }
 
     /// Whether dry friction makes the shaft stick and slip.
     pub fn dry(&self) -> bool {
         self.dry
+    }
+
+    /// Whether the torque on a shaft at rest may turn round while the inputs are held: in the
+    /// base drive it follows the current, which goes one way.
+    pub(crate) fn restless(&self) -> bool {
+        self.restless
     }
 
     /// Whether a state is stiff and takes exponential stages of its own decay rate.
@@ -150,10 +195,26 @@ impl<R: Real, const N: usize> Model<R, N> {
     /// What ideal sensors show, measurement effects included.
     #[inline(always)]
     pub fn outputs(&self, x: &[[R; N]], applied: &Applied<R, N>) -> OutputLanes<R, N> {
-        let i = if self.force { applied.u } else { x[CURRENT] };
-        let mut shown = OutputLanes { i, omega: x[SPEED], theta: x[POSITION] };
+        let i = if !self.force {
+            x[CURRENT]
+        } else if self.control.is_some() {
+            field::views(self, x, applied).u
+        } else {
+            applied.u
+        };
+        self.distorted(OutputLanes { i, omega: x[SPEED], theta: x[POSITION] }, x, applied)
+    }
+
+    /// What the sensors show of these true values.
+    #[inline(always)]
+    fn distorted(
+        &self,
+        mut shown: OutputLanes<R, N>,
+        x: &[[R; N]],
+        applied: &Applied<R, N>,
+    ) -> OutputLanes<R, N> {
         if self.distorts_sensors() {
-            let at = field::views(self, x, applied);
+            let at = field::views_under(self, x, applied, applied.u);
             for part in &self.placed {
                 part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
             }
@@ -181,19 +242,23 @@ impl<R: Real, const N: usize> Model<R, N> {
 
     /// Speed beyond which lane `l` is affine in its state; infinite if nowhere.
     pub(crate) fn affine_beyond(&self, l: usize) -> f64 {
-        if self.own_states > 0 {
+        if self.own_states > 0 || self.control.is_some() {
             return f64::INFINITY;
         }
         let p: Vec<f64> = self.p.iter().map(|values| values[l].value()).collect();
         self.placed.iter().map(|part| part.affine_beyond(&p)).fold(0.0, f64::max)
     }
 
-    /// Fastest rate of lane `l` up to that speed without the armature's own decay, 1/s.
-    pub(crate) fn fastest(&self, l: usize, speed: f64) -> f64 {
-        let motor = self.motors.lane(l);
+    /// Fastest rate of a lane up to that speed without the armature's own decay, 1/s.
+    pub(crate) fn fastest(&self, lane: usize, speed: f64) -> f64 {
+        let motor = self.motors.lane(lane);
         let inertia = motor.j.value();
-        let p: Vec<f64> = self.p.iter().map(|values| values[l].value()).collect();
+        let p: Vec<f64> = self.p.iter().map(|values| values[lane].value()).collect();
         let effects = self.placed.iter().map(|part| part.fastest(&p, speed, inertia));
-        effects.fold(motor.fastest(self.force), f64::max)
+        let control = self.control.as_ref().map_or(0.0, |controls| {
+            let [k_m, l, r] = [motor.k_m, motor.l, motor.r].map(Real::value);
+            controls.lane(lane).fastest(self.force, k_m / inertia, l, r)
+        });
+        effects.fold(motor.fastest(self.force).max(control), f64::max)
     }
 }

@@ -10,9 +10,9 @@ mod sensors;
 
 use crate::drive::{AmplifierData, ControllerData, Drive, GeneratorData, Input, Motion};
 use crate::effects::law::{OutputLanes, lanes};
-use crate::fault::FaultLanes;
+use crate::fault::{FaultLanes, Faults};
 use crate::integrate::{State, Stepper};
-use crate::model::{Applied, Model, Motors};
+use crate::model::{Applied, Control, Controls, Model, Motors};
 
 use amplifier::amplify;
 use controller::Pi;
@@ -129,6 +129,10 @@ pub struct Sampled<const N: usize, S> {
     pi: Pi<N>,
     state: State<f64, N>,
     signals: SignalLanes<f64, N>,
+    /// Reference less what disturbs the tachometer: what a continuous controller follows.
+    command: [f64; N],
+    /// The continuous controllers that the stepper is set up with.
+    controls: Option<Controls<f64, N>>,
     /// Sizes of the faults in the motors for which the stepper is set up.
     in_motors: [[f64; 5]; N],
 }
@@ -140,7 +144,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         let state = State::at_rest(stepper.model());
         let healthy = stepper.model().motors;
         let zero = Signals { c_m: 0.0, t: 0.0, i_m: 0.0, u: 0.0, i_g: 0.0, load: 0.0 };
-        Self {
+        let mut made = Self {
             healthy,
             controller: drive.controller.filter(|_| controlled),
             amplifier: drive.amplifier,
@@ -150,9 +154,16 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
             pi: Pi::at_rest(),
             state,
             signals: SignalLanes::splat(zero),
+            command: [0.0; N],
+            controls: None,
             in_motors: [[0.0; 5]; N],
             stepper,
+        };
+        if made.is_continuous() {
+            // The controller brings its integrator into the state.
+            made.close_loop(&InputLanes::splat(Inputs::NONE), &FaultLanes::splat(Faults::NONE));
         }
+        made
     }
 
     /// State of the continuous drives.
@@ -177,7 +188,8 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
 
     /// What acts on the continuous drives since the last sample.
     pub fn applied(&self, time: f64) -> Applied<f64, N> {
-        Applied { u: self.signals.u, load: self.signals.load, time }
+        let u = if self.is_continuous() { self.command } else { self.signals.u };
+        Applied { u, load: self.signals.load, time }
     }
 
     /// What the controllers remember, V.
@@ -210,7 +222,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     #[inline]
     pub fn sample(&mut self, time: f64, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
         self.signals = self.measured(time, inputs, faults);
-        if let Some(data) = &self.controller {
+        if let Some(data) = self.controller.as_ref().filter(|data| data.period.is_some()) {
             self.pi.sample(data, &self.sensors, inputs, &mut self.signals);
         }
         self.apply(inputs, faults);
@@ -226,6 +238,9 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     ) -> SignalLanes<f64, N> {
         let mut signals = self.signals;
         self.sensors.read(&self.outputs(time), inputs, faults, &mut signals);
+        if self.is_continuous() {
+            self.continuous_signals(time, &mut signals);
+        }
         signals
     }
 
@@ -237,8 +252,12 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         if self.controller.is_none() {
             self.signals.c_m = inputs.u;
         }
-        let amplifier = if self.controller.is_some() { self.amplifier } else { None };
-        amplify(amplifier, faults, &mut self.signals);
+        if self.is_continuous() {
+            self.close_loop(inputs, faults);
+        } else {
+            let amplifier = if self.controller.is_some() { self.amplifier } else { None };
+            amplify(amplifier, faults, &mut self.signals);
+        }
         for l in 0..N {
             let i_g = self.generator.map_or(0.0, |g| limited(g.gain * inputs.c_g[l], g.limit));
             let braking = self.generator.map_or(0.0, |g| g.k_m * i_g);
@@ -252,6 +271,53 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     pub fn advance(&mut self, time: f64, h: f64) {
         let applied = self.applied(time);
         self.stepper.advance(&mut self.state, &applied, h);
+    }
+
+    /// Whether a continuous controller closes the loop: it is part of the drives then.
+    #[inline(always)]
+    fn is_continuous(&self) -> bool {
+        self.controller.is_some_and(|data| data.period.is_none())
+    }
+
+    /// Sets command and gains of the continuous controllers.
+    fn close_loop(&mut self, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
+        let Some(data) = self.controller else { return };
+        for l in 0..N {
+            let noise = inputs.noise_t[l] * (1.0 + faults.tacho_noise[l]);
+            let disturbed = self.sensors.speed(noise) + faults.tacho_bias[l];
+            self.command[l] = inputs.reference[l] + inputs.noise_reference[l] - disturbed;
+        }
+        let control = |l: usize| {
+            let supply = 1.0 + faults.supply[l];
+            let limit = self.amplifier.and_then(|a| a.limit).unwrap_or(f64::INFINITY);
+            Control {
+                k_p: data.k_p,
+                k_i: data.k_i,
+                limit: data.limit.unwrap_or(f64::INFINITY),
+                gain: self.amplifier.map_or(1.0, |a| a.gain) * supply * (1.0 + faults.actuator[l]),
+                u_limit: limit * supply,
+                tacho: 1.0 + faults.tacho[l],
+            }
+        };
+        let mut controls = Controls::splat(control(0));
+        (1..N).for_each(|l| controls.set_lane(l, control(l)));
+        if self.controls != Some(controls) {
+            self.controls = Some(controls);
+            self.stepper.change(|model| model.set_control(controls));
+            let states = self.stepper.model().states();
+            self.state.x.resize(states, [0.0; N]);
+        }
+    }
+
+    /// C_m and u of continuous controllers at that time, into the signals.
+    fn continuous_signals(&self, time: f64, signals: &mut SignalLanes<f64, N>) {
+        let applied = self.applied(time);
+        for l in 0..N {
+            if let Some(now) = self.stepper.model().controlled(&self.state.x, &applied, l) {
+                signals.c_m[l] = now.c_m;
+                signals.u[l] = now.u;
+            }
+        }
     }
 
     fn put_faults_into_motors(&mut self, faults: &FaultLanes<f64, N>) {

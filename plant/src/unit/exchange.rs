@@ -142,10 +142,9 @@ impl Unit {
                 Slot::Input(InputSlot::NoiseCurrent) => noise_i += slope,
                 // Sampled: they act at events alone.
                 Slot::Input(_) | Slot::Fault(_) => {}
-                Slot::Output(_)
-                | Slot::Derivative(_)
-                | Slot::Indicator(_)
-                | Slot::Parameter(_) => return None,
+                Slot::Output(_) | Slot::Derivative(_) | Slot::Indicator(_) | Slot::Parameter(_) => {
+                    return None;
+                }
             }
         }
         let model = now.dual_model();

@@ -81,7 +81,8 @@ impl Unit {
         }
         let sign = next();
         let states: Vec<f64> = (0..self.state_count()).map(|_| next()).collect();
-        let names: Vec<_> = self.drive.parameters().into_iter().map(|p| (p.name, p.value)).collect();
+        let names: Vec<_> =
+            self.drive.parameters().into_iter().map(|p| (p.name, p.value)).collect();
         let parameters_at = expected - names.len();
         for (k, (name, present)) in names.iter().enumerate() {
             let value = next();

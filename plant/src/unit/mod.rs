@@ -23,8 +23,8 @@ use crate::sampled::{InputLanes, Inputs, Sampled, Signals, speed_bound};
 
 pub use exchange::Update;
 pub use memory::MemoryError;
-pub use variables::{Role, Variable};
 use variables::{InputSlot, OutputSlot, Slot};
+pub use variables::{Role, Variable};
 
 /// What cannot be done with a unit.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -52,7 +52,9 @@ pub enum UnitError {
         reason: String,
     },
     /// The state is no longer finite.
-    #[error("the state of the drive is not finite at {time} s: a parameter or input is out of range")]
+    #[error(
+        "the state of the drive is not finite at {time} s: a parameter or input is out of range"
+    )]
     NotFinite {
         /// When, s.
         time: f64,
@@ -226,9 +228,9 @@ impl Unit {
     /// An unknown reference, a calculated variable, a value that is not possible; the unit is
     /// then as before.
     pub fn set(&mut self, reference: usize, value: f64) -> Result<(), UnitError> {
-        let variable =
-            self.variables.get(reference).ok_or(UnitError::Reference { reference })?;
-        let refused = |reason: String| UnitError::Value { name: variable.name.clone(), value, reason };
+        let variable = self.variables.get(reference).ok_or(UnitError::Reference { reference })?;
+        let refused =
+            |reason: String| UnitError::Value { name: variable.name.clone(), value, reason };
         if !value.is_finite() {
             return Err(refused("it is not finite".to_owned()));
         }

@@ -3,6 +3,7 @@
 use crate::drive::{Drive, Motion, TachoUnit};
 use crate::effects::registry::Entry;
 use crate::fault::MECHANISMS;
+use crate::parameters;
 use crate::units::{for_motion, name_for_motion};
 
 /// Who gives a variable its value.
@@ -92,15 +93,19 @@ pub(super) fn list(drive: &Drive, controlled: bool, dry: bool) -> Vec<Variable> 
     inputs(&mut list, drive, controlled);
     faults(&mut list, drive);
     outputs(&mut list, drive, controlled);
-    states(&mut list, drive);
+    states(&mut list, drive, controlled);
     if dry {
         indicators(&mut list, drive);
     }
     for (number, parameter) in drive.parameters().into_iter().enumerate() {
+        // Noise comes from outside, and the rating scales a fault: neither is the model's.
+        if !matches!(parameter.role, parameters::Role::Physics | parameters::Role::Control) {
+            continue;
+        }
         list.push(Variable {
             name: parameter.name,
             unit: parameter.unit,
-            description: parameter.description,
+            description: parameter.description.to_owned(),
             role: Role::Parameter,
             continuous: false,
             start: Some(parameter.value),
@@ -229,7 +234,7 @@ fn outputs(list: &mut Vec<Variable>, drive: &Drive, controlled: bool) {
 }
 
 /// States and their derivatives, in the order of the model.
-fn states(list: &mut Vec<Variable>, drive: &Drive) {
+fn states(list: &mut Vec<Variable>, drive: &Drive, controlled: bool) {
     let speed = name_for_motion(drive.motion, "omega");
     let position = name_for_motion(drive.motion, "theta");
     let mut names = vec![
@@ -243,6 +248,9 @@ fn states(list: &mut Vec<Variable>, drive: &Drive) {
             let name = format!("{}.{}", effect.id, state.name);
             names.push((name, state.unit, state.description, state.nominal));
         }
+    }
+    if drive.controller.is_some_and(|controller| controlled && controller.period.is_none()) {
+        names.push(("controller.integral".to_owned(), "V", "integrator of the controller", 1.0));
     }
     for (number, (name, unit, description, nominal)) in names.iter().enumerate() {
         list.push(Variable {

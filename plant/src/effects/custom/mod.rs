@@ -14,7 +14,7 @@ use drivescope_numerics::Real;
 pub use parse::LawError;
 use tape::Tape;
 
-use super::law::{OutputLanes, Sums, Views};
+use super::law::{OutputLanes, Sums, View, Views};
 
 /// What a typed law gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,6 +49,36 @@ pub struct Law {
     tape: Tape,
 }
 
+/// An expression in the time `t` alone, as a reference or input signal is typed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expression(Tape);
+
+impl Expression {
+    /// Parses the text.
+    ///
+    /// # Errors
+    /// [`LawError`] with the byte position in the text; also where it uses anything but `t`.
+    pub fn parse(text: &str) -> Result<Self, LawError> {
+        Ok(Self(parse::parse(text, &[], &parse::TIME)?))
+    }
+
+    /// The value at time `t`, s.
+    pub fn at(&self, t: f64) -> f64 {
+        let zero = View {
+            i: 0.0,
+            omega: 0.0,
+            theta: 0.0,
+            u: 0.0,
+            drive: 0.0,
+            load: 0.0,
+            copper: 0.0,
+            inertia: 0.0,
+            time: t,
+        };
+        self.0.run(&[], &Views::<f64, 1>::splat(zero))[0]
+    }
+}
+
 impl Law {
     /// Parses the text; `parameters` are the names of the coefficients, in the order in which
     /// their values are given later.
@@ -56,7 +86,7 @@ impl Law {
     /// # Errors
     /// [`LawError`] with the byte position in the text.
     pub fn parse(target: Target, text: &str, parameters: &[String]) -> Result<Self, LawError> {
-        Ok(Self { target, tape: parse::parse(text, parameters)? })
+        Ok(Self { target, tape: parse::parse(text, parameters, &parse::DRIVE)? })
     }
 
     /// What the law gives.
@@ -102,5 +132,18 @@ impl Law {
             Target::Current => y.i = self.tape.run(p, at),
             Target::Torque | Target::Voltage | Target::Heat => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_expression_knows_the_time_alone() {
+        let ramp = Expression::parse("min(10 * t, 5)").expect("it is right");
+        assert_eq!((ramp.at(0.25), ramp.at(2.0)), (2.5, 5.0));
+        let error = Expression::parse("omega + 1").expect_err("there is no drive");
+        assert_eq!(error.at(), 0);
     }
 }

@@ -74,7 +74,10 @@ impl LawError {
     }
 }
 
-const VARIABLES: [(&str, Variable); 7] = [
+/// Variables of an expression in time alone.
+pub(super) const TIME: [(&str, Variable); 1] = [("t", Variable::Time)];
+/// Variables of a law of the drive.
+pub(super) const DRIVE: [(&str, Variable); 7] = [
     ("i", Variable::Current),
     ("omega", Variable::Speed),
     ("v", Variable::Speed),
@@ -161,9 +164,13 @@ fn number_end(text: &str, at: usize) -> usize {
 }
 
 /// Parses the text into a tape.
-pub(super) fn parse(text: &str, parameters: &[String]) -> Result<Tape, LawError> {
-    let mut parser =
-        Parser { tokens: tokens(text)?, next: 0, parameters, tape: Vec::new(), depth: 0 };
+pub(super) fn parse(
+    text: &str,
+    parameters: &[String],
+    variables: &[(&str, Variable)],
+) -> Result<Tape, LawError> {
+    let tokens = tokens(text)?;
+    let mut parser = Parser { tokens, next: 0, parameters, variables, tape: Vec::new(), depth: 0 };
     parser.sum(0)?;
     match parser.peek() {
         (_, Token::End) => Ok(Tape(parser.tape)),
@@ -175,6 +182,7 @@ struct Parser<'a> {
     tokens: Vec<(usize, Token)>,
     next: usize,
     parameters: &'a [String],
+    variables: &'a [(&'a str, Variable)],
     tape: Vec<Operation>,
     /// Values on the stack after the operations so far.
     depth: usize,
@@ -301,7 +309,7 @@ impl Parser<'_> {
         if let Some(k) = self.parameters.iter().position(|p| *p == name) {
             return self.push(Operation::Parameter(k), 0);
         }
-        if let Some((_, variable)) = VARIABLES.iter().find(|(n, _)| *n == name) {
+        if let Some((_, variable)) = self.variables.iter().find(|(n, _)| *n == name) {
             return self.push(Operation::Variable(*variable), 0);
         }
         if name == "pi" {
@@ -325,7 +333,7 @@ impl Parser<'_> {
         Err(LawError::Name {
             at,
             name,
-            variables: VARIABLES.map(|(n, _)| n).join(", "),
+            variables: self.variables.iter().map(|(n, _)| *n).collect::<Vec<_>>().join(", "),
             parameters: self.parameters.join(", "),
             functions: functions.collect::<Vec<_>>().join(", "),
         })
@@ -339,7 +347,7 @@ mod tests {
     use drivescope_numerics::{Dual, Real};
 
     fn value<R: Real>(text: &str, c: R, omega: R) -> R {
-        let tape = parse(text, &["c".to_owned()]).expect("the law is right");
+        let tape = parse(text, &["c".to_owned()], &DRIVE).expect("the law is right");
         let zero = R::zero();
         let view = View {
             i: R::constant(2.0),
@@ -383,7 +391,7 @@ mod tests {
 
     #[test]
     fn errors_say_where() {
-        let at = |text: &str| parse(text, &[]).expect_err("the law is wrong").at();
+        let at = |text: &str| parse(text, &[], &DRIVE).expect_err("the law is wrong").at();
         assert_eq!(at("1 + $"), 4);
         assert_eq!(at("1 + "), 4);
         assert_eq!(at("omega * k"), 8);
@@ -402,7 +410,7 @@ mod tests {
         let long = vec!["1"; 1000].join("+");
         let right = format!("{}1{}", "1+(".repeat(40), ")".repeat(40));
         for text in [deep, signs, long, right] {
-            let error = parse(&text, &[]).expect_err("too large");
+            let error = parse(&text, &[], &DRIVE).expect_err("too large");
             assert!(matches!(error, LawError::TooLarge { .. }), "{error}");
         }
     }

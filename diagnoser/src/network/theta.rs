@@ -1,0 +1,179 @@
+//! Trained parameters: a vector of free numbers, every value of which is a stable network.
+//!
+//! Order: for each IIR neuron w (n), theta (r), b (r), b_0, g_1, g_2; for each FIR neuron w_2 (v1)
+//! and w_u (n); then C row by row. A filter's denominator is the step-up image of the reflection
+//! coefficients k = K tanh(theta): a = tanh(theta) for r = 1, the stability triangle for r = 2.
+
+use drivescope_numerics::elementary::tanh;
+
+use super::{FirNeuron, IirNeuron, Network, Structure};
+use crate::scale::Scale;
+use crate::stability::{step_down, step_up, step_up_with_derivatives};
+
+/// K: a filter remembers at most ten thousand samples. tanh alone rounds to 1 from theta = 19 on,
+/// and closer to the circle the denominator's own rounding could carry a third-order filter out.
+const LARGEST_REFLECTION: f64 = 1.0 - 1e-4;
+
+/// A network as a vector of free parameters, for standardised signals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Theta {
+    /// Its sizes.
+    pub structure: Structure,
+    /// [`Structure::parameters`] values.
+    pub values: Vec<f64>,
+}
+
+/// The slices of one IIR neuron.
+pub(super) struct IirSlices<'a> {
+    pub(super) w: &'a [f64],
+    pub(super) theta: &'a [f64],
+    pub(super) b: &'a [f64],
+    pub(super) b_0: f64,
+    pub(super) g_1: f64,
+    pub(super) g_2: f64,
+}
+
+/// Views of a parameter vector by the layers it holds.
+#[derive(Clone, Copy)]
+pub(super) struct Layers<'a> {
+    pub(super) structure: Structure,
+    iir: &'a [f64],
+    /// v2 rows of v1 + n: [W2 | Wu].
+    pub(super) fir: &'a [f64],
+    /// m rows of v2 r.
+    pub(super) c: &'a [f64],
+}
+
+impl<'a> Layers<'a> {
+    pub(super) fn of(structure: Structure, values: &'a [f64]) -> Self {
+        let (iir, rest) = values.split_at(structure.v1 * structure.iir_parameters());
+        let (fir, c) = rest.split_at(structure.v2 * (structure.v1 + structure.inputs));
+        Self { structure, iir, fir, c }
+    }
+
+    pub(super) fn neurons(&self) -> impl Iterator<Item = IirSlices<'a>> + use<'a> {
+        let Structure { inputs, order, .. } = self.structure;
+        self.iir.chunks_exact(self.structure.iir_parameters()).map(move |values| {
+            let (w, rest) = values.split_at(inputs);
+            let (theta, rest) = rest.split_at(order);
+            let (b, last) = rest.split_at(order);
+            IirSlices { w, theta, b, b_0: last[0], g_1: last[1], g_2: last[2] }
+        })
+    }
+}
+
+impl IirSlices<'_> {
+    fn reflection(&self) -> Vec<f64> {
+        self.theta.iter().map(|theta| LARGEST_REFLECTION * tanh(*theta)).collect()
+    }
+
+    /// a_1 .. a_r.
+    pub(super) fn denominator(&self) -> Vec<f64> {
+        step_up(&self.reflection())
+    }
+
+    /// da_i / dtheta_j as rows i.
+    pub(super) fn denominator_derivatives(&self) -> Vec<Vec<f64>> {
+        let slopes: Vec<f64> = self
+            .theta
+            .iter()
+            .map(|theta| LARGEST_REFLECTION * (1.0 - tanh(*theta) * tanh(*theta)))
+            .collect();
+        let (_, rows) = step_up_with_derivatives(&self.reflection());
+        rows.into_iter()
+            .map(|row| row.iter().zip(&slopes).map(|(d, slope)| d * slope).collect())
+            .collect()
+    }
+}
+
+impl Theta {
+    /// The stored form, with the scales that the signals were standardised by.
+    pub(super) fn network(&self, input_scales: Vec<Scale>, output_scales: Vec<Scale>) -> Network {
+        let layers = Layers::of(self.structure, &self.values);
+        let iir = layers.neurons().map(|neuron| IirNeuron {
+            w: neuron.w.to_vec(),
+            a: neuron.denominator(),
+            b: neuron.b.to_vec(),
+            b_0: neuron.b_0,
+            g_1: neuron.g_1,
+            g_2: neuron.g_2,
+        });
+        let fir = layers.fir.chunks_exact(self.structure.v1 + self.structure.inputs).map(|row| {
+            let (w_2, w_u) = row.split_at(self.structure.v1);
+            FirNeuron { w_2: w_2.to_vec(), w_u: w_u.to_vec() }
+        });
+        let c = layers.c.chunks_exact(self.structure.v2 * self.structure.order);
+        Network {
+            input_scales,
+            output_scales,
+            iir: iir.collect(),
+            fir: fir.collect(),
+            c: c.map(<[f64]>::to_vec).collect(),
+        }
+    }
+
+    /// A random start: filters with real poles of one to a hundred samples, unit gains.
+    pub(super) fn draw(structure: Structure, mut normal: impl FnMut() -> f64) -> Self {
+        let Structure { inputs, outputs, v1, v2, order } = structure;
+        let mut values = Vec::with_capacity(structure.parameters());
+        for _ in 0..v1 {
+            values.extend((0..inputs).map(|_| normal()));
+            // Time constants log-normal around ten samples: 1 to 100 at two deviations.
+            let poles: Vec<f64> =
+                (0..order).map(|_| (-1.0 / (10.0 * (1.15 * normal()).exp())).exp()).collect();
+            let gain: f64 = poles.iter().map(|pole| 1.0 - pole).product();
+            let reflection = step_down(&monic(&poles)).unwrap_or_else(|| vec![0.0; order]);
+            values.extend(reflection.iter().map(|k| k.atanh()));
+            values.extend((0..order).map(|_| gain * normal()));
+            values.extend([0.1 * normal(), 0.5 * normal(), 1.0]);
+        }
+        let columns = v1 + inputs;
+        let spread = 1.0 / (columns as f64).sqrt();
+        values.extend((0..v2 * columns).map(|_| spread * normal()));
+        let spread = 1.0 / ((v2 * order) as f64).sqrt();
+        values.extend((0..outputs * v2 * order).map(|_| spread * normal()));
+        Self { structure, values }
+    }
+}
+
+/// Coefficients a_1..a_r of the polynomial with these roots.
+fn monic(roots: &[f64]) -> Vec<f64> {
+    let mut a = vec![1.0];
+    for root in roots {
+        a.push(0.0);
+        for i in (1..a.len()).rev() {
+            a[i] -= root * a[i - 1];
+        }
+    }
+    a.split_off(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::noise;
+
+    #[test]
+    fn every_parameter_vector_is_a_stable_network() {
+        for order in [1, 2, 3] {
+            let structure = Structure { order, ..Structure::PAPER };
+            for (seed, size) in [(1, 1.0), (2, 30.0), (3, 1e3)] {
+                let values = noise(structure.parameters(), seed).iter().map(|e| size * e).collect();
+                let scale = Scale { mean: 0.0, deviation: 1.0 };
+                let network = Theta { structure, values }.network(vec![scale], vec![scale]);
+                assert_eq!(network.structure(), Some(structure));
+                assert!(network.is_stable(), "order {order}, size {size}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_start_has_the_poles_that_were_drawn() {
+        assert_eq!(monic(&[0.5, 0.25]), [-0.75, 0.125]);
+        let structure = Structure { order: 2, ..Structure::PAPER };
+        let mut draws = noise(structure.parameters() + 10, 4).into_iter();
+        let start = Theta::draw(structure, || draws.next().unwrap());
+        assert_eq!(start.values.len(), structure.parameters());
+        assert!(start.values.iter().all(|value| value.is_finite()));
+    }
+}

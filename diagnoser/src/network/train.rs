@@ -1,0 +1,225 @@
+//! Training in free run: several starts in parallel, the best on held-out data is kept.
+//!
+//! The error is that of the free run, not of a one-step prediction: it is what residuals are made
+//! of. Every start and every search draws from its own random stream, numbered by its index, so
+//! that a seed gives the same network on any number of threads.
+
+use std::sync::Arc;
+
+use drivescope_numerics::{Limits, Linearisation, Residuals, aic, minimise};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::sensitivity::{linearise, sse};
+use super::{Network, Structure, Theta, ars};
+use crate::data::{Column, Data, DataError};
+use crate::scale::Scale;
+
+/// Step between the streams of neighbouring starts: the PCG stream is the odd part of it.
+const STREAM: u128 = 2;
+
+/// How the error is lowered from a start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// Levenberg-Marquardt with exact sensitivities.
+    LevenbergMarquardt(Limits),
+    /// Adaptive Random Search, the paper's, with this many outer steps (the paper: 100).
+    AdaptiveRandomSearch {
+        /// Outer steps of 328 trials each.
+        outer: usize,
+    },
+}
+
+/// How a network is trained.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Training {
+    /// How the error is lowered.
+    pub method: Method,
+    /// Random starts.
+    pub starts: usize,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Samples at the start of both data sets that only settle the state.
+    pub run_up: usize,
+}
+
+impl Default for Training {
+    fn default() -> Self {
+        let method = Method::LevenbergMarquardt(Limits { steps: 150, relative_decrease: 1e-7 });
+        Self { method, starts: 8, seed: 0, run_up: 100 }
+    }
+}
+
+/// Why a network cannot be trained.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TrainingError {
+    /// The signals do not serve.
+    #[error("network training, {set} data: {source}")]
+    Data {
+        /// Which data set.
+        set: &'static str,
+        /// What is wrong with it.
+        source: DataError,
+    },
+    /// A size is zero, or the data have other numbers of signals.
+    #[error(
+        "the data have {inputs} inputs and {outputs} outputs, the network is to have {structure:?}"
+    )]
+    Structure {
+        /// Sizes asked for; all must be at least 1.
+        structure: Structure,
+        /// Inputs in the data.
+        inputs: usize,
+        /// Outputs in the data.
+        outputs: usize,
+    },
+    /// Nothing was tried.
+    #[error("training needs at least one start")]
+    NoStart,
+    /// Every start ended in an error that is not finite.
+    #[error("none of {starts} starts reached a finite error: give other data or more starts")]
+    NoFiniteStart {
+        /// Starts tried.
+        starts: usize,
+    },
+}
+
+/// How one start ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StartRow {
+    /// Root mean square free-run error on the estimation data, in deviations of the outputs.
+    pub estimation: f64,
+    /// The same on the validation data, in the same deviations.
+    pub validation: f64,
+}
+
+/// A trained network.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trained {
+    /// The network of the best start.
+    pub network: Arc<Network>,
+    /// Its free parameters.
+    pub theta: Theta,
+    /// Sum of squared free-run errors on the estimation data, in deviations of the outputs.
+    pub sse: f64,
+    /// AIC of these errors, charged for [`Structure::effective_parameters`].
+    pub aic: f64,
+    /// All starts, by index.
+    pub starts: Vec<StartRow>,
+    /// Index of the start that did best on the validation data.
+    pub best: usize,
+}
+
+/// Standardised signals, row after row.
+struct Rows {
+    inputs: Vec<f64>,
+    outputs: Vec<f64>,
+}
+
+impl Rows {
+    fn new(data: &Data, input_scales: &[Scale], output_scales: &[Scale]) -> Self {
+        Self {
+            inputs: interleaved(data.inputs(), input_scales),
+            outputs: interleaved(data.outputs(), output_scales),
+        }
+    }
+}
+
+fn interleaved(columns: &[Column], scales: &[Scale]) -> Vec<f64> {
+    let samples = columns[0].values.len();
+    let row = |k: usize| columns.iter().zip(scales).map(move |(c, s)| s.standardise(c.values[k]));
+    (0..samples).flat_map(row).collect()
+}
+
+/// The free-run error as a sum of squares to be made small.
+struct FreeRunError<'a> {
+    structure: Structure,
+    rows: &'a Rows,
+    run_up: usize,
+}
+
+impl Residuals for FreeRunError<'_> {
+    fn sse(&self, values: &[f64]) -> f64 {
+        sse(self.structure, values, &self.rows.inputs, &self.rows.outputs, self.run_up)
+    }
+
+    fn linearise(&self, values: &[f64]) -> Linearisation {
+        linearise(self.structure, values, &self.rows.inputs, &self.rows.outputs, self.run_up)
+    }
+}
+
+/// Trains a network on `estimation` data and keeps the start that does best on `validation` data
+/// (another recording of the same signals).
+pub fn train(
+    structure: Structure,
+    estimation: &Data,
+    validation: &Data,
+    training: &Training,
+) -> Result<Trained, TrainingError> {
+    let &Training { method, starts, seed, run_up } = training;
+    for (set, data) in [("estimation", estimation), ("validation", validation)] {
+        let (inputs, outputs) = (data.inputs().len(), data.outputs().len());
+        if !structure.is_valid() || inputs != structure.inputs || outputs != structure.outputs {
+            return Err(TrainingError::Structure { structure, inputs, outputs });
+        }
+        let needed = run_up + structure.effective_parameters().div_ceil(outputs) + 1;
+        data.require_samples(needed, "training after its run-up")
+            .and_then(|()| data.require_variation())
+            .map_err(|source| TrainingError::Data { set, source })?;
+    }
+    if starts == 0 {
+        return Err(TrainingError::NoStart);
+    }
+    let scales = |columns: &[Column]| columns.iter().map(|c| Scale::of(c.values)).collect();
+    let (input_scales, output_scales): (Vec<_>, Vec<_>) =
+        (scales(estimation.inputs()), scales(estimation.outputs()));
+    let estimation = Rows::new(estimation, &input_scales, &output_scales);
+    let validation = Rows::new(validation, &input_scales, &output_scales);
+    let error = FreeRunError { structure, rows: &estimation, run_up };
+    let judge = FreeRunError { structure, rows: &validation, run_up };
+
+    let ends: Vec<(Vec<f64>, f64, f64)> = (0..starts)
+        .into_par_iter()
+        .map(|index| {
+            let mut random = Pcg64::new(u128::from(seed), STREAM * index as u128);
+            let start = Theta::draw(structure, || StandardNormal.sample(&mut random)).values;
+            let (values, sse) = match method {
+                Method::LevenbergMarquardt(limits) => {
+                    let minimum = minimise(&error, &start, limits);
+                    (minimum.parameters, minimum.sse)
+                }
+                Method::AdaptiveRandomSearch { outer } => {
+                    ars::search(|values| error.sse(values), start, outer, &mut random)
+                }
+            };
+            let held_out = judge.sse(&values);
+            (values, sse, held_out)
+        })
+        .collect();
+
+    let judged = ends
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, sse, held_out))| sse.is_finite() && held_out.is_finite());
+    let best = judged.min_by(|(_, a), (_, b)| a.2.total_cmp(&b.2)).map(|(index, _)| index);
+    let Some(best) = best else { return Err(TrainingError::NoFiniteStart { starts }) };
+    let counted = |rows: &Rows| rows.outputs.len() - run_up * structure.outputs;
+    let (n_estimation, n_validation) = (counted(&estimation), counted(&validation));
+    let rows = ends.iter().map(|(_, sse, held_out)| StartRow {
+        estimation: (sse / n_estimation as f64).sqrt(),
+        validation: (held_out / n_validation as f64).sqrt(),
+    });
+    let rows = rows.collect();
+    let (values, sse, _) = ends.into_iter().nth(best).expect("an index of these ends");
+    let theta = Theta { structure, values };
+    Ok(Trained {
+        network: Arc::new(theta.network(input_scales, output_scales)),
+        aic: aic(sse, n_estimation, structure.effective_parameters()),
+        theta,
+        sse,
+        starts: rows,
+        best,
+    })
+}

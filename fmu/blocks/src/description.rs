@@ -50,8 +50,7 @@ fn variable((place, of): (usize, &unit::Variable)) -> Variable {
         Role::Input => (Causality::Input, Variability::Discrete, None),
         Role::Parameter => (Causality::Parameter, Variability::Tunable, None),
         role => {
-            let causality =
-                if role == Role::Output { Causality::Output } else { Causality::Local };
+            let causality = if role == Role::Output { Causality::Output } else { Causality::Local };
             let variability =
                 if of.continuous { Variability::Continuous } else { Variability::Discrete };
             let initial = if of.start.is_some() { Initial::Exact } else { Initial::Calculated };

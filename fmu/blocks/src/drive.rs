@@ -20,7 +20,9 @@ pub const OPEN_LOOP_FILE: &str = "open_loop";
 #[derive(Debug, Error)]
 pub enum DriveError {
     /// There is no resources folder.
-    #[error("the FMU has no `resources` folder, where its drive file `{DRIVE_FILE}` belongs: unpack it whole")]
+    #[error(
+        "the FMU has no `resources` folder, where its drive file `{DRIVE_FILE}` belongs: unpack it whole"
+    )]
     NoResources,
     /// The drive file cannot be read.
     #[error("cannot read the drive file {}", path.display())]
@@ -74,8 +76,8 @@ impl Model for DriveModel {
     fn instantiate(resources: Option<&Path>) -> Result<Self, DriveError> {
         let resources = resources.ok_or(DriveError::NoResources)?;
         let path = resources.join(DRIVE_FILE);
-        let text = std::fs::read_to_string(&path)
-            .map_err(|source| DriveError::Read { path, source })?;
+        let text =
+            std::fs::read_to_string(&path).map_err(|source| DriveError::Read { path, source })?;
         let drive = Drive::parse(&text, DRIVE_FILE)?;
         Ok(Self::new(drive, resources.join(OPEN_LOOP_FILE).exists()))
     }

@@ -53,7 +53,8 @@ pub(crate) fn structure(unit: &Unit) -> Structure {
         running.iter().copied().chain(parameters.iter().map(|k| Known::Place(*k))).collect();
 
     let indicators = unit.indicator_references();
-    let unknowns: Vec<usize> = [&outputs, &derivatives, &indicators].into_iter().flatten().copied().collect();
+    let unknowns: Vec<usize> =
+        [&outputs, &derivatives, &indicators].into_iter().flatten().copied().collect();
     let depends = dependencies(unit, &unknowns, &inputs, &states, &initial);
     let rows = |of: &[usize], knowns: &[Known]| -> Vec<Unknown> {
         let row = |place: &usize| {

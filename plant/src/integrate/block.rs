@@ -46,7 +46,11 @@ impl<R: Real, const N: usize> Block<R, N> {
 
     /// Changes the drives' parameters.
     pub fn change(&mut self, change: impl FnOnce(&mut Model<R, N>)) {
+        let states = self.model.states();
         change(&mut self.model);
+        if self.model.states() != states {
+            *self = Self::with(self.model.clone(), self.pace);
+        }
         self.plan = None;
     }
 

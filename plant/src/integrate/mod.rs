@@ -175,9 +175,13 @@ impl<R: Real> Integrator<R> {
         &self.model
     }
 
-    /// Changes the drive's parameters.
+    /// Changes the drive: its parameters, or a continuous controller put around it.
     pub fn change(&mut self, change: impl FnOnce(&mut Model<R, 1>)) {
+        let states = self.model.states();
         change(&mut self.model);
+        if self.model.states() != states {
+            *self = Self::with(self.model.clone(), self.pace);
+        }
         self.plan = None;
     }
 

@@ -7,11 +7,14 @@
 
 mod cli;
 mod commands;
+mod drive_source;
+mod expression;
 mod failure;
 mod interrupt;
 mod output;
 mod panics;
 mod session;
+mod simulation;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
+use drivescope_recording::Recording;
+use miette::IntoDiagnostic;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -28,6 +30,15 @@ pub(crate) fn write_file(
         Ok(())
     };
     written().map_err(|source| Failure::Write { path: path.to_owned(), source })
+}
+
+/// Writes a recording; its extension tells the format.
+///
+/// # Errors
+/// The path, where it cannot be written or its format is not known.
+pub(crate) fn write_recording(path: &Path, recording: &Recording) -> miette::Result<()> {
+    let _not_now = interrupt::writing();
+    drivescope_recording::write(path, recording).into_diagnostic()
 }
 
 /// Finds out whether a file can be written there, before the work that fills it.

@@ -2,7 +2,10 @@
 //! page derive from it.
 
 mod effects;
+mod recording_options;
+mod schema;
 mod shell;
+mod simulate;
 
 use clap::{Args, Subcommand};
 
@@ -34,7 +37,9 @@ macro_rules! commands {
 }
 
 commands! {
+    Simulate: simulate::Simulate,
     Effects: effects::Effects,
+    Schema: schema::Schema,
     Completions: shell::Completions,
     Man: shell::Man,
 }

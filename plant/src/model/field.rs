@@ -18,6 +18,7 @@ pub(super) fn views<R: Real, const N: usize>(
     model: &Model<R, N>,
     x: &[[R; N]],
     applied: &Applied<R, N>,
+    sign: &[f64; N],
 ) -> Views<R, N> {
     let motors = &model.motors;
     let zero = [R::zero(); N];
@@ -26,6 +27,7 @@ pub(super) fn views<R: Real, const N: usize>(
         i,
         omega: x[SPEED],
         theta: x[POSITION],
+        direction: sign.map(R::constant),
         u: applied.u,
         drive: zero,
         load: applied.load,
@@ -98,7 +100,7 @@ pub fn field<R: Real, const N: usize>(
     dx: &mut [[R; N]],
     lambda: Option<&mut [[R; N]]>,
 ) {
-    let at = views(model, x, applied);
+    let at = views(model, x, applied, sign);
     let mut sum = sums(model, x, &at);
     let motors = &model.motors;
     for l in 0..N {
@@ -161,7 +163,7 @@ impl<R: Real> Rest<R> {
 
 /// The torques at the state `x`, whose speed is zero.
 pub fn rest<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], applied: &Applied<R, 1>) -> Rest<R> {
-    let at = views(model, x, applied);
+    let at = views(model, x, applied, &[0.0]);
     let sum = sums(model, x, &at);
     Rest { net: net(model, &at, &sum, 0), forward: sum.forward[0], backward: sum.backward[0] }
 }

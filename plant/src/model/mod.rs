@@ -47,6 +47,7 @@ pub struct Model<R, const N: usize> {
     own_states: usize,
     stiff: Vec<bool>,
     dry: bool,
+    kinked: bool,
     restless: bool,
 }
 
@@ -80,11 +81,12 @@ impl<R: Real> Model<R, 1> {
             stiff.extend(vec![is_stiff; own_states(part.kind)]);
         }
         let any = |of: fn(&Info) -> bool| parts.iter().filter_map(|q| info(q.kind)).any(of);
-        let dry = any(|i| i.dry) && !any(|i| i.replaces_dry);
+        let kinked = any(|i| i.replaces_dry);
+        let dry = any(|i| i.dry) && !kinked;
         let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
         let motors = Motors::splat(motor);
         let own_states = stiff.len() - OWN;
-        Self { motors, force, placed, laws, p, own_states, stiff, dry, restless }
+        Self { motors, force, placed, laws, p, own_states, stiff, dry, kinked, restless }
     }
 }
 
@@ -113,6 +115,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             own_states: first.own_states,
             stiff: first.stiff.clone(),
             dry: first.dry,
+            kinked: first.kinked,
             restless: first.restless,
         }
     }
@@ -128,6 +131,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             own_states: self.own_states,
             stiff: self.stiff.clone(),
             dry: self.dry,
+            kinked: self.kinked,
             restless: self.restless,
         }
     }
@@ -140,6 +144,12 @@ impl<R: Real, const N: usize> Model<R, N> {
     /// Whether dry friction makes the shaft stick and slip.
     pub fn dry(&self) -> bool {
         self.dry
+    }
+
+    /// Whether the field changes with the sign of the motion, so that changes of it are located:
+    /// dry friction, or a law that replaces it and is kinked at zero speed.
+    pub fn directed(&self) -> bool {
+        self.dry || self.kinked
     }
 
     /// Whether the torque on a shaft at rest may turn round while the inputs are held: in the
@@ -164,7 +174,7 @@ impl<R: Real, const N: usize> Model<R, N> {
         let i = if self.force { applied.u } else { x[CURRENT] };
         let mut shown = OutputLanes { i, omega: x[SPEED], theta: x[POSITION] };
         if self.placed.iter().any(|part| self.senses(part.kind)) {
-            let at = field::views(self, x, applied);
+            let at = field::views(self, x, applied, &[0.0; N]);
             for part in &self.placed {
                 part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
             }

@@ -25,7 +25,11 @@ impl RecordingOptions {
     ///
     /// # Errors
     /// The file, its columns or its time axis cannot be used.
-    pub(super) fn read(&self, path: &Path, session: &Session) -> miette::Result<(Recording, Report)> {
+    pub(super) fn read(
+        &self,
+        path: &Path,
+        session: &Session,
+    ) -> miette::Result<(Recording, Report)> {
         let columns = self.columns.as_deref().map(Mapping::parse_list).transpose();
         let columns = columns.into_diagnostic()?.unwrap_or_default();
         let options = ReadOptions { columns, resample: self.resample };

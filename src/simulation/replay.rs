@@ -107,7 +107,8 @@ pub(crate) fn replay(
 
 /// The fit of every signal that is both measured and modelled.
 pub(crate) fn fits(measured: &Recording, model: &Recording) -> Vec<Fit> {
-    let modelled = model.signals.iter().filter(|signal| !["u", "T_l"].contains(&signal.name.as_str()));
+    let modelled =
+        model.signals.iter().filter(|signal| !["u", "T_l"].contains(&signal.name.as_str()));
     modelled
         .filter_map(|y| Some((measured.signal(&y.name)?, y)))
         .map(|(measured, model)| {
@@ -152,7 +153,8 @@ mod tests {
         let first = replay(&dr300(), &given, rest, &bar).expect("it runs");
         assert_eq!((first.start_s, first.len()), (1.5, 1000));
         // From the middle on, started from the state that the first samples show.
-        let tail = |signal: &Signal| Signal { values: signal.values[500..].to_vec(), ..signal.clone() };
+        let tail =
+            |signal: &Signal| Signal { values: signal.values[500..].to_vec(), ..signal.clone() };
         let middle = Recording {
             start_s: first.time(500),
             signals: first.signals.iter().map(tail).collect(),
@@ -161,7 +163,10 @@ mod tests {
         let start = Start::estimate(&dr300(), &middle);
         let second = replay(&dr300(), &middle, start, &bar).expect("it runs");
         let fits = fits(&middle, &second);
-        assert_eq!(fits.iter().map(|fit| fit.signal.as_str()).collect::<Vec<_>>(), ["i", "omega", "theta"]);
+        assert_eq!(
+            fits.iter().map(|fit| fit.signal.as_str()).collect::<Vec<_>>(),
+            ["i", "omega", "theta"]
+        );
         for fit in fits {
             // The line through ten samples of a smooth run misses the start by parts in a thousand.
             assert!(fit.percent.is_some_and(|percent| percent > 99.0), "{fit:?}");

@@ -106,14 +106,16 @@ mod tests {
 
     #[test]
     fn a_speed_follows_from_the_position() {
-        let start = Start::estimate(&dr300(), &recording(&[("theta", |t| 2.0 + 50.0 * t), ("u", |_| 6.0)]));
+        let start =
+            Start::estimate(&dr300(), &recording(&[("theta", |t| 2.0 + 50.0 * t), ("u", |_| 6.0)]));
         assert!((start.speed - 50.0).abs() < ROUNDING && (start.position - 2.0).abs() < ROUNDING);
         assert!((start.current - (6.0 - 0.0599 * 50.0) / 3.13).abs() < ROUNDING, "{start:?}");
     }
 
     #[test]
     fn what_is_measured_counts_and_rest_stays_rest() {
-        let start = Start::estimate(&dr300(), &recording(&[("omega", |t| 7.0 - t), ("i", |_| 0.5)]));
+        let start =
+            Start::estimate(&dr300(), &recording(&[("omega", |t| 7.0 - t), ("i", |_| 0.5)]));
         assert!((start.speed - 7.0).abs() < ROUNDING && (start.current - 0.5).abs() < ROUNDING);
         // A motion that begins bent, as every start from rest does.
         let start = Start::estimate(&dr300(), &recording(&[("omega", |t| 100.0 * t * t)]));

@@ -75,7 +75,9 @@ fn build(root: &Path, target: &str, folder: &Path) {
                 format!(" (cross-compiling from {host}: a linker for {target} is needed)")
             };
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
-            fail(&format!("the FMU library {PACKAGE} could not be built for {target}{hint}\n{said}"));
+            fail(&format!(
+                "the FMU library {PACKAGE} could not be built for {target}{hint}\n{said}"
+            ));
         }
         Ok(_) => {}
     }

@@ -51,7 +51,10 @@ mod tests {
             for argument in command.get_arguments() {
                 assert!(argument.get_help().is_some(), "`{name}`: {} has none", argument.get_id());
             }
-            command.get_subcommands().filter(|inner| inner.get_name() != "help").for_each(described);
+            command
+                .get_subcommands()
+                .filter(|inner| inner.get_name() != "help")
+                .for_each(described);
         }
         let mut command = Cli::command();
         command.build();

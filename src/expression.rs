@@ -40,14 +40,19 @@ impl SignalOverTime {
     ///
     /// # Errors
     /// The place in the text, or a unit of another quantity.
-    pub(crate) fn parse(option: &'static str, text: &str, quantity: Quantity) -> miette::Result<Self> {
+    pub(crate) fn parse(
+        option: &'static str,
+        text: &str,
+        quantity: Quantity,
+    ) -> miette::Result<Self> {
         let trimmed = text.trim_end();
         let bracketed = trimmed.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
         let (law, unit) = match bracketed {
             None => (text, None),
             Some((law, name)) => {
                 let unit = Unit::parse(name.trim()).filter(|unit| unit.quantity == quantity);
-                let wrong = || Wrong::Unit { option, unit: name.trim().to_owned(), si: quantity.si() };
+                let wrong =
+                    || Wrong::Unit { option, unit: name.trim().to_owned(), si: quantity.si() };
                 (law, Some(unit.ok_or_else(wrong)?))
             }
         };
@@ -74,7 +79,9 @@ impl SignalOverTime {
             let time = k as f64 * period_s;
             let value = self.expression.at(time);
             if !value.is_finite() {
-                return Err(Wrong::NotFinite { option, text: self.text.clone(), value, time }.into());
+                return Err(
+                    Wrong::NotFinite { option, text: self.text.clone(), value, time }.into()
+                );
             }
             Ok(self.unit.map_or(value, |unit| unit.to_si(value)))
         };
@@ -105,7 +112,9 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        for (text, said) in [("1 +", "--reference: expected"), ("3 [V]", "`V`"), ("omega", "`omega`")] {
+        for (text, said) in
+            [("1 +", "--reference: expected"), ("3 [V]", "`V`"), ("omega", "`omega`")]
+        {
             let error = parse(text).expect_err("it is wrong").to_string();
             assert!(error.contains(said), "{error}");
         }

@@ -17,7 +17,8 @@ fn line(info: &PanicHookInfo<'_>) -> String {
         .copied()
         .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
         .unwrap_or("no reason given");
-    let place = info.location().map_or(String::new(), |at| format!(" at {}:{}", at.file(), at.line()));
+    let place =
+        info.location().map_or(String::new(), |at| format!(" at {}:{}", at.file(), at.line()));
     let said = said.lines().next().unwrap_or_default();
     format!("drivescope: internal error{place}: {said}; please report it with the command you ran")
 }

@@ -72,7 +72,9 @@ impl Session {
         }
         let bar = ProgressBar::new(steps).with_message(what);
         let style = "{msg} {wide_bar} {percent:>3} % {eta:>4}";
-        bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_style(
+            ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()),
+        );
         bar.enable_steady_tick(REDRAW);
         bar
     }

@@ -117,7 +117,9 @@ fn table(all: &[Shown]) -> String {
             listed(effect.confusion_set.iter().copied()),
         ]);
     }
-    format!("{table}\n`drivescope effects ID` shows one in detail; `{CUSTOM}` is a law of your own.\n")
+    format!(
+        "{table}\n`drivescope effects ID` shows one in detail; `{CUSTOM}` is a law of your own.\n"
+    )
 }
 
 fn detail(effect: &Shown) -> String {
@@ -134,7 +136,8 @@ fn detail(effect: &Shown) -> String {
     if effect.measurement {
         text.push_str("  acts on what a sensor shows, not on the shaft\n");
     }
-    for (title, quantities) in [("parameters", &effect.parameters), ("own states", &effect.states)] {
+    for (title, quantities) in [("parameters", &effect.parameters), ("own states", &effect.states)]
+    {
         if quantities.is_empty() {
             continue;
         }

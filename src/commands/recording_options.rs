@@ -4,8 +4,8 @@ use std::path::Path;
 
 use clap::Args;
 use drivescope_recording::{Mapping, ReadOptions, Recording, Report, read};
-use miette::IntoDiagnostic;
 
+use crate::failure::told;
 use crate::session::Session;
 
 /// Options of reading a recording.
@@ -25,11 +25,15 @@ impl RecordingOptions {
     ///
     /// # Errors
     /// The file, its columns or its time axis cannot be used.
-    pub(super) fn read(&self, path: &Path, session: &Session) -> miette::Result<(Recording, Report)> {
+    pub(super) fn read(
+        &self,
+        path: &Path,
+        session: &Session,
+    ) -> miette::Result<(Recording, Report)> {
         let columns = self.columns.as_deref().map(Mapping::parse_list).transpose();
-        let columns = columns.into_diagnostic()?.unwrap_or_default();
+        let columns = columns.map_err(told)?.unwrap_or_default();
         let options = ReadOptions { columns, resample: self.resample };
-        let (recording, report) = read(path, &options).into_diagnostic()?;
+        let (recording, report) = read(path, &options).map_err(told)?;
         for remark in report.guesses().iter().chain(&report.warnings()) {
             session.remark(format_args!("{}: {remark}", report.file));
         }

@@ -6,19 +6,17 @@ use clap::{Args, ValueEnum};
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::sampled::speed_bound;
 use drivescope_recording::{Quantity, Recording};
-use miette::IntoDiagnostic;
 use serde::Serialize;
 
 use super::Run;
 use super::recording_options::RecordingOptions;
 use crate::drive_source;
 use crate::expression::SignalOverTime;
-use crate::failure::{Ending, Failure};
+use crate::failure::{Ending, Failure, told};
 use crate::output;
 use crate::session::Session;
 use crate::simulation::fault::FaultOverTime;
-use crate::simulation::replay::{Fit, fits, replay, with_canonical_names};
-use crate::simulation::start::Start;
+use crate::simulation::replay::{Fit, fits, replay, start, with_canonical_names};
 use crate::simulation::typed::{self, Driven};
 use crate::simulation::{speed, tacho_unit, without_noise};
 
@@ -101,22 +99,28 @@ impl Simulate {
     fn replayed(&self, drive: &Drive, measured: &PathBuf, session: &Session) -> miette::Result<()> {
         let (measured, report) = self.reading.read(measured, session)?;
         let has = |name: &&str| measured.signal(name).is_some();
-        let driving: Vec<&str> = ["u", "T_l"].into_iter().filter(|name| *name == "u" || has(name)).collect();
-        report.require(&measured, &driving).into_diagnostic()?;
+        let driving: Vec<&str> =
+            ["u", "T_l"].into_iter().filter(|name| *name == "u" || has(name)).collect();
+        report.require(&measured, &driving).map_err(told)?;
         let measured = with_canonical_names(drive, measured);
         let drive = without_noise(drive);
-        let start = Start::estimate(&drive, &measured);
+        let start = start(&drive, &measured)?;
         let bar = session.progress(measured.len() as u64, "simulating");
         let model = replay(&drive, &measured, start, &bar)?;
         self.write(&model)?;
         let fit = fits(&measured, &model);
         let mut text = format!("{}, driven by {}\n", title(&drive), measured.name);
         for Fit { signal, percent, rms, unit } in &fit {
-            let percent = percent.map_or("constant".to_owned(), |percent| format!("{percent:.2} %"));
-            text.push_str(&format!("  {signal:<8} fit {percent:>9}   rms difference {rms:.4} {unit}\n"));
+            let percent =
+                percent.map_or("constant".to_owned(), |percent| format!("{percent:.2} %"));
+            text.push_str(&format!(
+                "  {signal:<8} fit {percent:>9}   rms difference {rms:.4} {unit}\n"
+            ));
         }
         if fit.is_empty() {
-            text.push_str("  nothing to compare: the recording has no current, speed or position\n");
+            text.push_str(
+                "  nothing to compare: the recording has no current, speed or position\n",
+            );
         }
         self.answer(text, &drive, &model, fit, (None, None), session)
     }
@@ -136,13 +140,17 @@ impl Simulate {
                 (Driven::Input(u.sampled("--input", period_s, samples)?), None)
             }
             (None, _) if !closed => {
-                let what = format!("{} has no controller that could follow a reference", title(&drive));
+                let what =
+                    format!("{} has no controller that could follow a reference", title(&drive));
                 return Err(usage(what, "say what u is: --input 'EXPR', or --measured REC"));
             }
             (None, given) => {
                 let text = given.clone().unwrap_or_else(|| usual_reference(&drive));
                 let speed = SignalOverTime::parse("--reference", &text, quantity.0)?;
-                (Driven::Reference(speed.sampled("--reference", period_s, samples)?), Some(speed.text))
+                (
+                    Driven::Reference(speed.sampled("--reference", period_s, samples)?),
+                    Some(speed.text),
+                )
             }
         };
         let load = self.load.as_deref().map(|text| {
@@ -171,11 +179,14 @@ impl Simulate {
     fn period_s(&self, drive: &Drive, closed: bool) -> miette::Result<f64> {
         let own = drive.controller.filter(|_| closed).and_then(|controller| controller.period);
         match (self.period, own) {
-            (Some(period), _) if !(period.is_finite() && period > 0.0) => {
-                Err(usage(format!("--period {period}: not a time above 0 s"), "give seconds, such as 0.001"))
-            }
+            (Some(period), _) if !(period.is_finite() && period > 0.0) => Err(usage(
+                format!("--period {period}: not a time above 0 s"),
+                "give seconds, such as 0.001",
+            )),
             (Some(period), Some(own)) if period != own => Err(usage(
-                format!("--period {period}: the controller samples every {own} s, and the recording with it"),
+                format!(
+                    "--period {period}: the controller samples every {own} s, and the recording with it"
+                ),
                 "leave --period out, or change the controller's period in the drive file",
             )),
             (given, own) => Ok(given.or(own).unwrap_or(USUAL_PERIOD)),
@@ -210,7 +221,10 @@ impl Simulate {
         let text = format!("{text}{samples} samples every {period} s: {}\n", output.display());
         let start = recording.start_s;
         let drive = drive.name.clone();
-        session.answer(&text, &Answer { drive, output, samples, start, period, reference, seed, fit })?;
+        session.answer(
+            &text,
+            &Answer { drive, output, samples, start, period, reference, seed, fit },
+        )?;
         Ok(())
     }
 }

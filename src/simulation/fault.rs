@@ -69,7 +69,8 @@ impl FromStr for FaultOverTime {
             let known: Vec<_> = MECHANISMS.iter().map(|known| known.id).collect();
             FaultError::Kind { kind: kind.to_owned(), known: known.join(", ") }
         })?;
-        let (size, span) = rest.split_once('@').map_or((rest, None), |(size, span)| (size, Some(span)));
+        let (size, span) =
+            rest.split_once('@').map_or((rest, None), |(size, span)| (size, Some(span)));
         let size = match size.trim().strip_suffix('%') {
             Some(_) if mechanism.unit != "1" => {
                 return Err(FaultError::Percent { kind: mechanism.id, unit: mechanism.unit });

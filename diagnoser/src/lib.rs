@@ -11,6 +11,7 @@
 //! simulates the output from the input alone ([`Arx`] and [`Network`] are such models); [`BandDesign`] and
 //! [`ErrorBands`] are model error modelling, [`ConstantThreshold`] the plain alternative; a
 //! [`Detector`] puts them to work sample by sample, and its [`Trace`] yields rates and times.
+//! A [`Diagnoser`] holds them all for one set of signals and is what the file stores.
 //!
 //! Equation numbers are those of K. Patan, M. Witczak, J. Korbicz, "Towards robustness in neural
 //! network based fault diagnosis", Int. J. Appl. Math. Comput. Sci. 18 (2008), 443-454.
@@ -18,9 +19,13 @@
 mod arx;
 mod data;
 mod decision;
+mod design;
 mod detector;
+mod diagnoser;
+mod file;
 mod history;
 mod interface;
+mod model;
 mod model_error;
 mod network;
 mod scale;
@@ -33,8 +38,14 @@ mod threshold;
 pub use arx::{Arx, ArxError, ArxFit, ArxRun, OrderRow, OrderTable, Orders};
 pub use data::{Column, Data, DataError};
 pub use decision::{RunRule, SpanError, Trace};
+pub use design::{Design, DesignError, DesignReport, ErrorModel};
 pub use detector::{Detector, DetectorError, Verdict};
+pub use diagnoser::{Diagnoser, DiagnosisError, ModelError, ThresholdKind, ThresholdRun};
+/// When a Levenberg-Marquardt search stops.
+pub use drivescope_numerics::Limits;
+pub use file::{FileError, SCHEMA};
 pub use interface::{Channel, Interface, InterfaceError};
+pub use model::{Model, ModelRun};
 pub use model_error::{BandDesign, ErrorBands};
 pub use network::{
     FirNeuron, IirNeuron, Method, Network, NetworkRun, StartRow, Structure, StructureRow, Theta,

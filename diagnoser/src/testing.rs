@@ -17,22 +17,29 @@ pub(crate) fn noise(samples: usize, seed: u64) -> Vec<f64> {
     StandardNormal.sample_iter(Pcg64::seed_from_u64(seed)).take(samples).collect()
 }
 
+/// Load torque disturbance: standard deviation in N m and correlation time in s.
+const DISTURBANCE: (f64, f64) = (1e-3, 0.05);
+
 /// A drive: control signal in V, speed in rpm.
 #[derive(Clone, Default)]
 pub(crate) struct Motor {
     current: f64,
     speed: f64,
+    load: f64,
 }
 
 impl Motor {
-    /// Holds the control signal for one sample and returns the speed at its end.
-    pub(crate) fn hold(&mut self, control: f64) -> f64 {
+    /// Holds the control signal for one sample and returns the speed at its end; `shock` is a
+    /// standard normal draw that drives the load torque.
+    pub(crate) fn hold(&mut self, control: f64, shock: f64) -> f64 {
+        let kept = (-PERIOD / DISTURBANCE.1).exp();
+        self.load = kept * self.load + DISTURBANCE.0 * (1.0 - kept * kept).sqrt() * shock;
         let h = PERIOD / SUBSTEPS as f64;
         for _ in 0..SUBSTEPS {
             let voltage = 2.4 * control;
             self.current += h / 0.004 * (voltage - 3.0 * self.current - 0.06 * self.speed);
             let friction = 0.016 * (self.speed / 2.0).tanh() + 6e-5 * self.speed;
-            self.speed += h / 8e-5 * (0.06 * self.current - friction);
+            self.speed += h / 8e-5 * (0.06 * self.current - friction - self.load);
         }
         self.speed * 30.0 / std::f64::consts::PI
     }
@@ -52,7 +59,7 @@ const REFERENCE_NOISE: f64 = 20.0;
 /// Open loop: three sines, as in (25) with t in seconds, from rest.
 pub(crate) fn multisine(samples: usize, seed: u64) -> Run {
     use std::f64::consts::{PI, TAU};
-    let e = noise(samples, seed);
+    let (e, shocks) = (noise(samples, 3 * seed), noise(samples, 3 * seed + 1));
     let mut motor = Motor::default();
     let mut shown = 0.0;
     let (mut control, mut speed) = (Vec::new(), Vec::new());
@@ -63,7 +70,7 @@ pub(crate) fn multisine(samples: usize, seed: u64) -> Run {
             + 3.0 * (TAU * 0.3 * t + PI / 3.0).sin();
         control.push(c);
         speed.push(shown + TACHO_NOISE * e);
-        shown = motor.hold(c);
+        shown = motor.hold(c, shocks[k]);
     }
     Run { control, speed }
 }
@@ -71,7 +78,7 @@ pub(crate) fn multisine(samples: usize, seed: u64) -> Run {
 /// Closed loop at 2000 rpm with a noisy reference; from `onset` on the tachometer shows
 /// (1 + `fault`) times the speed.
 pub(crate) fn closed_loop(samples: usize, seed: u64, onset: usize, fault: f64) -> Run {
-    let (sensor, reference) = (noise(samples, 2 * seed), noise(samples, 2 * seed + 1));
+    let [sensor, reference, shocks] = [0, 1, 2].map(|part| noise(samples, 3 * seed + part));
     let mut motor = Motor::default();
     let (mut shaft, mut integral) = (0.0, 0.0);
     let (mut control, mut speed) = (Vec::new(), Vec::new());
@@ -86,7 +93,7 @@ pub(crate) fn closed_loop(samples: usize, seed: u64, onset: usize, fault: f64) -
         }
         control.push(c);
         speed.push(measured);
-        shaft = motor.hold(c);
+        shaft = motor.hold(c, shocks[k]);
     }
     Run { control, speed }
 }

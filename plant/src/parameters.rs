@@ -119,7 +119,7 @@ impl Drive {
         let of_field = |field: &&Field| {
             let value = (field.get)(self)?;
             Some(NamedParameter {
-                name: field.name(),
+                name: field.name(self.motion),
                 value,
                 unit: self.unit(field),
                 range: field.range,
@@ -141,7 +141,8 @@ impl Drive {
 
     /// The field's unit for this drive: a force-driven one takes u in volts for amperes.
     pub(crate) fn unit(&self, field: &Field) -> String {
-        let force = self.motor.input == Input::Force && field.name() == "K_m";
+        let force =
+            self.motor.input == Input::Force && (field.section, field.key) == ("motor", "K_m");
         for_motion(self.motion, if force { "N m/V" } else { field.unit })
     }
 
@@ -158,11 +159,18 @@ impl Drive {
         }
     }
 
-    /// Whether a fit leaves the parameter as it is: the file says so, or nothing measured
-    /// could tell it (K_m of a force-driven drive, of which only ratios to J are identifiable).
-    pub fn is_fixed(&self, name: &str) -> bool {
-        let unidentifiable = self.motor.input == Input::Force && name == "K_m";
-        unidentifiable || self.fixed.iter().any(|fixed| fixed == name)
+    /// What a fit estimates: the parameters of the balances that the file does not fix. K_m is
+    /// none of them where it is tied to K_e, nor in a force-driven drive, of which only ratios
+    /// to K_m are identifiable.
+    pub fn fitted(&self) -> Vec<NamedParameter> {
+        let k_m_follows = self.motor.tie_k || self.motor.input == Input::Force;
+        let mut all = self.parameters();
+        all.retain(|parameter| {
+            parameter.role == Role::Physics
+                && !self.fixed.contains(&parameter.name)
+                && !(k_m_follows && parameter.name == "K_m")
+        });
+        all
     }
 
     /// Sets a parameter by its name, SI.
@@ -192,7 +200,7 @@ impl Drive {
     }
 
     fn slot(&mut self, name: &str) -> Option<&mut f64> {
-        if let Some(field) = FIELDS.iter().find(|field| field.name() == name) {
+        if let Some(field) = FIELDS.iter().find(|field| field.name(self.motion) == name) {
             return (field.slot)(self);
         }
         let (id, key) = name.split_once('.')?;
@@ -203,4 +211,124 @@ impl Drive {
 
 fn magnitude(value: f64, typical: f64) -> f64 {
     if value == 0.0 { typical } else { value.abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DR300: &str = include_str!("../../scenarios/drives/dr300.toml");
+    const EMPS: &str = include_str!("../../scenarios/drives/emps.toml");
+
+    fn drive(text: &str) -> Drive {
+        Drive::parse(text, "shipped.toml").expect("a right drive file")
+    }
+
+    fn names(all: &[NamedParameter]) -> Vec<&str> {
+        all.iter().map(|parameter| parameter.name.as_str()).collect()
+    }
+
+    #[test]
+    fn names_are_unique_and_in_the_order_of_the_file() {
+        let all = drive(DR300).parameters();
+        let names = names(&all);
+        let expected = ["R", "L", "K_e", "K_m", "J", "B_m", "rated_torque", "coulomb.T_c"];
+        assert_eq!(names[..8], expected);
+        assert_eq!(
+            names[8..13],
+            [
+                "stribeck.T_b",
+                "stribeck.omega_s",
+                "controller.K_p",
+                "controller.K_i",
+                "controller.period"
+            ]
+        );
+        for (k, name) in names.iter().enumerate() {
+            assert!(!names[..k].contains(name), "{name} twice");
+        }
+    }
+
+    /// Each place is read back under its own name: no two rows of the list are swapped.
+    #[test]
+    fn every_parameter_can_be_set_and_changes_alone() {
+        let mut drive = drive(DR300);
+        drive.generator =
+            Some(crate::drive::GeneratorData { k_m: 0.06, gain: 0.2, limit: Some(2.0) });
+        let before = drive.parameters();
+        for (k, parameter) in before.iter().enumerate() {
+            let mut changed = drive.clone();
+            let value = parameter.value + 0.5;
+            assert_eq!(changed.set(&parameter.name, value), Ok(()), "{}", parameter.name);
+            for (j, now) in changed.parameters().iter().enumerate() {
+                let expected = if j == k { value } else { before[j].value };
+                assert_eq!(now.value, expected, "{} after {}", now.name, parameter.name);
+            }
+        }
+        assert_eq!(before.len(), FIELDS.len() + 3, "the three parameters of its effects");
+    }
+
+    #[test]
+    fn what_cannot_be_set_is_refused() {
+        let mut drive = drive(DR300);
+        let before = drive.clone();
+        let shown = drive.set("coulomb.t_c", 1.0).expect_err("no such name").to_string();
+        assert!(
+            shown.starts_with(
+                "the drive has no parameter `coulomb.t_c` (did you mean `coulomb.T_c`?)"
+            )
+        );
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let shown = drive.set("J", value).expect_err("not possible").to_string();
+            assert!(shown.ends_with("give a finite number above 0 (kg m^2)"), "{shown}");
+        }
+        assert!(drive.set("generator.gain", 1.0).is_err(), "DR300 uses no generator");
+        assert_eq!(drive, before);
+    }
+
+    #[test]
+    fn a_linear_drive_has_the_names_and_units_of_its_motion() {
+        let all = drive(EMPS).parameters();
+        let unit = |name: &str| {
+            let found = all.iter().find(|parameter| parameter.name == name);
+            found.map(|parameter| parameter.unit.as_str())
+        };
+        for (name, expected) in [
+            ("K_m", "N/V"),
+            ("J", "kg"),
+            ("B_m", "N s/m"),
+            ("coulomb.T_c", "N"),
+            ("noise.v", "m/s"),
+        ] {
+            assert_eq!(unit(name), Some(expected), "{name}");
+        }
+        assert_eq!((unit("R"), unit("noise.omega")), (None, None));
+    }
+
+    #[test]
+    fn a_fit_leaves_what_is_fixed_tied_or_not_identifiable() {
+        let mut tied = drive(DR300);
+        let physics =
+            ["R", "L", "K_e", "J", "B_m", "coulomb.T_c", "stribeck.T_b", "stribeck.omega_s"];
+        assert_eq!(names(&tied.fitted()), physics);
+        tied.fixed = vec!["R".to_owned(), "stribeck.omega_s".to_owned()];
+        tied.motor.tie_k = false;
+        assert_eq!(
+            names(&tied.fitted()),
+            ["L", "K_e", "K_m", "J", "B_m", "coulomb.T_c", "stribeck.T_b"]
+        );
+        let mut force = drive(EMPS);
+        force.fixed.clear();
+        assert_eq!(names(&force.fitted()), ["J", "B_m", "coulomb.T_c"]);
+    }
+
+    #[test]
+    fn a_slip_of_a_key_finds_its_name() {
+        let known = ["R", "K_e", "K_m", "coulomb"];
+        let found = |name| nearest(name, known.into_iter());
+        assert_eq!(found("r").as_deref(), Some("R"));
+        assert_eq!(found("Coulmob").as_deref(), Some("coulomb"));
+        assert_eq!(found("k_M").as_deref(), Some("K_m"));
+        assert_eq!(found("viscous"), None);
+    }
 }

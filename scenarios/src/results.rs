@@ -161,6 +161,21 @@ pub struct ByMethod<T = f64> {
     pub constant: T,
 }
 
+impl<T> ByMethod<T> {
+    /// One value a method.
+    pub fn of(mut value: impl FnMut(Method) -> T) -> Self {
+        Self { mem: value(Method::Mem), constant: value(Method::Constant) }
+    }
+
+    /// The value of a method.
+    pub fn get(&self, method: Method) -> &T {
+        match method {
+            Method::Mem => &self.mem,
+            Method::Constant => &self.constant,
+        }
+    }
+}
+
 /// Healthy evaluation runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HealthySummary {

@@ -249,10 +249,10 @@ mod tests {
         // (1), (5) with the matrices themselves.
         let (mut x1, mut x2) = ([[0.0; 2]; 2], [[0.0; 2]; 3]);
         for k in 0..200 {
-            for o in 0..2 {
-                let sum: f64 = (0..6).map(|s| network.c[o][s] * x2[s / 2][s % 2]).sum();
+            for (o, (y, c)) in y.iter().zip(&network.c).enumerate() {
+                let sum: f64 = (0..6).map(|s| c[s] * x2[s / 2][s % 2]).sum();
                 let expected = 1.0 + o as f64 + 2.0 * sum;
-                assert!((y[o][k] - expected).abs() < ROUNDING, "output {o} at {k}");
+                assert!((y[k] - expected).abs() < ROUNDING, "output {o} at {k}");
             }
             let u = [(u1[k] - 1.0) / 2.0, (u2[k] - 2.0) / 2.0];
             let mut sigma = [0.0; 2];

@@ -34,5 +34,39 @@ pub fn select_structure(
     };
     let rows = candidates.iter().map(row).collect::<Result<Vec<_>, TrainingError>>()?;
     let best = (0..rows.len()).min_by(|a, b| rows[*a].trained.aic.total_cmp(&rows[*b].trained.aic));
-    best.map(|best| (rows, best)).ok_or(TrainingError::NoStart)
+    best.map(|best| (rows, best)).ok_or(TrainingError::NoCandidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Column;
+    use crate::network::Method;
+    use crate::testing::{Run, multisine};
+    use drivescope_numerics::Limits;
+
+    fn data(run: &Run) -> Data<'_> {
+        let input = Column { name: "C_m", values: &run.control };
+        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
+    }
+
+    #[test]
+    fn dry_friction_asks_for_neurons_and_idle_ones_are_not_chosen() {
+        let (estimation, validation) = (multisine(700, 1), multisine(700, 2));
+        let method = Method::LevenbergMarquardt(Limits { steps: 50, relative_decrease: 1e-6 });
+        let training = Training { method, starts: 3, ..Training::default() };
+        let candidates = [
+            Structure { v1: 1, v2: 1, ..Structure::PAPER },
+            Structure { v1: 2, v2: 1, ..Structure::PAPER },
+            Structure::PAPER,
+        ];
+        let (rows, best) =
+            select_structure(&candidates, &data(&estimation), &data(&validation), &training)
+                .unwrap();
+        assert_eq!(rows.iter().map(|row| row.structure).collect::<Vec<_>>(), candidates);
+        assert!(best > 0, "one neuron for a curve with a corner at zero");
+        assert!(rows.iter().all(|row| row.trained.aic >= rows[best].trained.aic));
+        let none = select_structure(&[], &data(&estimation), &data(&validation), &training);
+        assert_eq!(none.unwrap_err(), TrainingError::NoCandidate);
+    }
 }

@@ -45,13 +45,13 @@ impl Tangent {
         let mut delays_to_theta = Vec::with_capacity(v1 * span * order);
         for neuron in layers.neurons() {
             let derivatives = neuron.denominator_derivatives();
+            let entry = |delay: usize, j: usize| -> f64 {
+                // d activation / d a_m = sum_l b_l z(k - l - m + 1).
+                let pairs = (0..order).filter(|l| delay >= *l && delay - l < order);
+                pairs.map(|l| neuron.b[l] * derivatives[delay - l][j]).sum()
+            };
             for delay in 0..span {
-                for j in 0..order {
-                    // d activation / d a_m = sum_l b_l z(k - l - m + 1).
-                    let pairs = (0..order).filter(|l| delay >= *l && delay - l < order);
-                    delays_to_theta
-                        .push(pairs.map(|l| neuron.b[l] * derivatives[delay - l][j]).sum());
-                }
+                delays_to_theta.extend((0..order).map(|j| entry(delay, j)));
             }
         }
         let columns = v1 + inputs;
@@ -118,7 +118,7 @@ impl Tangent {
     fn remember(&mut self, u: &[f64]) {
         let weights = &self.weights;
         let structure = weights.structure;
-        let Structure { inputs, v1, order, .. } = structure;
+        let Structure { inputs, order, .. } = structure;
         let (own, span) = (structure.iir_parameters(), 2 * order - 1);
         self.d_sigma.rotate_right(1);
         self.fed.rotate_right(1);
@@ -153,7 +153,6 @@ impl Tangent {
             last[1] = -gain;
             last[2] = slope * self.state.activation[i];
         }
-        debug_assert!(v1 == self.before.len() / order);
     }
 }
 

@@ -78,6 +78,9 @@ pub enum TrainingError {
     /// Nothing was tried.
     #[error("training needs at least one start")]
     NoStart,
+    /// No structure to choose from.
+    #[error("a choice of structure needs at least one candidate")]
+    NoCandidate,
     /// Every start ended in an error that is not finite.
     #[error("none of {starts} starts reached a finite error: give other data or more starts")]
     NoFiniteStart {
@@ -222,4 +225,127 @@ pub fn train(
         starts: rows,
         best,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal_model::{free_run, residual};
+    use crate::testing::{Run, multisine, noise};
+    use crate::threshold::mean_and_deviation;
+
+    const RUN_UP: usize = 100;
+
+    fn data(run: &Run) -> Data<'_> {
+        let input = Column { name: "C_m", values: &run.control };
+        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
+    }
+
+    fn quick(method: Method, starts: usize) -> Training {
+        Training { method, starts, seed: 5, run_up: RUN_UP }
+    }
+
+    const LM: Method = Method::LevenbergMarquardt(Limits { steps: 60, relative_decrease: 1e-6 });
+
+    #[test]
+    fn a_motor_with_dry_friction_is_learned_to_a_few_rpm() {
+        let (estimation, validation, fresh) =
+            (multisine(1000, 1), multisine(1000, 2), multisine(1000, 3));
+        let trained =
+            train(Structure::PAPER, &data(&estimation), &data(&validation), &quick(LM, 4)).unwrap();
+        let left = residual(&mut trained.network.run(), &data(&fresh));
+        let (_, left) = mean_and_deviation(&left[RUN_UP..]);
+        let (_, speed) = mean_and_deviation(&fresh.speed);
+        // Tachometer noise and load torque alone are 6 rpm; a linear model leaves 3 %.
+        assert!(left < 0.02 * speed, "{left} of {speed} rpm");
+        let row = trained.starts[trained.best];
+        assert!(trained.starts.iter().all(|other| other.validation >= row.validation));
+    }
+
+    #[test]
+    fn the_stored_network_is_the_trained_one() {
+        let (estimation, validation) = (multisine(400, 1), multisine(400, 2));
+        let structure = Structure { v1: 2, v2: 2, order: 2, ..Structure::PAPER };
+        let trained =
+            train(structure, &data(&estimation), &data(&validation), &quick(LM, 1)).unwrap();
+        let y = free_run(&mut trained.network.run(), data(&estimation).inputs()).swap_remove(0);
+        let scale = trained.network.output_scales[0];
+        let sse: f64 = y
+            .iter()
+            .zip(&estimation.speed)
+            .skip(RUN_UP)
+            .map(|(y, measured)| ((y - measured) / scale.deviation).powi(2))
+            .sum();
+        assert!((sse / trained.sse - 1.0).abs() < 1e-9, "{sse} against {}", trained.sse);
+    }
+
+    #[test]
+    fn the_seed_decides_and_the_threads_do_not() {
+        let (estimation, validation) = (multisine(300, 1), multisine(300, 2));
+        let (estimation, validation) = (data(&estimation), data(&validation));
+        for method in [LM, Method::AdaptiveRandomSearch { outer: 1 }] {
+            let on = |threads: usize, seed: u64| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let training = Training { seed, ..quick(method, 3) };
+                pool.install(|| train(Structure::PAPER, &estimation, &validation, &training))
+            };
+            assert_eq!(on(1, 7), on(3, 7));
+            assert_ne!(on(1, 7), on(1, 8));
+        }
+    }
+
+    #[test]
+    fn random_search_lowers_the_error_and_levenberg_marquardt_lowers_it_further() {
+        let (estimation, validation) = (multisine(300, 1), multisine(300, 2));
+        let (estimation, validation) = (data(&estimation), data(&validation));
+        let reached = |method| {
+            train(Structure::PAPER, &estimation, &validation, &quick(method, 1)).unwrap().sse
+        };
+        let start = reached(Method::AdaptiveRandomSearch { outer: 0 });
+        let ars = reached(Method::AdaptiveRandomSearch { outer: 2 });
+        let lm = reached(LM);
+        assert!(ars < 0.5 * start && lm < 0.5 * ars, "{start}, {ars}, {lm}");
+    }
+
+    #[test]
+    fn several_outputs_are_learned_together() {
+        let run = multisine(500, 4);
+        let mirrored: Vec<f64> = run.speed.iter().map(|speed| -0.1 * speed + 3.0).collect();
+        let both = data(&run).and_output(Column { name: "mirrored", values: &mirrored }).unwrap();
+        let structure = Structure { outputs: 2, ..Structure::PAPER };
+        let trained = train(structure, &both, &both, &quick(LM, 2)).unwrap();
+        assert!(trained.starts[trained.best].estimation < 0.05, "{:?}", trained.starts);
+    }
+
+    #[test]
+    fn unusable_data_and_sizes_are_refused() {
+        let run = multisine(300, 1);
+        let good = data(&run);
+        let still = vec![1.0; 300];
+        let dead = Data::new(vec![Column { name: "C_m", values: &still }], good.output()).unwrap();
+        let training = quick(LM, 1);
+        let error = train(Structure::PAPER, &good, &dead, &training).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "network training, validation data: signal C_m is constant at 1: nothing can be learned from it"
+        );
+        let short = good.span(0..110);
+        let error = train(Structure::PAPER, &short, &good, &training).unwrap_err().to_string();
+        assert!(error.contains("at least 117 samples, there are 110"), "{error}");
+        for structure in
+            [Structure { v1: 0, ..Structure::PAPER }, Structure { inputs: 2, ..Structure::PAPER }]
+        {
+            let refusal = train(structure, &good, &good, &training);
+            assert!(matches!(refusal, Err(TrainingError::Structure { .. })));
+        }
+        let none = train(Structure::PAPER, &good, &good, &quick(LM, 0));
+        assert_eq!(none, Err(TrainingError::NoStart));
+        // Noise carries no structure, and is trained upon without an error.
+        let (u, y) = (noise(300, 5), noise(300, 6));
+        let noise =
+            Data::new(vec![Column { name: "u", values: &u }], Column { name: "y", values: &y });
+        assert!(
+            train(Structure::PAPER, &noise.clone().unwrap(), &noise.unwrap(), &training).is_ok()
+        );
+    }
 }

@@ -7,7 +7,7 @@ use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
 
 /// Share of N omega that counts as a rate: the ripple is imposed on the motion, a quadrature off
 /// by x^4 / 2880 of it, where a free oscillation would be off by x^4 / 120 a radian.
-const IMPOSED: f64 = 0.25;
+const IMPOSED: f64 = 0.12;
 
 /// Torque a cos(N theta) + b sin(N theta).
 pub struct Cogging;
@@ -52,5 +52,21 @@ impl Effect<3, 0> for Cogging {
     fn fastest([n, a, b]: [f64; 3], speed: f64, inertia: f64) -> f64 {
         let stiffness = n * a.hypot(b);
         (IMPOSED * n * speed).abs().max((stiffness / inertia).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn the_torque_repeats_n_times_a_revolution() {
+        let p = parameters::<Cogging, 3, 0>([("a", 0.002), ("b", 0.003), ("N", 12.0)]);
+        let torque = |theta: f64| shared::<Cogging, 3, 0>(p, [], View { theta, ..AT }).torque;
+        assert_eq!(torque(0.0), 0.002);
+        let quarter = std::f64::consts::FRAC_PI_2 / 12.0;
+        assert_same(torque(quarter), 0.003);
+        assert_same(torque(2.0 * quarter), -0.002);
     }
 }

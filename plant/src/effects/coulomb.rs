@@ -9,6 +9,7 @@ pub struct Coulomb;
 
 impl Effect<1, 0> for Coulomb {
     const INFO: Info = Info {
+        dissipates: true,
         dry: true,
         aliases: &["hysteresis_loss"],
         nulls: &[("T_c", 0.0)],
@@ -31,5 +32,18 @@ impl Effect<1, 0> for Coulomb {
 
     fn affine_beyond(_: [f64; 1]) -> f64 {
         0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, parameters, shared};
+
+    #[test]
+    fn the_level_is_the_same_both_ways() {
+        let p = parameters::<Coulomb, 1, 0>([("T_c", 0.016)]);
+        let sum = shared::<Coulomb, 1, 0>(p, [], AT);
+        assert_eq!((sum.forward, sum.backward), (0.016, 0.016));
     }
 }

@@ -78,3 +78,22 @@ impl Effect<3, 2> for FlexibleCoupling {
         (k / reduced).sqrt().max(d / reduced)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn the_load_hangs_on_spring_and_damper() {
+        let p = parameters::<FlexibleCoupling, 3, 2>([("ratio", 0.25), ("d", 1e-3), ("k", 5.0)]);
+        let x = [0.01, 2.0];
+        let sum = shared::<FlexibleCoupling, 3, 2>(p, x, AT);
+        assert_same(sum.load, 5.0 * 0.01 + 1e-3 * 2.0);
+        assert_same(sum.inverse_inertia, 1.0 / (0.75 * AT.inertia));
+        let [twist, slip] = FlexibleCoupling::rate(p, x, &AT, &sum);
+        assert_eq!(twist, 2.0);
+        // A motor that does not accelerate: the slip falls as the load speeds up.
+        assert_same(slip, -(0.052 - AT.load) / (0.25 * AT.inertia));
+    }
+}

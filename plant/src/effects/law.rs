@@ -49,6 +49,8 @@ pub struct Info {
     pub replaces_dry: bool,
     /// Whether it distorts what a sensor shows.
     pub senses: bool,
+    /// Whether it takes power from the moving shaft at every speed: friction and drag.
+    pub dissipates: bool,
     /// Whether its own states are stiff and give a decay rate to the exponential stages.
     pub stiff: bool,
     /// Whether it acts in the armature circuit alone, which a force-driven drive does not have.
@@ -67,6 +69,7 @@ impl Info {
             dry: false,
             replaces_dry: false,
             senses: false,
+            dissipates: false,
             stiff: false,
             electrical: false,
         }
@@ -212,8 +215,70 @@ pub trait Effect<const P: usize, const X: usize> {
         f64::INFINITY
     }
 
+    /// Change of speed over which the law bends near rest: it is not crossed in one stride.
+    fn grain(_p: [f64; P]) -> f64 {
+        f64::INFINITY
+    }
+
     /// Fastest rate that the law brings in at that speed, 1/s: it sets the sub-steps.
     fn fastest(_p: [f64; P], _speed: f64, _inertia: f64) -> f64 {
         0.0
+    }
+}
+
+/// What the tests of the laws share: values by name, so that the order of the names against the
+/// pattern of the law is checked.
+#[cfg(test)]
+pub(crate) mod by_name {
+    use super::{Effect, Sum, View};
+
+    /// The law's array of parameters from values by name, every name once.
+    pub(crate) fn parameters<E: Effect<P, X>, const P: usize, const X: usize>(
+        values: [(&str, f64); P],
+    ) -> [f64; P] {
+        E::PARAMETERS.map(|parameter| {
+            let named = values.iter().find(|(name, _)| *name == parameter.name);
+            named.unwrap_or_else(|| panic!("no value for {}", parameter.name)).1
+        })
+    }
+
+    /// A drive in motion: every quantity differs from every other.
+    pub(crate) const AT: View<f64> = View {
+        i: 1.3,
+        omega: 7.0,
+        theta: 0.4,
+        u: 9.0,
+        drive: 0.078,
+        load: 0.011,
+        copper: 5.3,
+        inertia: 8.2e-5,
+        time: 2.5,
+    };
+
+    /// What the law adds to empty balances.
+    pub(crate) fn shared<E: Effect<P, X>, const P: usize, const X: usize>(
+        p: [f64; P],
+        x: [f64; X],
+        at: View<f64>,
+    ) -> Sum<f64> {
+        let mut sum = Sum {
+            voltage: 0.0,
+            torque: 0.0,
+            forward: 0.0,
+            backward: 0.0,
+            flux: 1.0,
+            resistance: 1.0,
+            heat: 0.0,
+            inverse_inertia: 1.0 / at.inertia,
+            load: at.load,
+            acceleration: 0.0,
+        };
+        E::share(p, x, &at, &mut sum);
+        sum
+    }
+
+    /// Two ways to write a law differ by rounding only.
+    pub(crate) fn assert_same(found: f64, expected: f64) {
+        assert!((found - expected).abs() <= 1e-14 * expected.abs(), "{found} is not {expected}");
     }
 }

@@ -70,3 +70,45 @@ impl Effect<1, 1> for Presliding {
         (sigma_0 / inertia).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn the_bristles_bend_until_they_carry_the_dry_friction() {
+        let p = parameters::<Presliding, 1, 1>([("sigma_0", 10.0)]);
+        let sum = Sum { forward: 0.02, ..shared::<Presliding, 1, 1>(p, [0.001], AT) };
+        assert_same(sum.torque, 0.01);
+        let rate = |z: f64| Presliding::rate(p, [z], &AT, &sum)[0];
+        assert_same(rate(0.0), AT.omega);
+        assert!(rate(0.002).abs() < 1e-14, "sliding at sigma_0 z = g");
+        assert_same(Presliding::decay(p, [0.0], &AT, &sum)[0], 10.0 * AT.omega / 0.02);
+    }
+
+    #[test]
+    fn a_cycle_takes_energy_and_its_start_gives_it_back() {
+        let p = parameters::<Presliding, 1, 1>([("sigma_0", 10.0)]);
+        let level =
+            Sum { forward: 0.02, backward: 0.02, ..shared::<Presliding, 1, 1>(p, [0.0], AT) };
+        // theta = amplitude sin t over a cycle after the first: work of the torque.
+        let work = |amplitude: f64| {
+            let (n, mut z, mut work) = (40_000, 0.0, 0.0);
+            let h = std::f64::consts::TAU / f64::from(n);
+            for k in 0..2 * n {
+                let omega = amplitude * (f64::from(k) * h).cos();
+                let at = View { omega, ..AT };
+                z += h * Presliding::rate(p, [z], &at, &level)[0];
+                let torque = shared::<Presliding, 1, 1>(p, [z], at).torque;
+                work += if k >= n { h * torque * omega } else { 0.0 };
+            }
+            work
+        };
+        // Far beyond the presliding zone: 4 amplitudes at the full level. Within it: a spring.
+        let slid = work(2.0) / (4.0 * 2.0 * 0.02);
+        assert!((0.99..1.0).contains(&slid), "{slid}");
+        let bent = work(2e-5) / (4.0 * 2e-5 * 0.02);
+        assert!((0.0..0.01).contains(&bent), "{bent}");
+    }
+}

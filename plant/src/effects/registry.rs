@@ -106,6 +106,14 @@ macro_rules! registry {
                 }
             }
 
+            /// Change of speed over which the law bends near rest.
+            pub(crate) fn grain(self, p: &[f64]) -> f64 {
+                match self.kind {
+                    $(Kind::$effect => grain(super::$module::$effect, &p[self.p..]),)+
+                    Kind::Custom(_) => f64::INFINITY,
+                }
+            }
+
             /// Fastest rate that the law brings in at that speed, 1/s.
             pub(crate) fn fastest(self, p: &[f64], speed: f64, inertia: f64) -> f64 {
                 match self.kind {
@@ -223,6 +231,10 @@ fn sense_lanes<E: Effect<P, X>, R: Real, const P: usize, const X: usize, const N
 
 fn affine_beyond<E: Effect<P, X>, const P: usize, const X: usize>(_: E, p: &[f64]) -> f64 {
     E::affine_beyond(from_fn(|k| p[k]))
+}
+
+fn grain<E: Effect<P, X>, const P: usize, const X: usize>(_: E, p: &[f64]) -> f64 {
+    E::grain(from_fn(|k| p[k]))
 }
 
 fn fastest<E: Effect<P, X>, const P: usize, const X: usize>(

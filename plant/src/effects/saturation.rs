@@ -28,3 +28,18 @@ impl Effect<1, 0> for Saturation {
         sum.flux -= loss / (R::one() + loss);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn the_flux_falls_with_current_of_either_sign() {
+        let p = parameters::<Saturation, 1, 0>([("c", 0.02)]);
+        for i in [2.0, -2.0] {
+            let flux = shared::<Saturation, 1, 0>(p, [], View { i, ..AT }).flux;
+            assert_same(flux, 1.0 / (1.0 + 0.02 * 4.0));
+        }
+    }
+}

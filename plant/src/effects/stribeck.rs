@@ -13,6 +13,7 @@ pub struct Stribeck;
 
 impl Effect<2, 0> for Stribeck {
     const INFO: Info = Info {
+        dissipates: true,
         dry: true,
         nulls: &[("T_b", 0.0)],
         ..Info::new(
@@ -51,8 +52,29 @@ impl Effect<2, 0> for Stribeck {
         AFFINE_BEYOND * omega_s
     }
 
+    fn grain([_, omega_s]: [f64; 2]) -> f64 {
+        omega_s
+    }
+
     fn fastest([t_b, omega_s]: [f64; 2], _: f64, inertia: f64) -> f64 {
         // Greatest slope of the curve, sqrt(2/e) T_b / omega_s, over the inertia.
         0.86 * t_b / omega_s / inertia
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn it_adds_to_break_away_and_is_gone_at_speed() {
+        let p = parameters::<Stribeck, 2, 0>([("omega_s", 5.0), ("T_b", 0.008)]);
+        let level = |omega: f64| shared::<Stribeck, 2, 0>(p, [], View { omega, ..AT }).forward;
+        assert_eq!(level(0.0), 0.008);
+        assert_same(level(5.0), 0.008 / std::f64::consts::E);
+        assert_eq!(level(-5.0), level(5.0));
+        // Beyond the affine speed it is less than a rounding error of itself at rest.
+        assert!(level(Stribeck::affine_beyond(p)) < 0.008 * f64::EPSILON);
     }
 }

@@ -45,3 +45,21 @@ impl Effect<2, 0> for TachoEccentricity {
         0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters};
+
+    #[test]
+    fn only_the_shown_speed_ripples() {
+        let p = parameters::<TachoEccentricity, 2, 0>([("b", 0.01), ("a", 0.02)]);
+        let shown = |theta: f64| {
+            let mut y = Outputs { i: AT.i, omega: AT.omega, theta };
+            TachoEccentricity::sense(p, [], &View { theta, ..AT }, &mut y);
+            (y.i, y.omega / AT.omega)
+        };
+        assert_eq!(shown(0.0), (AT.i, 1.02));
+        assert_same(shown(std::f64::consts::FRAC_PI_2).1, 1.01);
+    }
+}

@@ -9,6 +9,7 @@ pub struct Viscous;
 
 impl Effect<1, 0> for Viscous {
     const INFO: Info = Info {
+        dissipates: true,
         aliases: &["iron_loss"],
         nulls: &[("B", 0.0)],
         ..Info::new("viscous", "torque += B omega", "omega, in proportion")
@@ -33,5 +34,17 @@ impl Effect<1, 0> for Viscous {
 
     fn fastest([b]: [f64; 1], _: f64, inertia: f64) -> f64 {
         b / inertia
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn the_torque_is_proportional_to_speed() {
+        let p = parameters::<Viscous, 1, 0>([("B", 3e-5)]);
+        assert_same(shared::<Viscous, 1, 0>(p, [], AT).torque, 3e-5 * AT.omega);
     }
 }

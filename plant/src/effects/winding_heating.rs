@@ -64,3 +64,23 @@ impl Effect<3, 1> for WindingHeating {
         1.0 / (r_th * c_th)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn the_winding_settles_at_r_th_times_its_loss() {
+        let p =
+            parameters::<WindingHeating, 3, 1>([("C_th", 10.0), ("R_th", 5.0), ("alpha", 0.0039)]);
+        let cold = shared::<WindingHeating, 3, 1>(p, [0.0], AT);
+        let [rate] = WindingHeating::rate(p, [0.0], &AT, &cold);
+        assert_same(rate, AT.copper / 10.0);
+        let warm = shared::<WindingHeating, 3, 1>(p, [40.0], AT);
+        assert_same(warm.resistance, 1.0 + 0.0039 * 40.0);
+        let settled = 5.0 * AT.copper * 1.156;
+        let [rate] = WindingHeating::rate(p, [settled], &AT, &warm);
+        assert!(rate.abs() < 1e-14, "{rate}");
+    }
+}

@@ -11,7 +11,7 @@ use crate::drive::{
     AmplifierData, ControllerData, Drive, GeneratorData, Input, Motion, MotorData, NoiseData,
     SensorData, TachoUnit,
 };
-use crate::parameters::{NamedParameter, Role, allowed, nearest, possible};
+use crate::parameters::{FIELDS, NamedParameter, Role, allowed, nearest, possible};
 use crate::units::name_for_motion;
 
 /// The format that this program reads and writes.
@@ -23,7 +23,7 @@ const NO_CIRCUIT: &str =
 pub(super) fn drive(document: &Document<'_>, layout: Layout) -> Result<Drive, Flaw> {
     if layout.schema != SCHEMA {
         let span = Document::spans(&document.root, "schema").map_or(0..0, |spans| spans.value);
-        return Err(Flaw { problem: Problem::Schema { found: layout.schema }, span });
+        return Err(Flaw::new(Problem::Schema { found: layout.schema }, span));
     }
     let motion = layout.motion;
     let motor = motor(document, &layout.motor)?;
@@ -71,12 +71,12 @@ fn motor(document: &Document<'_>, motor: &MotorTable) -> Result<MotorData, Flaw>
         let given = electrical.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
         if let Some(name) = given.chain(motor.tie_k.map(|_| "tie_K")).next() {
             let problem = Problem::Meaningless { key: key(name), why: NO_CIRCUIT };
-            return Err(Flaw { problem, span: document.place_of("motor", name).key });
+            return Err(Flaw::new(problem, document.place_of("motor", name).key));
         }
     } else if let Some((name, _)) = electrical.iter().find(|(_, value)| value.is_none()) {
         let why = ", or set `input = \"force\"` if u commands the torque or force".to_owned();
-        let span = document.place_of("motor", "").key;
-        return Err(Flaw { problem: Problem::Missing { key: key(name), why }, span });
+        let span = document.place_of("motor", "").value;
+        return Err(Flaw::new(Problem::Missing { key: key(name), why }, span));
     }
     Ok(MotorData {
         input: motor.input,
@@ -112,7 +112,7 @@ fn tacho_unit(
                 found: document.text[span.clone()].to_owned(),
                 expected: expected.to_owned(),
             };
-            Err(Flaw { problem, span })
+            Err(Flaw::new(problem, span))
         }
     }
 }
@@ -127,7 +127,7 @@ fn noise(document: &Document<'_>, noise: NoiseTable, motion: Motion) -> Result<N
                 Motion::Linear => "its other name is given as well",
             };
             let problem = Problem::Meaningless { key: format!("noise.{other}"), why };
-            return Err(Flaw { problem, span: document.place_of("noise", other).key });
+            return Err(Flaw::new(problem, document.place_of("noise", other).key));
         }
         Ok(rotary.or(linear).unwrap_or(0.0))
     };
@@ -136,7 +136,7 @@ fn noise(document: &Document<'_>, noise: NoiseTable, motion: Motion) -> Result<N
     if torque > 0.0 && torque_time == 0.0 {
         let why = ", a correlation time above 0 (s) for the load torque's noise".to_owned();
         let problem = Problem::Missing { key: "noise.torque_time".to_owned(), why };
-        return Err(Flaw { problem, span: document.place_of("noise", "torque").key });
+        return Err(Flaw::new(problem, document.place_of("noise", "torque").key));
     }
     Ok(NoiseData {
         omega: one("omega", noise.omega, noise.v)?,
@@ -175,7 +175,7 @@ fn numbers(document: &Document<'_>, drive: &Drive) -> Result<(), Flaw> {
                 description: parameter.description.to_owned(),
                 allowed: allowed(parameter.range, &parameter.unit),
             };
-            return Err(Flaw { problem, span: spans.value });
+            return Err(Flaw::new(problem, spans.value));
         }
     }
     Ok(())
@@ -193,19 +193,13 @@ fn place(document: &Document<'_>, drive: &Drive, name: &str) -> (String, Spans) 
             .unwrap_or(Spans { key: span.clone(), value: span });
         return (name.to_owned(), spans);
     }
-    let in_file = [key, linear(key)]
-        .into_iter()
-        .find(|key| document.section(section).is_some_and(|table| table.contains_key(*key)))
-        .unwrap_or(key);
+    // A linear drive may write `omega` for `v`.
+    let given =
+        |key: &&str| document.section(section).is_some_and(|table| table.contains_key(*key));
+    let mut keys = FIELDS.iter().filter(|field| field.section == section);
+    let rotary = keys.find(|field| field.key(drive.motion) == key).map_or(key, |field| field.key);
+    let in_file = Some(key).filter(given).unwrap_or(rotary);
     (format!("{section}.{in_file}"), document.place_of(section, in_file))
-}
-
-fn linear(key: &str) -> &str {
-    match key {
-        "omega" => name_for_motion(Motion::Linear, "omega"),
-        "theta" => name_for_motion(Motion::Linear, "theta"),
-        other => other,
-    }
 }
 
 /// The lists of names hold names of the drive.
@@ -221,7 +215,7 @@ fn lists(document: &Document<'_>, drive: &Drive) -> Result<(), Flaw> {
     let both = drive.per_recording.iter().position(|name| drive.fixed.contains(name));
     if let Some(number) = both {
         let problem = Problem::FixedAndFree { name: drive.per_recording[number].clone() };
-        return Err(Flaw { problem, span: document.item("fit", "per_recording", number) });
+        return Err(Flaw::new(problem, document.item("fit", "per_recording", number)));
     }
     let all: Vec<_> = all.iter().collect();
     for name in drive.origin.keys() {
@@ -255,5 +249,5 @@ fn known(
         nearest: nearest(name, names.iter().copied()),
         known: names.join(", "),
     };
-    Err(Flaw { problem, span: span() })
+    Err(Flaw::new(problem, span()))
 }

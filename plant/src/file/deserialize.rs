@@ -12,7 +12,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::document::{Document, shown};
 use super::error::{Flaw, Problem};
-use crate::parameters::nearest;
+use crate::parameters::{FIELDS, nearest};
 
 /// Deserialises the whole document.
 pub(super) fn deserialize<T: de::DeserializeOwned>(document: &Document<'_>) -> Result<T, Flaw> {
@@ -89,10 +89,14 @@ impl Trouble {
                 key: context.below(&key),
                 known: known.join(", "),
             },
-            Self::Missing(key) => Problem::Missing { key: context.below(key), why: String::new() },
+            Self::Missing(key) => {
+                let field = FIELDS.iter().find(|f| f.section == context.path && f.key == key);
+                let why = field.map_or_else(String::new, |f| format!(", {}", f.description));
+                Problem::Missing { key: context.below(key), why }
+            }
             Self::Type(expected) => Problem::Type { key: context.path.clone(), found, expected },
         };
-        Flaw { problem, span }
+        Flaw::new(problem, span)
     }
 }
 

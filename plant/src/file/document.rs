@@ -22,9 +22,11 @@ pub(super) struct Spans {
 impl<'a> Document<'a> {
     /// Parses TOML.
     pub(super) fn parse(text: &'a str) -> Result<Self, Flaw> {
-        let root = DeTable::parse(text).map_err(|error| Flaw {
-            span: error.span().unwrap_or(0..0),
-            problem: Problem::Syntax { reason: error.message().replace('\n', ", ") },
+        let root = DeTable::parse(text).map_err(|error| {
+            Flaw::new(
+                Problem::Syntax { reason: error.message().replace('\n', ", ") },
+                error.span().unwrap_or(0..0),
+            )
         })?;
         Ok(Self { text, root: root.into_inner() })
     }
@@ -84,7 +86,7 @@ impl Flaw {
                 column: 1 + before[start_of_line..].chars().count(),
                 span: self.span,
             },
-            problem: Box::new(self.problem),
+            problem: self.problem,
         }
     }
 }

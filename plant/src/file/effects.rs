@@ -72,7 +72,7 @@ pub(super) fn effects(
             let first = document.effect(first).map_or(1, |(_, span)| document.line(span.start));
             let key = if effect.id == effect.kind { "kind" } else { "id" };
             let span = reader.spans(key).value;
-            return Err(Flaw { problem: Problem::Twice { id: effect.id, first }, span });
+            return Err(Flaw::new(Problem::Twice { id: effect.id, first }, span));
         }
         effects.push(effect);
     }
@@ -98,12 +98,12 @@ impl Reader<'_, '_> {
         let value = self.table.get(key).expect("the key was read").get_ref();
         let found = super::document::shown(self.document.text, value, span.clone());
         let key = self.below(key);
-        Flaw { problem: Problem::Type { key, found, expected: expected.to_owned() }, span }
+        Flaw::new(Problem::Type { key, found, expected: expected.to_owned() }, span)
     }
 
     fn missing(&self, key: &str, why: &str) -> Flaw {
         let problem = Problem::Missing { key: self.below(key), why: why.to_owned() };
-        Flaw { problem, span: self.span.clone() }
+        Flaw::new(problem, self.span.clone())
     }
 
     fn text(&self, key: &str) -> Result<Option<&str>, Flaw> {
@@ -125,7 +125,7 @@ impl Reader<'_, '_> {
             nearest: nearest(key, known.iter().copied()),
             known: known.join(", "),
         };
-        Err(Flaw { problem, span: self.spans(key).key })
+        Err(Flaw::new(problem, self.spans(key).key))
     }
 
     fn read(&mut self) -> Result<EffectData, Flaw> {
@@ -148,21 +148,18 @@ impl Reader<'_, '_> {
         } else {
             let nearest = nearest(&kind, kinds());
             let span = self.spans("kind").value;
-            Err(Flaw { problem: Problem::UnknownEffect { kind, nearest, known }, span })
+            Err(Flaw::new(Problem::UnknownEffect { kind, nearest, known }, span))
         }
     }
 
     fn not_a_name(&self, key: &str, found: &str, span: Range<usize>) -> Flaw {
         let reserved = reserved().join(", ");
-        Flaw {
-            problem: Problem::Name { key: self.below(key), found: found.to_owned(), reserved },
-            span,
-        }
+        Flaw::new(Problem::Name { key: self.below(key), found: found.to_owned(), reserved }, span)
     }
 
     fn impossible(&self, id: &str, key: &str) -> Flaw {
         let problem = Problem::Impossible { id: id.to_owned(), why: FORCE_DRIVEN };
-        Flaw { problem, span: self.spans(key).value }
+        Flaw::new(problem, self.spans(key).value)
     }
 
     fn registered(&self, kind: String, id: String, entry: &Entry) -> Result<EffectData, Flaw> {
@@ -189,10 +186,7 @@ impl Reader<'_, '_> {
             let found: Vec<_> = given.iter().map(|(key, _)| *key).collect();
             let found = if found.is_empty() { "no law".to_owned() } else { found.join(" and ") };
             let span = given.get(1).map_or(self.span.clone(), |(key, _)| self.spans(key).key);
-            return Err(Flaw {
-                problem: Problem::Laws { id, found, known: keys.join(", ") },
-                span,
-            });
+            return Err(Flaw::new(Problem::Laws { id, found, known: keys.join(", ") }, span));
         };
         if self.input == Input::Force && matches!(target, Target::Voltage | Target::Heat) {
             return Err(self.impossible(&id, key));
@@ -206,7 +200,7 @@ impl Reader<'_, '_> {
                 string.start + offset_in_source(&self.document.text[string.clone()], error.at());
             // The character itself is underlined; at the end of the law, its closing quote.
             let length = self.document.text[at..].chars().next().map_or(0, char::len_utf8);
-            Flaw { problem: Problem::Law { key: self.below(key), error }, span: at..at + length }
+            Flaw::new(Problem::Law { key: self.below(key), error }, at..at + length)
         })?;
         Ok(EffectData { kind, id, law: Some((*target, text.to_owned())), parameters })
     }

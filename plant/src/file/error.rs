@@ -121,7 +121,7 @@ pub enum Problem {
         expected: String,
     },
     /// A number that is not possible.
-    #[error("`{key}` = {found}: {description}, it takes {allowed}")]
+    #[error("`{key}` = {found:?}: {description}; it takes {allowed}")]
     OutOfRange {
         /// The key.
         key: String,
@@ -219,6 +219,12 @@ pub enum Problem {
 /// A problem with the bytes that it is about; the file's name comes last.
 #[derive(Debug)]
 pub(super) struct Flaw {
-    pub(super) problem: Problem,
+    pub(super) problem: Box<Problem>,
     pub(super) span: Range<usize>,
+}
+
+impl Flaw {
+    pub(super) fn new(problem: Problem, span: Range<usize>) -> Self {
+        Self { problem: Box::new(problem), span }
+    }
 }

@@ -1,9 +1,9 @@
 //! The drive file: TOML in SI units, checked as a whole, every error with its place.
 //!
-//! [`document`] parses the text and keeps the places; [`deserialize`] reads it into the tables of
-//! [`layout`]; [`check`] and [`effects`] apply the rules between keys, the registry and the list
-//! of [`crate::parameters`], and put a [`Drive`] together. [`write`] goes the other way, and
-//! [`schema`] describes the file to editors.
+//! `document` parses the text and keeps the places; `deserialize` reads it into the tables of
+//! `layout`; `check` and `effects` apply the rules between keys, the registry and the list of
+//! [`crate::parameters`], and put a [`Drive`] together. `write` goes the other way, and `schema`
+//! describes the file to editors.
 
 mod check;
 mod deserialize;
@@ -52,7 +52,7 @@ impl Drive {
         }
     }
 
-    /// The text of the drive file: [`Drive::parse`] gives the same drive again, bit for bit.
+    /// The text of the drive file: [`Drive::parse`] gives the same drive again.
     pub fn to_toml(&self) -> String {
         toml::to_string(&write::layout(self)).expect("plain tables of numbers and texts are TOML")
     }

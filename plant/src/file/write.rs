@@ -117,3 +117,49 @@ pub(super) fn replace(path: &Path, text: &str) -> io::Result<()> {
     }
     written
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::DriveFileError;
+
+    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
+
+    fn files(folder: &Path) -> Vec<String> {
+        let name = |entry: io::Result<fs::DirEntry>| {
+            entry.expect("an entry").file_name().into_string().expect("UTF-8")
+        };
+        fs::read_dir(folder).expect("a folder").map(name).collect()
+    }
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole_and_nothing_is_left_beside_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("drive.toml");
+        let drive = Drive::parse(DR300, "dr300.toml").expect("a right drive file");
+        fs::write(&path, "old").expect("written");
+        drive.write(&path).expect("written");
+        assert_eq!(Drive::read(&path).expect("a right drive file"), drive);
+        assert_eq!(files(folder.path()), ["drive.toml"]);
+    }
+
+    #[test]
+    fn a_path_that_takes_no_file_is_named_and_left_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let drive = Drive::parse(DR300, "dr300.toml").expect("a right drive file");
+        let taken = folder.path().join("taken");
+        fs::create_dir(&taken).expect("a folder");
+        for path in [taken, folder.path().join("absent/drive.toml"), PathBuf::from("/")] {
+            let error = drive.write(&path).expect_err("no file can be there");
+            let shown = error.to_string();
+            assert!(matches!(error, DriveFileError::Write { .. }));
+            assert!(
+                shown.starts_with(&format!("{}: cannot be written", path.display())),
+                "{shown}"
+            );
+        }
+        assert_eq!(files(folder.path()), ["taken"]);
+        let error = Drive::read(folder.path().join("none.toml")).expect_err("there is none");
+        assert!(matches!(error, DriveFileError::Read { .. }));
+    }
+}

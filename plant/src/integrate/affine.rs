@@ -17,6 +17,11 @@ pub(super) struct Affine<R, const N: usize> {
     matrix: [[[R; N]; COLUMNS]; OWN],
     /// The acceleration at the start of the step, as a row over the same columns.
     acceleration: [[f64; N]; COLUMNS],
+    /// For lanes that ring: the same row a quarter of a period on, so that with the acceleration
+    /// it gives the amplitude of the acceleration.
+    quadrature: [[f64; N]; COLUMNS],
+    /// Whether any lane does.
+    rings: bool,
     sign: f64,
     /// Speed beyond which each lane is affine.
     beyond: [f64; N],
@@ -111,11 +116,30 @@ impl<R: Real, const N: usize> Affine<R, N> {
         }
         let mut matrix = [[[R::zero(); N]; COLUMNS]; OWN];
         let mut acceleration = [[0.0; N]; COLUMNS];
+        let mut quadrature = [[0.0; N]; COLUMNS];
+        let mut rings = false;
         for l in 0..N {
             let Continuous { a, b } = Continuous::read(model, l, sign, beyond[l]);
             let row = [a[1][0], a[1][1], b[1][0], b[1][1], b[1][2]];
             for (column, value) in row.into_iter().enumerate() {
                 acceleration[column][l] = value.value();
+            }
+            // Eigenvalues of a: -decay +- sqrt(root); the acceleration then follows
+            // e^(-decay t) cos(w t + phase), w = sqrt(-root), and its derivative is a row too.
+            let a_value = a.map(|row| row.map(R::value));
+            let decay = -0.5 * (a_value[0][0] + a_value[1][1]);
+            let determinant = a_value[0][0] * a_value[1][1] - a_value[0][1] * a_value[1][0];
+            let root = decay * decay - determinant;
+            if root < 0.0 {
+                rings = true;
+                let b_value = b.map(|row| row.map(R::value));
+                let current =
+                    [a_value[0][0], a_value[0][1], b_value[0][0], b_value[0][1], b_value[0][2]];
+                for (column, slope) in current.into_iter().enumerate() {
+                    let own = acceleration[column][l];
+                    let jerk = a_value[1][0] * slope + a_value[1][1] * own;
+                    quadrature[column][l] = (jerk + decay * own) / (-root).sqrt();
+                }
             }
             let mut augmented = [[R::zero(); SIZE]; SIZE];
             for row in 0..2 {
@@ -134,11 +158,12 @@ impl<R: Real, const N: usize> Affine<R, N> {
                 }
             }
         }
-        Some(Self { matrix, acceleration, sign, beyond, seconds: h.value() })
+        Some(Self { matrix, acceleration, quadrature, rings, sign, beyond, seconds: h.value() })
     }
 
     /// Whether lane `l` stays in its affine zone from `x` to `next`, also in between: the speed
-    /// can dip below both ends only if it starts out falling, and no further than at that rate.
+    /// can dip below both ends only if it starts out falling, and no further than at that rate;
+    /// one that rings never falls faster than at the amplitude of its acceleration.
     #[inline(always)]
     pub(super) fn holds(
         &self,
@@ -147,15 +172,22 @@ impl<R: Real, const N: usize> Affine<R, N> {
         next: &[[R; N]; OWN],
         applied: &Applied<R, N>,
     ) -> bool {
-        let a = &self.acceleration;
-        let rate = a[0][l] * x[CURRENT][l].value()
-            + a[1][l] * x[SPEED][l].value()
-            + a[2][l] * applied.u[l].value()
-            + a[3][l] * applied.load[l].value()
-            + a[4][l];
+        let along = |row: &[[f64; N]; COLUMNS]| {
+            row[0][l] * x[CURRENT][l].value()
+                + row[1][l] * x[SPEED][l].value()
+                + row[2][l] * applied.u[l].value()
+                + row[3][l] * applied.load[l].value()
+                + row[4][l]
+        };
+        let rate = along(&self.acceleration);
         let outward = self.sign * rate;
-        let dip = if outward < 0.0 { outward * self.seconds } else { 0.0 };
-        let first = self.sign * x[SPEED][l].value() + dip;
+        let mut fall = if outward < 0.0 { -outward } else { 0.0 };
+        if self.rings {
+            let quadrature = along(&self.quadrature);
+            let amplitude = (rate * rate + quadrature * quadrature).sqrt();
+            fall = if quadrature != 0.0 { amplitude } else { fall };
+        }
+        let first = self.sign * x[SPEED][l].value() - fall * self.seconds;
         let last = self.sign * next[SPEED][l].value();
         first > self.beyond[l] && last > self.beyond[l]
     }

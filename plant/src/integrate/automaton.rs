@@ -19,8 +19,8 @@ const MOST_SECTIONS: usize = 36;
 /// Share of the step by which the rate of the event function is found by differences.
 const DIFFERENCE: f64 = 1e-4;
 
-/// Advances one drive by `h`, its state `x` and sign of motion in place. `start` is room for
-/// the state before the step, to return to if the step met an event.
+/// Advances one drive by `h`, its state `x` and sign of motion in place. `start` is the state
+/// before the step, to return to if the step met an event.
 #[inline(always)]
 pub(super) fn advance<R: Real>(
     model: &Model<R, 1>,
@@ -29,13 +29,32 @@ pub(super) fn advance<R: Real>(
     h: R,
     armature: &Armature<R, 1>,
     room: &mut Stages<R, 1>,
-    start: &mut Vec<[R; 1]>,
+    start: &[[R; 1]],
 ) {
-    start.clone_from(x);
     step(model, x, applied, &[*sign], h, armature, room);
     if model.dry() && may_change(model, (start, x), *sign, applied, h.value(), room) {
-        x.clone_from(start);
+        x.copy_from_slice(start);
         through_events(model, x, sign, applied, h, room);
+    }
+}
+
+/// The same in equal parts.
+#[cold]
+pub(super) fn advance_in_parts<R: Real>(
+    model: &Model<R, 1>,
+    (x, sign): (&mut Vec<[R; 1]>, &mut f64),
+    applied: &Applied<R, 1>,
+    h: R,
+    parts: f64,
+    room: &mut Stages<R, 1>,
+    start: &mut Vec<[R; 1]>,
+) {
+    let h = h.scaled(1.0 / parts);
+    let armature = Armature::new(model, h);
+    for k in 0..parts as usize {
+        start.clone_from(x);
+        let held = Applied { time: applied.time + k as f64 * h.value(), ..*applied };
+        advance(model, (x, sign), &held, h, &armature, room, start);
     }
 }
 

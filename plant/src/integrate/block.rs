@@ -135,14 +135,13 @@ impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
             let held = Applied { time, ..*applied };
             let before = state.x[SPEED];
             step(model, &mut state.x, &held, &state.sign, h, &plan.armature, room);
-            if model.dry() {
-                for l in 0..N {
-                    let sign = state.sign[l];
-                    let first = sign * before[l].value();
-                    let last = sign * state.x[SPEED][l].value();
-                    let dips = room.may_dip(l, sign, (first, last), h.value());
-                    redo[l] |= (last < 0.0) | dips;
-                }
+            for l in 0..N {
+                let sign = state.sign[l];
+                let (first, last) = (before[l].value(), state.x[SPEED][l].value());
+                let ends = model.dry() & (sign * last < 0.0);
+                let dips =
+                    model.dry() & room.may_dip(l, sign, (sign * first, sign * last), h.value());
+                redo[l] |= ends | dips | plan.grain.too_coarse(l, first, last);
             }
         }
     }

@@ -249,6 +249,12 @@ impl<R: Real, const N: usize> Model<R, N> {
         self.placed.iter().map(|part| part.affine_beyond(&p)).fold(0.0, f64::max)
     }
 
+    /// Change of speed over which a law of lane `l` bends near rest; infinite if none does.
+    pub(crate) fn grain(&self, l: usize) -> f64 {
+        let p: Vec<f64> = self.p.iter().map(|values| values[l].value()).collect();
+        self.placed.iter().map(|part| part.grain(&p)).fold(f64::INFINITY, f64::min)
+    }
+
     /// Fastest rate of a lane up to that speed without the armature's own decay, 1/s.
     pub(crate) fn fastest(&self, lane: usize, speed: f64) -> f64 {
         let motor = self.motors.lane(lane);

@@ -33,8 +33,10 @@ impl<R: Real> Motor<R> {
         }
         let coupling = (self.k_m * self.k_e / self.j).value().abs();
         let oscillation = (coupling / self.l.value()).sqrt();
-        // An over-damped armature follows at the mechanical rate instead.
-        let mechanical = coupling / self.r.value();
-        drag.max(oscillation.min(mechanical))
+        // Of an over-damped pair the slow one counts: the armature's own decay is exact.
+        let half = 0.5 * (self.r / self.l).value();
+        let slow =
+            oscillation * oscillation / (half + (half * half - oscillation * oscillation).sqrt());
+        drag.max(if half > oscillation { slow } else { oscillation })
     }
 }

@@ -1,7 +1,8 @@
 //! Every number of a drive besides those of its effects: key, unit, range, meaning, place.
 
 use super::Role;
-use crate::drive::Drive;
+use crate::drive::{Drive, Motion};
+use crate::units::name_for_motion;
 
 /// Any finite number.
 pub(super) const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -33,13 +34,16 @@ pub(crate) struct Field {
 }
 
 impl Field {
+    /// The key for that motion: the noise of the speed is `omega` or `v`.
+    pub(crate) fn key(&self, motion: Motion) -> &'static str {
+        // Elsewhere the same letters mean other things.
+        if self.section == "noise" { name_for_motion(motion, self.key) } else { self.key }
+    }
+
     /// The name outside the file: the motor's symbols stand alone.
-    pub(crate) fn name(&self) -> String {
-        if self.section == "motor" {
-            self.key.to_owned()
-        } else {
-            format!("{}.{}", self.section, self.key)
-        }
+    pub(crate) fn name(&self, motion: Motion) -> String {
+        let key = self.key(motion);
+        if self.section == "motor" { key.to_owned() } else { format!("{}.{key}", self.section) }
     }
 }
 
@@ -75,17 +79,17 @@ fields! {
         |d| Some(d.controller?.k_i), |d| Some(&mut d.controller.as_mut()?.k_i);
     controller "period" ["s"] POSITIVE, 0.005, Control, "sampling time; without it the controller is continuous",
         |d| d.controller?.period, |d| d.controller.as_mut()?.period.as_mut();
-    controller "limit" ["V"] POSITIVE, 10.0, Control, "greatest magnitude of the control signal C_m",
+    controller "limit" ["V"] POSITIVE, 10.0, Control, "the control signal C_m is kept within -limit and +limit",
         |d| d.controller?.limit, |d| d.controller.as_mut()?.limit.as_mut();
     amplifier "gain" ["1"] POSITIVE, 1.0, Control, "gain from the control signal C_m to u",
         |d| Some(d.amplifier?.gain), |d| Some(&mut d.amplifier.as_mut()?.gain);
-    amplifier "limit" ["V"] POSITIVE, 24.0, Control, "greatest magnitude of u",
+    amplifier "limit" ["V"] POSITIVE, 24.0, Control, "u is kept within -limit and +limit",
         |d| d.amplifier?.limit, |d| d.amplifier.as_mut()?.limit.as_mut();
     generator "K_m" ["N m/A"] POSITIVE, 0.05, Control, "torque constant of the second motor",
         |d| Some(d.generator?.k_m), |d| Some(&mut d.generator.as_mut()?.k_m);
     generator "gain" ["A/V"] POSITIVE, 0.2, Control, "gain from the control signal C_g to the current I_g",
         |d| Some(d.generator?.gain), |d| Some(&mut d.generator.as_mut()?.gain);
-    generator "limit" ["A"] POSITIVE, 2.0, Control, "greatest magnitude of the current I_g",
+    generator "limit" ["A"] POSITIVE, 2.0, Control, "the current I_g is kept within -limit and +limit",
         |d| d.generator?.limit, |d| d.generator.as_mut()?.limit.as_mut();
     sensors "tacho_quantum" ["rad/s"] NOT_NEGATIVE, 0.1, Sensing, "step of the tachometer",
         |d| Some(d.sensors.tacho_quantum), |d| Some(&mut d.sensors.tacho_quantum);

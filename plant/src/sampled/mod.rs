@@ -16,6 +16,7 @@ use crate::model::{Applied, Control, Controls, Model, Motors};
 
 use amplifier::amplify;
 use controller::Pi;
+pub(crate) use sensors::FROZEN;
 use sensors::Sensors;
 
 lanes! {

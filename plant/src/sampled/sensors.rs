@@ -17,7 +17,7 @@ pub(super) struct Sensors<const N: usize> {
 }
 
 /// A fault input above this freezes a sensor.
-const FROZEN: f64 = 0.5;
+pub(crate) const FROZEN: f64 = 0.5;
 
 /// The nearest multiple of the quantum; the value itself if that is zero.
 #[inline(always)]

@@ -9,6 +9,7 @@ use drivescope_numerics::{Dual, Real};
 use super::{SAME_INSTANT, Unit};
 use crate::effects::law::Outputs;
 use crate::model::{Applied, Model, SPEED, field, rest};
+use crate::sampled::FROZEN;
 use crate::unit::variables::{InputSlot, OutputSlot, Slot};
 
 /// Shift of the speed indicator, rad/s (m/s).
@@ -190,15 +191,20 @@ impl Unit {
         (noise_t, noise_i): (f64, f64),
     ) -> f64 {
         let live = self.period.is_none();
+        // A quantised or frozen signal is constant but for its jumps.
+        let sensors = &self.drive.sensors;
+        let tacho = live && sensors.tacho_quantum == 0.0 && self.faults.tacho_freeze <= FROZEN;
+        let current =
+            live && sensors.current_quantum == 0.0 && self.faults.current_freeze <= FROZEN;
         match slot {
             OutputSlot::Current => shown.i.d[0],
             OutputSlot::Speed => shown.omega.d[0],
             OutputSlot::Position => shown.theta.d[0],
-            OutputSlot::Tacho if live => {
-                let gain = (1.0 + self.faults.tacho) * self.drive.sensors.tacho_unit.per_si();
+            OutputSlot::Tacho if tacho => {
+                let gain = (1.0 + self.faults.tacho) * sensors.tacho_unit.per_si();
                 shown.omega.d[0] * gain + noise_t * (1.0 + self.faults.tacho_noise)
             }
-            OutputSlot::MeasuredCurrent if live => {
+            OutputSlot::MeasuredCurrent if current => {
                 let gain = 1.0 + self.faults.current_sensor;
                 shown.i.d[0] * gain + noise_i * (1.0 + self.faults.current_noise)
             }

@@ -1,0 +1,109 @@
+//! What the diagnoser costs: the network and its Jacobian, a sample of the running detector, an
+//! ARX fit. Bars: network <= 40 us for 1000 samples, Jacobian <= 3.5 evaluations, detector
+//! <= 0.5 us a sample.
+
+use std::hint::black_box;
+use std::sync::Arc;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use drivescope_diagnoser::{
+    Arx, Column, Confidence, Data, Detector, ErrorBands, Limits, Method, Orders, SignalModel,
+    Structure, Theta, Training, free_run, train,
+};
+
+#[path = "../src/testing.rs"]
+#[allow(dead_code)]
+mod testing;
+
+const PAPER_ORDERS: Orders = Orders { n_a: 20, n_b: 20, constant: true };
+
+fn theta(structure: Structure) -> Theta {
+    let values = testing::noise(structure.parameters(), 1);
+    Theta { structure, values: values.iter().map(|e| 0.5 * e).collect() }
+}
+
+fn network(c: &mut Criterion) {
+    let inputs = testing::noise(1000, 2);
+    let theta = theta(Structure::PAPER);
+    let mut group = c.benchmark_group("paper network, 1000 samples");
+    group.bench_function("evaluation", |b| b.iter(|| theta.simulate(black_box(&inputs))));
+    group.bench_function("jacobian", |b| b.iter(|| theta.jacobian(black_box(&inputs))));
+    group.finish();
+}
+
+fn training(c: &mut Criterion) {
+    let (estimation, validation) = (testing::multisine(1000, 1), testing::multisine(1000, 2));
+    let [estimation, validation] = [&estimation, &validation].map(|run| data(run).unwrap());
+    let mut group = c.benchmark_group("training, one start");
+    group.sample_size(10);
+    let methods = [
+        (
+            "LM, 100 steps",
+            Method::LevenbergMarquardt(Limits { steps: 100, relative_decrease: 0.0 }),
+        ),
+        ("ARS, 10 steps", Method::AdaptiveRandomSearch { outer: 10 }),
+    ];
+    for (name, method) in methods {
+        let training = Training { method, starts: 1, ..Training::default() };
+        group.bench_function(name, |b| {
+            b.iter(|| train(Structure::PAPER, &estimation, &validation, &training).unwrap());
+        });
+    }
+    group.finish();
+}
+
+fn data(run: &testing::Run) -> Option<Data<'_>> {
+    let input = Column { name: "C_m", values: &run.control };
+    Data::new(vec![input], Column { name: "T", values: &run.speed }).ok()
+}
+
+fn arx(c: &mut Criterion) {
+    let run = testing::closed_loop(3500, 3, usize::MAX, 0.0);
+    let data = data(&run).unwrap().span(500..3500);
+    c.bench_function("ARX(20,20) on 3000 samples", |b| {
+        b.iter(|| Arx::fit(black_box(&data), PAPER_ORDERS).unwrap());
+    });
+    c.bench_function("ARX orders 1..20 x 1..20 by AIC on 3000 samples", |b| {
+        b.iter(|| Arx::select(black_box(&data), PAPER_ORDERS).unwrap());
+    });
+}
+
+fn detector(c: &mut Criterion) {
+    let (estimation, validation) = (testing::multisine(1000, 1), testing::multisine(1000, 2));
+    let training = Training { starts: 1, ..Training::default() };
+    let model = train(
+        Structure::PAPER,
+        &data(&estimation).unwrap(),
+        &data(&validation).unwrap(),
+        &training,
+    )
+    .unwrap()
+    .network;
+    let run = testing::closed_loop(5000, 4, 4000, 0.05);
+    let data = data(&run).unwrap();
+    let error_model = Arx::fit(&data.span(500..3500), PAPER_ORDERS).unwrap().model;
+    let bands = ErrorBands::new(error_model.run(), 6.0, Confidence::new(0.05).unwrap());
+    let mut detector = Detector::new(model.run(), bands, 50, 500).unwrap();
+    let mut group = c.benchmark_group("detector, 5000 samples");
+    group.throughput(Throughput::Elements(5000));
+    group.bench_function("network, ARX(20,20) bands, decision", |b| {
+        b.iter(|| {
+            detector.reset();
+            let mut declared = 0;
+            for (u, y) in run.control.iter().zip(&run.speed) {
+                let verdict = detector.step(black_box(&[*u]), *y).unwrap();
+                declared += u32::from(verdict.declared);
+            }
+            declared
+        });
+    });
+    group.bench_function("ARX(20,20) free run alone", |b| {
+        let mut run = Arc::clone(&error_model).run();
+        assert_eq!(run.outputs(), 1);
+        b.iter(|| free_run(&mut run, black_box(data.inputs())));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, network, training, arx, detector);
+criterion_main!(benches);

@@ -1,0 +1,157 @@
+//! The diagnoser file: TOML, versioned, written whole or not at all.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use tempfile::NamedTempFile;
+use thiserror::Error;
+
+use crate::diagnoser::Diagnoser;
+use crate::model::Model;
+
+/// Version of the file format that this code writes and reads.
+pub const SCHEMA: u32 = 1;
+
+/// Why a diagnoser file cannot be used or written.
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// It cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// It cannot be written; nothing was left behind.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// It is not a diagnoser file, or damaged.
+    #[error("{} is no diagnoser file: {source}", path.display())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// Line, column and what was expected there.
+        source: Box<toml::de::Error>,
+    },
+    /// The diagnoser cannot be put into words.
+    #[error("this diagnoser cannot be written as TOML: {0}")]
+    Serialise(#[from] toml::ser::Error),
+    /// It was written by another version.
+    #[error("{} has schema {found}, this program reads schema {SCHEMA}: train the diagnoser again", path.display())]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Version in the file.
+        found: u32,
+    },
+    /// The parts of a model do not fit together or not the interface.
+    #[error("{}: the {which} does not fit the {inputs} inputs and one output of the interface", path.display())]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// Which model.
+        which: &'static str,
+        /// Inputs of the interface.
+        inputs: usize,
+    },
+    /// A model explodes in free run.
+    #[error("{}: the {which} is unstable in free run: train the diagnoser again", path.display())]
+    Unstable {
+        /// The file.
+        path: PathBuf,
+        /// Which model.
+        which: &'static str,
+    },
+    /// A number without meaning.
+    #[error("{}: {key} = {value} must be {must}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// Where it stands.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+}
+
+/// The part that every version has.
+#[derive(Deserialize)]
+struct Head {
+    schema: u32,
+}
+
+impl Diagnoser {
+    /// Writes the file under a temporary name in the same folder and renames it.
+    pub fn save(&self, path: &Path) -> Result<(), FileError> {
+        let text = toml::to_string(self)?;
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let write = || {
+            let mut file = NamedTempFile::new_in(folder)?;
+            file.write_all(text.as_bytes())?;
+            file.as_file().sync_all()?;
+            file.persist(path).map_err(|error| error.error)
+        };
+        write().map_err(|source| FileError::Write { path: path.into(), source })?;
+        Ok(())
+    }
+
+    /// Reads a file and checks that what it holds can run.
+    pub fn load(path: &Path) -> Result<Self, FileError> {
+        let text = fs::read_to_string(path)
+            .map_err(|source| FileError::Read { path: path.into(), source })?;
+        let parse =
+            |source| FileError::Parse { path: path.to_path_buf(), source: Box::new(source) };
+        // The version first: a later one may hold keys that this one does not know.
+        let Head { schema } = toml::from_str(&text).map_err(parse)?;
+        if schema != SCHEMA {
+            return Err(FileError::Schema { path: path.into(), found: schema });
+        }
+        let diagnoser: Self = toml::from_str(&text).map_err(parse)?;
+        diagnoser.check(path)?;
+        Ok(diagnoser)
+    }
+
+    fn check(&self, path: &Path) -> Result<(), FileError> {
+        let path = || path.to_path_buf();
+        let inputs = self.interface.inputs.len();
+        let models: [(&'static str, &Model); 2] =
+            [("process model", &self.model), ("error model", &self.model_error.model)];
+        for (which, model) in models {
+            if inputs == 0 || model.signals() != Some((inputs, 1)) {
+                return Err(FileError::Shape { path: path(), which, inputs });
+            }
+            if !model.is_stable() {
+                return Err(FileError::Unstable { path: path(), which });
+            }
+        }
+        let positive = [
+            ("interface.period_s", self.interface.period_s),
+            ("model_error.deviation", self.model_error.deviation),
+            ("constant.deviation", self.constant.deviation),
+            ("window", self.window as f64),
+        ];
+        let without_meaning =
+            positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
+        if let Some((key, value)) = without_meaning {
+            return Err(FileError::Value { path: path(), key, value, must: "positive" });
+        }
+        if !self.constant.mean.is_finite() {
+            let (key, value) = ("constant.mean", self.constant.mean);
+            return Err(FileError::Value { path: path(), key, value, must: "finite" });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,90 @@
+//! Any model that a diagnoser file can hold.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::arx::{Arx, ArxRun};
+use crate::network::{Network, NetworkRun};
+use crate::signal_model::SignalModel;
+
+/// A model as it is stored.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Model {
+    /// A linear difference equation.
+    Arx(Arc<Arx>),
+    /// A locally recurrent cascade network.
+    Network(Arc<Network>),
+}
+
+impl Model {
+    /// Input and output signals, or `None` if the parts of the model do not fit together.
+    pub fn signals(&self) -> Option<(usize, usize)> {
+        match self {
+            Self::Arx(arx) => Some((arx.b.len(), 1)),
+            Self::Network(network) => {
+                network.structure().map(|structure| (structure.inputs, structure.outputs))
+            }
+        }
+    }
+
+    /// Whether a free run stays bounded.
+    pub fn is_stable(&self) -> bool {
+        match self {
+            Self::Arx(arx) => arx.is_stable(),
+            Self::Network(network) => network.is_stable(),
+        }
+    }
+
+    /// A free run from rest.
+    ///
+    /// # Panics
+    /// If the parts do not fit together ([`Model::signals`] is `None`).
+    pub fn run(&self) -> ModelRun {
+        match self {
+            Self::Arx(arx) => ModelRun::Arx(arx.run()),
+            Self::Network(network) => ModelRun::Network(network.run()),
+        }
+    }
+}
+
+/// A stored model in free run.
+#[derive(Debug, Clone)]
+pub enum ModelRun {
+    /// A linear difference equation.
+    Arx(ArxRun),
+    /// A locally recurrent cascade network.
+    Network(NetworkRun),
+}
+
+impl SignalModel for ModelRun {
+    fn inputs(&self) -> usize {
+        match self {
+            Self::Arx(run) => run.inputs(),
+            Self::Network(run) => run.inputs(),
+        }
+    }
+
+    fn outputs(&self) -> usize {
+        match self {
+            Self::Arx(run) => run.outputs(),
+            Self::Network(run) => run.outputs(),
+        }
+    }
+
+    fn reset(&mut self) {
+        match self {
+            Self::Arx(run) => run.reset(),
+            Self::Network(run) => run.reset(),
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, u: &[f64]) -> &[f64] {
+        match self {
+            Self::Arx(run) => run.step(u),
+            Self::Network(run) => run.step(u),
+        }
+    }
+}

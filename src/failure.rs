@@ -99,11 +99,32 @@ pub(crate) enum Failure {
     },
 }
 
+/// An error of a library as a report: its message, and of its causes what the message does not
+/// say already.
+pub(crate) fn told(error: impl std::error::Error) -> Report {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let said = inner.to_string();
+        if !text.contains(&said) {
+            text = format!("{text}: {said}");
+        }
+        cause = inner.source();
+    }
+    Report::msg(text)
+}
+
 /// Makes errors look the same on every terminal: no line is broken inside a path.
 pub(crate) fn install() {
     // Fails only where a hook is set already, as in tests that share a process.
     let _ = miette::set_hook(Box::new(|_| {
-        Box::new(MietteHandlerOpts::new().wrap_lines(false).break_words(false).build())
+        Box::new(
+            MietteHandlerOpts::new()
+                .wrap_lines(false)
+                .break_words(false)
+                .without_cause_chain()
+                .build(),
+        )
     }));
 }
 

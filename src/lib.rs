@@ -10,6 +10,7 @@ mod commands;
 mod drive_source;
 mod expression;
 mod failure;
+mod first_drive;
 mod interrupt;
 mod output;
 mod panics;

@@ -5,10 +5,9 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 use drivescope_recording::Recording;
-use miette::IntoDiagnostic;
 use serde::Serialize;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, told};
 use crate::interrupt;
 
 /// Writes a file: to a temporary name in the same folder, then renamed.
@@ -38,7 +37,7 @@ pub(crate) fn write_file(
 /// The path, where it cannot be written or its format is not known.
 pub(crate) fn write_recording(path: &Path, recording: &Recording) -> miette::Result<()> {
     let _not_now = interrupt::writing();
-    drivescope_recording::write(path, recording).into_diagnostic()
+    drivescope_recording::write(path, recording).map_err(told)
 }
 
 /// Finds out whether a file can be written there, before the work that fills it.
@@ -60,7 +59,11 @@ fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     // Readable as any new file is, not by the owner alone as a temporary one.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder.unwrap_or(Path::new(".")))
+    // The folder is meant, not the temporary name that the error carries.
+    builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => io::Error::new(error.kind(), "its folder does not exist"),
+        kind => kind.into(),
+    })
 }
 
 /// The value as JSON text, ending in a line end; numbers that are not finite become `null`.

@@ -2,6 +2,8 @@
 //! page derive from it.
 
 mod effects;
+mod export;
+mod init;
 mod recording_options;
 mod schema;
 mod shell;
@@ -38,6 +40,8 @@ macro_rules! commands {
 
 commands! {
     Simulate: simulate::Simulate,
+    Init: init::Init,
+    Export: export::Export,
     Effects: effects::Effects,
     Schema: schema::Schema,
     Completions: shell::Completions,

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use clap::Args;
 use drivescope_recording::{Mapping, ReadOptions, Recording, Report, read};
-use miette::IntoDiagnostic;
 
+use crate::failure::told;
 use crate::session::Session;
 
 /// Options of reading a recording.
@@ -31,9 +31,9 @@ impl RecordingOptions {
         session: &Session,
     ) -> miette::Result<(Recording, Report)> {
         let columns = self.columns.as_deref().map(Mapping::parse_list).transpose();
-        let columns = columns.into_diagnostic()?.unwrap_or_default();
+        let columns = columns.map_err(told)?.unwrap_or_default();
         let options = ReadOptions { columns, resample: self.resample };
-        let (recording, report) = read(path, &options).into_diagnostic()?;
+        let (recording, report) = read(path, &options).map_err(told)?;
         for remark in report.guesses().iter().chain(&report.warnings()) {
             session.remark(format_args!("{}: {remark}", report.file));
         }

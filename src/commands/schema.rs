@@ -2,10 +2,9 @@
 
 use clap::{Args, ValueEnum};
 use drivescope_plant::file::schema_json;
-use miette::IntoDiagnostic;
 
 use super::Run;
-use crate::failure::Ending;
+use crate::failure::{Ending, told};
 use crate::session::Session;
 
 /// Print the JSON Schema of a kind of file.
@@ -27,7 +26,7 @@ impl Run for Schema {
         let text = match self.of {
             Kind::Drive => schema_json(),
         };
-        let value: serde_json::Value = serde_json::from_str(&text).into_diagnostic()?;
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(told)?;
         session.answer(&text, &value)?;
         Ok(Ending::Done)
     }

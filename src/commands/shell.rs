@@ -2,11 +2,10 @@
 
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
-use miette::IntoDiagnostic;
 
 use super::Run;
 use crate::cli::Cli;
-use crate::failure::Ending;
+use crate::failure::{Ending, told};
 use crate::output;
 use crate::session::Session;
 
@@ -35,13 +34,13 @@ impl Run for Man {
         let mut text = Vec::new();
         let mut root = Cli::command();
         root.build();
-        clap_mangen::Man::new(root.clone()).render(&mut text).into_diagnostic()?;
+        clap_mangen::Man::new(root.clone()).render(&mut text).map_err(told)?;
         for command in root.get_subcommands().filter(|command| command.get_name() != "help") {
             let page = clap_mangen::Man::new(command.clone());
-            page.render_name_section(&mut text).into_diagnostic()?;
-            page.render_synopsis_section(&mut text).into_diagnostic()?;
-            page.render_description_section(&mut text).into_diagnostic()?;
-            page.render_options_section(&mut text).into_diagnostic()?;
+            page.render_name_section(&mut text).map_err(told)?;
+            page.render_synopsis_section(&mut text).map_err(told)?;
+            page.render_description_section(&mut text).map_err(told)?;
+            page.render_options_section(&mut text).map_err(told)?;
         }
         output::print(&String::from_utf8_lossy(&text))?;
         Ok(Ending::Done)

@@ -6,19 +6,17 @@ use clap::{Args, ValueEnum};
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::sampled::speed_bound;
 use drivescope_recording::{Quantity, Recording};
-use miette::IntoDiagnostic;
 use serde::Serialize;
 
 use super::Run;
 use super::recording_options::RecordingOptions;
 use crate::drive_source;
 use crate::expression::SignalOverTime;
-use crate::failure::{Ending, Failure};
+use crate::failure::{Ending, Failure, told};
 use crate::output;
 use crate::session::Session;
 use crate::simulation::fault::FaultOverTime;
-use crate::simulation::replay::{Fit, fits, replay, with_canonical_names};
-use crate::simulation::start::Start;
+use crate::simulation::replay::{Fit, fits, replay, start, with_canonical_names};
 use crate::simulation::typed::{self, Driven};
 use crate::simulation::{speed, tacho_unit, without_noise};
 
@@ -103,10 +101,10 @@ impl Simulate {
         let has = |name: &&str| measured.signal(name).is_some();
         let driving: Vec<&str> =
             ["u", "T_l"].into_iter().filter(|name| *name == "u" || has(name)).collect();
-        report.require(&measured, &driving).into_diagnostic()?;
+        report.require(&measured, &driving).map_err(told)?;
         let measured = with_canonical_names(drive, measured);
         let drive = without_noise(drive);
-        let start = Start::estimate(&drive, &measured);
+        let start = start(&drive, &measured)?;
         let bar = session.progress(measured.len() as u64, "simulating");
         let model = replay(&drive, &measured, start, &bar)?;
         self.write(&model)?;

@@ -1,8 +1,9 @@
 //! The state in which a recording begins, from its first samples.
 //!
-//! A straight line through the first samples gives value and slope at the first one. What cannot
-//! be told from zero is zero: most recordings begin at rest, and a line through the bent start
-//! of a motion misses it by its own standard error.
+//! Three candidates, of which [`super::replay::start`] takes the one from which the model follows
+//! the first samples best: a straight line through them, at its beginning (it averages the
+//! noise); the first sample itself (right where the motion bends at once); and rest, where most
+//! recordings begin. What of the line cannot be told from zero is zero.
 
 use drivescope_numerics::Regression;
 use drivescope_plant::drive::Drive;
@@ -10,8 +11,8 @@ use drivescope_recording::Recording;
 
 use super::{has_current, position, speed};
 
-/// Samples that the line goes through.
-const FIRST: usize = 10;
+/// Samples that the line goes through, and over which the candidates are judged.
+pub(super) const FIRST: usize = 10;
 /// Standard errors within which a value is taken as zero.
 const ERRORS_OF_ZERO: f64 = 3.0;
 
@@ -61,25 +62,39 @@ fn line(values: &[f64]) -> Option<Line> {
 }
 
 impl Start {
-    /// The start of a recording of that drive. Without a speed column the position gives the
-    /// speed; without a current column a turning drive has the current of (20) at rest,
-    /// (u - K_e omega) / R, and a resting one none.
-    pub(crate) fn estimate(drive: &Drive, recording: &Recording) -> Self {
-        let of = |name: &str| recording.signal(name).and_then(|signal| line(&signal.values));
-        let measured_position = of(position(drive).0);
-        let speed = match (of(speed(drive).0), &measured_position) {
-            (Some(line), _) => unless_zero(line.value, line.errors.0),
-            (None, Some(line)) => unless_zero(line.slope, line.errors.1) / recording.period_s,
-            (None, None) => 0.0,
+    /// The candidates for a recording of that drive. Without a speed column the position gives
+    /// the speed; without a current column a turning drive has the current of (20) in steady
+    /// state, (u - K_e omega) / R, and a resting one none.
+    pub(super) fn candidates(drive: &Drive, recording: &Recording) -> [Self; 3] {
+        let values = |name: &str| recording.signal(name).map(|signal| signal.values.as_slice());
+        let first = |name: &str| values(name)?.first().copied().filter(|value| value.is_finite());
+        let line_of = |name: &str| values(name).and_then(line);
+        let (speed, position) = (speed(drive).0, position(drive).0);
+        let along = line_of(position);
+        let by_position = along
+            .as_ref()
+            .map_or(0.0, |line| unless_zero(line.slope, line.errors.1) / recording.period_s);
+        let steady_current = |speed: f64| match (drive.motor.k_e, drive.motor.r) {
+            (Some(k_e), Some(r)) if speed != 0.0 => (first("u").unwrap_or(0.0) - k_e * speed) / r,
+            _ => 0.0,
         };
-        let u = recording.signal("u").and_then(|u| u.values.first()).copied();
-        let current = match (of("i"), drive.motor.k_e, drive.motor.r) {
-            _ if !has_current(drive) => 0.0,
-            (Some(line), _, _) => unless_zero(line.value, line.errors.0),
-            (None, Some(k_e), Some(r)) if speed != 0.0 => (u.unwrap_or(0.0) - k_e * speed) / r,
-            (None, _, _) => 0.0,
+        let start = |current: Option<f64>, speed: f64, position: Option<f64>| Self {
+            current: if has_current(drive) {
+                current.unwrap_or_else(|| steady_current(speed))
+            } else {
+                0.0
+            },
+            speed,
+            position: position.unwrap_or(0.0),
         };
-        Self { current, speed, position: measured_position.map_or(0.0, |line| line.value) }
+        let fitted = |line: Line| unless_zero(line.value, line.errors.0);
+        let line_speed = line_of(speed).map_or(by_position, fitted);
+        let first_speed = first(speed).unwrap_or(by_position);
+        [
+            start(line_of("i").map(fitted), line_speed, along.map(|line| line.value)),
+            start(first("i"), first_speed, first(position)),
+            start(Some(0.0), 0.0, first(position)),
+        ]
     }
 }
 
@@ -106,19 +121,20 @@ mod tests {
 
     #[test]
     fn a_speed_follows_from_the_position() {
-        let start =
-            Start::estimate(&dr300(), &recording(&[("theta", |t| 2.0 + 50.0 * t), ("u", |_| 6.0)]));
+        let measured = recording(&[("theta", |t| 2.0 + 50.0 * t), ("u", |_| 6.0)]);
+        let [start, ..] = Start::candidates(&dr300(), &measured);
         assert!((start.speed - 50.0).abs() < ROUNDING && (start.position - 2.0).abs() < ROUNDING);
         assert!((start.current - (6.0 - 0.0599 * 50.0) / 3.13).abs() < ROUNDING, "{start:?}");
     }
 
     #[test]
     fn what_is_measured_counts_and_rest_stays_rest() {
-        let start =
-            Start::estimate(&dr300(), &recording(&[("omega", |t| 7.0 - t), ("i", |_| 0.5)]));
+        let measured = recording(&[("omega", |t| 7.0 - t), ("i", |_| 0.5)]);
+        let [start, first, rest] = Start::candidates(&dr300(), &measured);
+        assert_eq!((first.speed, first.current, rest.speed), (7.0, 0.5, 0.0));
         assert!((start.speed - 7.0).abs() < ROUNDING && (start.current - 0.5).abs() < ROUNDING);
         // A motion that begins bent, as every start from rest does.
-        let start = Start::estimate(&dr300(), &recording(&[("omega", |t| 100.0 * t * t)]));
+        let [start, ..] = Start::candidates(&dr300(), &recording(&[("omega", |t| 100.0 * t * t)]));
         assert_eq!(start, Start { current: 0.0, speed: 0.0, position: 0.0 });
     }
 }

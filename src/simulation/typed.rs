@@ -162,7 +162,7 @@ impl Run {
 }
 
 fn impossible(error: UnitError) -> miette::Report {
-    miette::miette!(help = "check the parameters and inputs of the run", "{error}")
+    miette::miette!(help = "check the parameters of the drive and the inputs of the run", "{error}")
 }
 
 /// The unit's references that a run needs.

@@ -11,11 +11,14 @@ mod drive_source;
 mod expression;
 mod failure;
 mod first_drive;
+mod fmu_file;
 mod interrupt;
 mod output;
 mod panics;
+mod report;
 mod session;
 mod simulation;
+mod tables;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -8,6 +8,7 @@ mod recording_options;
 mod schema;
 mod shell;
 mod simulate;
+mod study;
 
 use clap::{Args, Subcommand};
 
@@ -39,6 +40,7 @@ macro_rules! commands {
 }
 
 commands! {
+    Study: study::Study,
     Simulate: simulate::Simulate,
     Init: init::Init,
     Export: export::Export,

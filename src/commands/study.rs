@@ -12,10 +12,9 @@ use drivescope_fmu::description::Version;
 use drivescope_scenarios::results::TorqueReading;
 use drivescope_scenarios::study::{Progress, Study as Outcome, StudyOptions, study};
 use indicatif::ProgressBar;
-use miette::IntoDiagnostic;
 
 use super::Run;
-use crate::failure::{Ending, Failure};
+use crate::failure::{Ending, Failure, told};
 use crate::session::Session;
 use crate::{drive_source, fmu_file, interrupt, output};
 
@@ -82,7 +81,7 @@ impl Run for Study {
         let outcome = study(&options, (&closed, &open), &|step| show(&bar, step));
         bar.finish_and_clear();
         interrupt::check()?;
-        let outcome = outcome.into_diagnostic()?;
+        let outcome = outcome.map_err(told)?;
 
         self.write(&outcome)?;
         session.remark(format_args!("report: {}", at("report.html").display()));

@@ -49,17 +49,17 @@ pub(super) struct Judgement {
 impl Judgement {
     /// Share of samples outside the threshold after the run-up.
     pub(super) fn false_rate(&self, method: Method) -> f64 {
-        rate(self.traces.get(method), RUN_UP..SAMPLES)
+        rate(self.traces.of(method), RUN_UP..SAMPLES)
     }
 
     /// Faults declared within a span: a declaration that stands counts once.
     pub(super) fn alarms(&self, method: Method, span: Range<usize>) -> usize {
-        self.traces.get(method).declarations().iter().filter(|at| span.contains(at)).count()
+        self.traces.of(method).declarations().iter().filter(|at| span.contains(at)).count()
     }
 
     /// The row of the detection table.
     pub(super) fn row(&self, method: Method, fault: &Fault) -> DetectionRow {
-        let trace = self.traces.get(method);
+        let trace = self.traces.of(method);
         let declared = trace.declarations().into_iter().find(|at| *at >= fault.from);
         DetectionRow {
             fault: fault.name.clone(),

@@ -27,7 +27,7 @@ use thiserror::Error;
 use crate::experiment::{Experiment, ExperimentError, Stream};
 use crate::faults::{Fault, SPAN, twelve};
 use crate::results::{
-    ByMethod, DetectionRow, DriveSummary, FmuSummary, HealthySummary, Method, NoiseSummary,
+    ByMethod, DetectionRow, DriveSummary, FaultSpan, FmuSummary, HealthySummary, Method, NoiseSummary,
     Pictures, ReadingRows, StudyResults, TorqueReading,
 };
 use crate::{cosimulated, native};
@@ -266,6 +266,8 @@ fn summarise(
         },
         torque: options.torque,
         beta: options.beta,
+        fault_span: FaultSpan { from: SPAN.start, to: SPAN.end },
+        window: design::WINDOW,
         detection: rows(options.torque),
         readings: others.map(|torque| ReadingRows { torque, detection: rows(torque) }).collect(),
         healthy: HealthySummary {

@@ -9,7 +9,9 @@
 use drivescope_numerics::Linearisation;
 use nalgebra::DMatrix;
 
-use super::run::{FirstLayer, SWEEP, State, Sweep, Weights, shift_in, simulate, sum_of_products};
+use super::layers::{
+    FirstLayer, SWEEP, State, Sweep, Weights, shift_in, simulate, sum_of_products,
+};
 use super::theta::Layers;
 use super::{Structure, Theta};
 

@@ -1,2 +1,7 @@
-//! The program.
-fn main() {}
+//! The program `drivescope`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    drivescope::run(std::env::args_os())
+}

@@ -47,6 +47,7 @@ impl<const P: usize> Sub for Dual<P> {
 impl<const P: usize> Mul for Dual<P> {
     type Output = Self;
     #[inline(always)]
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule")]
     fn mul(self, o: Self) -> Self {
         Self { v: self.v * o.v, d: from_fn(|k| self.d[k] * o.v + self.v * o.d[k]) }
     }

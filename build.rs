@@ -1,0 +1,106 @@
+//! Builds the shared library of exported FMUs and hands its path to the program, which embeds it.
+//!
+//! The library is a crate of its own (`fmu/drive`), built here by a nested cargo: a dependency
+//! that is both a Rust library and a shared one does not survive a clean `cargo check`. What the
+//! outer cargo set for its own crates (lint driver, flags) must not reach the nested one.
+
+use std::env;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, exit};
+
+/// The crate of the shared library, and the stem of its file.
+const PACKAGE: &str = "drivescope-fmu-drive";
+const STEM: &str = "drivescope_fmu_drive";
+/// What the library is made from.
+const SOURCES: [&str; 9] = [
+    "Cargo.toml",
+    "Cargo.lock",
+    "numerics",
+    "plant",
+    "recording",
+    "fmu/Cargo.toml",
+    "fmu/src",
+    "fmu/blocks",
+    "fmu/drive",
+];
+/// Variables of the outer cargo and of clippy that would change the nested build.
+const NOT_FOR_NESTED: [&str; 7] = [
+    "RUSTC_WORKSPACE_WRAPPER",
+    "CLIPPY_ARGS",
+    "RUSTFLAGS",
+    "CARGO_ENCODED_RUSTFLAGS",
+    "CARGO_BUILD_TARGET",
+    "CARGO_TARGET_DIR",
+    "CARGO_BUILD_TARGET_DIR",
+];
+
+fn main() {
+    let root = PathBuf::from(variable("CARGO_MANIFEST_DIR"));
+    for source in SOURCES {
+        println!("cargo::rerun-if-changed={source}");
+    }
+    let target = variable("TARGET").to_string_lossy().into_owned();
+    let folder = PathBuf::from(variable("OUT_DIR")).join("nested");
+    build(&root, &target, &folder);
+    let library = folder.join(&target).join("release").join(file_name());
+    if !library.is_file() {
+        fail(&format!(
+            "cargo built {PACKAGE} for {target}, but {} is not there: does this target have shared libraries?",
+            library.display()
+        ));
+    }
+    println!("cargo::rustc-env=DRIVESCOPE_FMU_LIBRARY={}", library.display());
+}
+
+/// Builds the library for that target into that folder.
+fn build(root: &Path, target: &str, folder: &Path) {
+    let mut cargo = Command::new(variable("CARGO"));
+    cargo.current_dir(root);
+    cargo.args(["build", "--release", "--locked", "--package", PACKAGE, "--target", target]);
+    cargo.arg("--target-dir").arg(folder);
+    // A panic must be caught at the C boundary, whatever the outer profile says.
+    cargo.env("CARGO_PROFILE_RELEASE_PANIC", "unwind");
+    cargo.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
+    for name in NOT_FOR_NESTED {
+        cargo.env_remove(name);
+    }
+    match cargo.output() {
+        Err(error) => fail(&format!("cargo could not be started to build {PACKAGE}: {error}")),
+        Ok(output) if !output.status.success() => {
+            let host = variable("HOST").to_string_lossy().into_owned();
+            let hint = if host == target {
+                String::new()
+            } else {
+                format!(" (cross-compiling from {host}: a linker for {target} is needed)")
+            };
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            fail(&format!(
+                "the FMU library {PACKAGE} could not be built for {target}{hint}\n{said}"
+            ));
+        }
+        Ok(_) => {}
+    }
+}
+
+/// The library's file name on the target system.
+fn file_name() -> String {
+    let system = variable("CARGO_CFG_TARGET_OS").to_string_lossy().into_owned();
+    match system.as_str() {
+        "windows" => format!("{STEM}.dll"),
+        "macos" | "ios" => format!("lib{STEM}.dylib"),
+        _ => format!("lib{STEM}.so"),
+    }
+}
+
+fn variable(name: &str) -> OsString {
+    env::var_os(name).unwrap_or_else(|| fail(&format!("cargo did not set {name}")))
+}
+
+fn fail(why: &str) -> ! {
+    // Every line as an error of its own, or cargo would show the first one only.
+    for line in why.lines() {
+        println!("cargo::error={line}");
+    }
+    exit(1)
+}

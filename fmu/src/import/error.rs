@@ -1,0 +1,438 @@
+//! What can go wrong with an FMU of another tool. Every error names the FMU's file and, where there
+//! is one, the place in it, the value found and what to do next.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use super::description::Kind;
+use super::logging::Message;
+use super::status::Status;
+
+/// An error while an FMU is opened, instantiated or run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The file could not be opened.
+    #[error("{fmu}: cannot open the file ({source}); check the path and its permissions")]
+    Open {
+        /// The path as it was given.
+        fmu: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file is no zip archive, or its directory is damaged.
+    #[error("{fmu}: not a readable zip archive ({source}); export or download the FMU again")]
+    Archive {
+        /// The FMU's file name.
+        fmu: String,
+        /// What the archive reader found.
+        source: zip::result::ZipError,
+    },
+    /// One entry of the archive is damaged or packed in a way that is not supported.
+    #[error(
+        "{fmu}: entry `{entry}` cannot be unpacked ({source}); export or download the FMU again"
+    )]
+    Entry {
+        /// The FMU's file name.
+        fmu: String,
+        /// The entry's name, or its number when the name itself is damaged.
+        entry: String,
+        /// What the archive reader found.
+        source: zip::result::ZipError,
+    },
+    /// An entry whose name or kind could write outside the FMU's own folder.
+    #[error("{fmu}: entry `{entry}` {problem}; the FMU was not unpacked, do not use it")]
+    Unsafe {
+        /// The FMU's file name.
+        fmu: String,
+        /// The entry's name.
+        entry: String,
+        /// What is wrong with it.
+        problem: UnsafeEntry,
+    },
+    /// Unpacking would take more room than an FMU may.
+    #[error("{fmu}: unpacks to more than {limit} {unit} at entry `{entry}`; it may be a zip bomb")]
+    TooLarge {
+        /// The FMU's file name.
+        fmu: String,
+        /// The entry at which the limit was passed.
+        entry: String,
+        /// The limit.
+        limit: u64,
+        /// What the limit counts (`bytes`, `entries`).
+        unit: &'static str,
+    },
+    /// Unpacking could not write into the temporary folder.
+    #[error("{fmu}: cannot write {} ({source}); free some room in the temporary folder", path.display())]
+    Unpack {
+        /// The FMU's file name.
+        fmu: String,
+        /// The file that could not be written.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// `modelDescription.xml` is missing.
+    #[error("{fmu}: the archive has no modelDescription.xml at its top; it is not an FMU")]
+    NoDescription {
+        /// The FMU's file name.
+        fmu: String,
+    },
+    /// `modelDescription.xml` is malformed or lacks what is needed to run the FMU.
+    #[error("{fmu}: {0}; ask the exporting tool's maker", place.in_file("modelDescription.xml"))]
+    Description {
+        /// The FMU's file name.
+        fmu: String,
+        /// Where and what.
+        place: Box<XmlProblem>,
+    },
+    /// An FMI version other than 2.0 and 3.x.
+    #[error("{fmu}: FMI version `{version}` is not supported; export the model as FMI 2.0 or 3.0")]
+    Version {
+        /// The FMU's file name.
+        fmu: String,
+        /// The version that `modelDescription.xml` states.
+        version: String,
+    },
+    /// No binary for this platform.
+    #[error(
+        "{fmu}: no binary for this platform ({platform}: {missing} is missing); it has {}; \
+         export the FMU on this platform",
+        list(has, "no binaries at all")
+    )]
+    Platform {
+        /// The FMU's file name.
+        fmu: String,
+        /// This platform, as the FMU's FMI version calls it.
+        platform: &'static str,
+        /// The file that was looked for.
+        missing: String,
+        /// The platforms that the FMU has binaries for.
+        has: Vec<String>,
+    },
+    /// The binary could not be loaded.
+    #[error("{fmu}: its binary cannot be loaded ({source}); install what it depends on")]
+    Load {
+        /// The FMU's file name.
+        fmu: String,
+        /// What the dynamic linker found.
+        source: libloading::Error,
+    },
+    /// The binary expects the host to be a Python process, and no Python library could be found.
+    #[error(
+        "{fmu}: its binary needs the Python library ({reason}); set DRIVESCOPE_PYTHON to a Python \
+         that was built with a shared library, or DRIVESCOPE_LIBPYTHON to that library"
+    )]
+    Python {
+        /// The FMU's file name.
+        fmu: String,
+        /// Why none could be loaded.
+        reason: String,
+    },
+    /// The binary lacks functions without which it cannot run.
+    #[error("{fmu}: its binary lacks {}; export the FMU again with a complete tool", missing.join(", "))]
+    Symbols {
+        /// The FMU's file name.
+        fmu: String,
+        /// The missing functions.
+        missing: Vec<String>,
+    },
+    /// The FMU does not offer the interface type that was asked for.
+    #[error(
+        "{fmu}: offers no {wanted}; it offers {}",
+        list(has, "neither Co-Simulation nor Model Exchange")
+    )]
+    NoInterface {
+        /// The FMU's file name.
+        fmu: String,
+        /// What was asked for.
+        wanted: Kind,
+        /// What there is.
+        has: Vec<String>,
+    },
+    /// A second instance of an FMU that allows one in a process.
+    #[error(
+        "{fmu}: can be instantiated only once in a process; drop the first instance, or run several processes"
+    )]
+    OnlyOnce {
+        /// The FMU's file name.
+        fmu: String,
+    },
+    /// The FMU refused to make an instance.
+    #[error("{fmu}: refused to make instance `{instance}`{}", said(messages))]
+    Instantiate {
+        /// The FMU's file name.
+        fmu: String,
+        /// The instance's name.
+        instance: String,
+        /// What the FMU logged.
+        messages: Vec<Message>,
+    },
+    /// No variable of that name.
+    #[error("{fmu}: has no variable `{name}`{}", did_you_mean(near))]
+    UnknownVariable {
+        /// The FMU's file name.
+        fmu: String,
+        /// The name that was asked for.
+        name: String,
+        /// The most similar name there is.
+        near: Option<String>,
+    },
+    /// A variable that cannot be used as asked.
+    #[error("{fmu}: variable `{name}` {problem}")]
+    Variable {
+        /// The FMU's file name.
+        fmu: String,
+        /// The variable's name.
+        name: String,
+        /// Why it cannot.
+        problem: VariableProblem,
+    },
+    /// The numbers of references and values differ.
+    #[error("{fmu}: {references} value references, but {values} values")]
+    Lengths {
+        /// The FMU's file name.
+        fmu: String,
+        /// Number of value references.
+        references: usize,
+        /// Number of values.
+        values: usize,
+    },
+    /// A call in the wrong order.
+    #[error("{fmu}: `{call}` is not allowed while instance `{instance}` is {mode}")]
+    Order {
+        /// The FMU's file name.
+        fmu: String,
+        /// The instance's name.
+        instance: String,
+        /// What was called.
+        call: &'static str,
+        /// What state the instance is in.
+        mode: &'static str,
+    },
+    /// An FMI function returned an error.
+    #[error(
+        "{fmu}: {function} of `{instance}` returned {status} at time {time} s{}",
+        said(messages)
+    )]
+    Call {
+        /// The FMU's file name.
+        fmu: String,
+        /// The instance's name.
+        instance: String,
+        /// The FMI function.
+        function: &'static str,
+        /// What it returned.
+        status: Status,
+        /// Simulation time, s.
+        time: f64,
+        /// What the FMU logged.
+        messages: Vec<Message>,
+    },
+    /// A communication step that the FMU could not complete.
+    #[error(
+        "{fmu}: `{instance}` discarded the step from {time} s to {target} s (it reached {reached} s){}; \
+         use a smaller communication step size",
+        said(messages)
+    )]
+    Discard {
+        /// The FMU's file name.
+        fmu: String,
+        /// The instance's name.
+        instance: String,
+        /// Start of the step, s.
+        time: f64,
+        /// End of the step, s.
+        target: f64,
+        /// The last time that was computed successfully, s.
+        reached: f64,
+        /// What the FMU logged.
+        messages: Vec<Message>,
+    },
+    /// The FMU lacks an optional capability.
+    #[error("{fmu}: {capability} is not supported by this FMU")]
+    Capability {
+        /// The FMU's file name.
+        fmu: String,
+        /// What was asked for.
+        capability: &'static str,
+    },
+    /// An FMU state of another instance.
+    #[error("{fmu}: this FMU state was taken from another instance; serialise it there instead")]
+    ForeignState {
+        /// The FMU's file name.
+        fmu: String,
+    },
+    /// The integration of a Model Exchange FMU failed.
+    #[error("{fmu}: integration of `{instance}` failed at {time} s ({problem})")]
+    Integration {
+        /// The FMU's file name.
+        fmu: String,
+        /// The instance's name.
+        instance: String,
+        /// Where, s.
+        time: f64,
+        /// What the solver found.
+        problem: IntegrationProblem,
+    },
+    /// An experiment that cannot be run.
+    #[error("{fmu}: {problem}")]
+    Experiment {
+        /// The FMU's file name.
+        fmu: String,
+        /// What is wrong with it.
+        problem: ExperimentProblem,
+    },
+}
+
+/// Why an archive entry is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum UnsafeEntry {
+    /// `..` in the path.
+    #[error("leads out of the FMU's folder")]
+    Escapes,
+    /// A path from the root or with a drive letter.
+    #[error("has an absolute path")]
+    Absolute,
+    /// A symbolic link or another special file.
+    #[error("is a symbolic link or a special file")]
+    Special,
+    /// An empty name, or one that file systems do not take.
+    #[error("has a name that no file can have")]
+    Name,
+    /// The same name as an earlier entry.
+    #[error("occurs twice")]
+    Twice,
+}
+
+/// Why a variable cannot be used as asked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum VariableProblem {
+    /// An array, where a scalar is needed.
+    #[error("is an array of {0} elements; only scalars can be connected or stepped")]
+    Array(usize),
+    /// A string, binary or clock, where a number is needed.
+    #[error("is of type {0}, which has no numeric value")]
+    NotNumeric(&'static str),
+    /// A number, where a text is needed.
+    #[error("is of type {0}, not String")]
+    NotText(&'static str),
+    /// A value that the variable's type cannot hold.
+    #[error("is of type {kind} and cannot take the value {value}")]
+    Value {
+        /// The variable's type.
+        kind: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// A text that is no value of the variable's type.
+    #[error("is of type {kind}; `{text}` is no such value")]
+    Text {
+        /// The variable's type.
+        kind: &'static str,
+        /// The text.
+        text: String,
+    },
+    /// A text with a NUL character.
+    #[error("cannot take a text with a NUL character")]
+    Nul,
+    /// Not an input, where one is needed.
+    #[error("is {0}, not an input")]
+    NotInput(String),
+    /// Not a parameter or a variable with a start value.
+    #[error("is {0} and cannot be given a value before the start")]
+    NotSettable(String),
+    /// The recorded signal's unit cannot be converted.
+    #[error("is in `{own}`, but the signal is in `{other}`; the units do not convert")]
+    Unit {
+        /// The variable's unit.
+        own: String,
+        /// The signal's unit.
+        other: String,
+    },
+}
+
+/// What the integrator of a Model Exchange FMU found.
+#[derive(Debug, thiserror::Error)]
+pub enum IntegrationProblem {
+    /// The solver's own error.
+    #[error("{0}; loosen the tolerance or check the model")]
+    Solver(#[from] ode_solvers::dop_shared::IntegrationError),
+    /// A derivative that is not finite at the start of a step.
+    #[error("a derivative is not finite")]
+    NotFinite,
+    /// Event iteration does not end.
+    #[error("event iteration has not ended after {0} updates")]
+    EventIteration(usize),
+    /// Events accumulate at one time (Zeno behaviour, or an indicator that stays at zero).
+    #[error("{0} events in a row with hardly any progress of time")]
+    Zeno(usize),
+}
+
+/// What is wrong with an experiment.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ExperimentProblem {
+    /// Neither the caller nor the FMU says when to stop.
+    #[error("no stop time: the FMU has no default experiment; give one")]
+    NoStop,
+    /// The stop time does not lie after the start.
+    #[error("the stop time {stop} s does not lie after the start time {start} s")]
+    Empty {
+        /// Start, s.
+        start: f64,
+        /// Stop, s.
+        stop: f64,
+    },
+    /// A step size that is not positive and finite.
+    #[error("the step size {0} s is not positive and finite")]
+    Step(f64),
+    /// More steps than can be recorded.
+    #[error("{0} steps are more than can be recorded; use a larger step size")]
+    TooLong(f64),
+    /// The input recording has no sample.
+    #[error("the input recording `{0}` has no sample")]
+    EmptyInput(String),
+    /// None of the recording's signals is an input of the FMU.
+    #[error("no signal of `{recording}` is an input of the FMU, whose inputs are {inputs}")]
+    NoInput {
+        /// The recording's name.
+        recording: String,
+        /// The FMU's inputs.
+        inputs: String,
+    },
+}
+
+/// A problem at a place of an XML document.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct XmlProblem {
+    /// Line, from 1.
+    pub line: u32,
+    /// Column, from 1.
+    pub column: u32,
+    /// What is wrong there.
+    pub problem: String,
+}
+
+impl XmlProblem {
+    /// The problem as `file:line:column: what`.
+    pub fn in_file(&self, file: &str) -> String {
+        format!("{file}:{}:{}: {}", self.line, self.column, self.problem)
+    }
+}
+
+fn list(items: &[String], none: &str) -> String {
+    if items.is_empty() { none.to_owned() } else { items.join(", ") }
+}
+
+fn did_you_mean(near: &Option<String>) -> String {
+    near.as_ref().map_or(String::new(), |name| format!("; did you mean `{name}`?"))
+}
+
+/// The last few messages: the ones before the failure are the ones that explain it.
+fn said(messages: &[Message]) -> impl fmt::Display {
+    const SHOWN: usize = 3;
+    let first = messages.len().saturating_sub(SHOWN);
+    messages[first..]
+        .iter()
+        .fold(String::new(), |text, message| text + "; it says: " + &message.text)
+}

@@ -1,0 +1,293 @@
+//! One instance of an FMU: initialised, stepped, reset and freed. Both interface types have the same
+//! face: a Model Exchange instance is integrated by [`step`](Instance::step).
+
+use std::sync::Arc;
+
+use super::binding::Handle;
+use super::description::{FmiVersion, Kind};
+use super::error::Error;
+use super::fmu::{Fmu, Once};
+use super::integrator::Integrator;
+use super::logging::{Log, Message};
+use super::state::States;
+use super::status::Status;
+
+/// An instance of an FMU. It may be sent to another thread; it is freed when it is dropped.
+pub struct Instance {
+    // First, so that the instance is freed while its library, folder and log still exist.
+    pub(super) handle: Handle,
+    pub(super) integrator: Option<Box<Integrator>>,
+    pub(super) states: States,
+    pub(super) mode: Mode,
+    /// Simulation time, s.
+    pub(super) time: f64,
+    pub(super) fmi: FmiVersion,
+    pub(super) fmu: Fmu,
+    name: String,
+    log: Arc<Log>,
+    _once: Option<Once>,
+}
+
+/// Where an instance is in its life (FMI 2.0 section 4.2.4, FMI 3.0 section 2.3.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    Instantiated,
+    Initialization,
+    Stepping,
+    Terminated,
+    Failed,
+}
+
+impl Mode {
+    fn name(self) -> &'static str {
+        match self {
+            Mode::Instantiated => "not initialised",
+            Mode::Initialization => "being initialised",
+            Mode::Stepping => "running",
+            Mode::Terminated => "terminated",
+            Mode::Failed => "in an error state (reset it first)",
+        }
+    }
+}
+
+/// Whether a run goes on after a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// It does.
+    Continue,
+    /// The FMU asks to end the simulation here.
+    Terminate,
+}
+
+impl Instance {
+    pub(super) fn new(
+        handle: Handle,
+        fmu: Fmu,
+        kind: Kind,
+        name: String,
+        log: Arc<Log>,
+        once: Option<Once>,
+    ) -> Instance {
+        let integrator =
+            (kind == Kind::ModelExchange).then(|| Box::new(Integrator::new(fmu.description())));
+        Instance {
+            handle,
+            integrator,
+            states: States::default(),
+            mode: Mode::Instantiated,
+            time: 0.0,
+            fmi: fmu.description().fmi,
+            fmu,
+            name,
+            log,
+            _once: once,
+        }
+    }
+
+    /// The instance's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The FMU it is an instance of.
+    pub fn fmu(&self) -> &Fmu {
+        &self.fmu
+    }
+
+    /// The interface type.
+    pub fn kind(&self) -> Kind {
+        if self.integrator.is_some() { Kind::ModelExchange } else { Kind::CoSimulation }
+    }
+
+    /// Simulation time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Takes what the FMU has logged since the last call, oldest first.
+    pub fn messages(&mut self) -> Vec<Message> {
+        self.log.take()
+    }
+
+    /// Initialises: [`enter_initialization`](Instance::enter_initialization) and
+    /// [`exit_initialization`](Instance::exit_initialization).
+    ///
+    /// # Errors
+    /// The FMU cannot be initialised with the values that were set.
+    pub fn initialize(
+        &mut self,
+        start: f64,
+        stop: Option<f64>,
+        tolerance: Option<f64>,
+    ) -> Result<(), Error> {
+        self.enter_initialization(start, stop, tolerance)?;
+        self.exit_initialization()
+    }
+
+    /// Enters initialisation mode at time `start` (s): inputs may be set and outputs read, repeatedly.
+    /// `tolerance` is relative; a Model Exchange instance is integrated with it.
+    ///
+    /// # Errors
+    /// The FMU refuses, or the instance is running already.
+    pub fn enter_initialization(
+        &mut self,
+        start: f64,
+        stop: Option<f64>,
+        tolerance: Option<f64>,
+    ) -> Result<(), Error> {
+        self.expect("initialize", &[Mode::Instantiated])?;
+        self.time = start;
+        let status = self.handle.enter_initialization(tolerance, start, stop);
+        self.check("EnterInitializationMode", status)?;
+        if let (Some(integrator), Some(tolerance)) = (&mut self.integrator, tolerance) {
+            integrator.set_tolerance(tolerance);
+        }
+        self.mode = Mode::Initialization;
+        Ok(())
+    }
+
+    /// Ends initialisation mode: from now on the instance can be stepped.
+    ///
+    /// # Errors
+    /// The FMU finds no consistent start.
+    pub fn exit_initialization(&mut self) -> Result<(), Error> {
+        self.expect("exit_initialization", &[Mode::Initialization])?;
+        let status = self.handle.exit_initialization();
+        self.check("ExitInitializationMode", status)?;
+        if let Some(integrator) = &mut self.integrator {
+            let started = integrator.start(&mut self.handle);
+            started.map_err(|failure| self.integration_failed(failure))?;
+        }
+        self.mode = Mode::Stepping;
+        Ok(())
+    }
+
+    /// One communication step from `time` to `time + step` (s), with inputs held.
+    ///
+    /// # Errors
+    /// The FMU discards the step (a smaller one may do) or fails, or the integration does.
+    pub fn step(&mut self, time: f64, step: f64) -> Result<Progress, Error> {
+        if self.mode != Mode::Stepping {
+            self.expect("step", &[Mode::Stepping])?;
+        }
+        self.time = time;
+        let ends = match &mut self.integrator {
+            None => {
+                let may_go_back = self.states.in_use();
+                let (status, ends, reached) = self.handle.do_step(time, step, may_go_back);
+                match status {
+                    Status::Ok | Status::Warning => ends,
+                    Status::Discard if ends => {
+                        self.time = reached;
+                        return Ok(Progress::Terminate);
+                    }
+                    Status::Discard => return Err(self.discarded(step, reached)),
+                    bad => return Err(self.failed("DoStep", bad)),
+                }
+            }
+            Some(integrator) => integrator
+                .advance(&mut self.handle, time, time + step)
+                .map_err(|failure| self.integration_failed(failure))?,
+        };
+        self.time = time + step;
+        Ok(if ends { Progress::Terminate } else { Progress::Continue })
+    }
+
+    /// Back to the state after instantiation: start values, not initialised.
+    ///
+    /// # Errors
+    /// The FMU cannot be reset.
+    pub fn reset(&mut self) -> Result<(), Error> {
+        let status = self.handle.reset();
+        self.check("Reset", status)?;
+        if self.integrator.is_some() {
+            self.integrator = Some(Box::new(Integrator::new(self.fmu.description())));
+        }
+        self.mode = Mode::Instantiated;
+        self.time = 0.0;
+        Ok(())
+    }
+
+    /// Ends the run. Dropping the instance does this too, without reporting an error.
+    ///
+    /// # Errors
+    /// The FMU reports that something went wrong at the end.
+    pub fn terminate(&mut self) -> Result<(), Error> {
+        self.expect("terminate", &[Mode::Stepping])?;
+        self.mode = Mode::Terminated;
+        let status = self.handle.terminate();
+        self.check("Terminate", status)
+    }
+
+    pub(super) fn expect(&self, call: &'static str, modes: &[Mode]) -> Result<(), Error> {
+        if modes.contains(&self.mode) {
+            return Ok(());
+        }
+        let (fmu, instance) = (self.fmu.name().to_owned(), self.name.clone());
+        Err(Error::Order { fmu, instance, call, mode: self.mode.name() })
+    }
+
+    #[inline]
+    pub(super) fn check(&mut self, function: &'static str, status: Status) -> Result<(), Error> {
+        if status.is_good() { Ok(()) } else { Err(self.failed(function, status)) }
+    }
+
+    #[cold]
+    pub(super) fn failed(&mut self, function: &'static str, status: Status) -> Error {
+        if matches!(status, Status::Error | Status::Fatal | Status::Undefined(_)) {
+            self.mode = Mode::Failed;
+        }
+        Error::Call {
+            fmu: self.fmu.name().to_owned(),
+            instance: self.name.clone(),
+            function,
+            status,
+            time: self.time,
+            messages: self.log.take(),
+        }
+    }
+
+    #[cold]
+    fn discarded(&mut self, step: f64, reached: f64) -> Error {
+        Error::Discard {
+            fmu: self.fmu.name().to_owned(),
+            instance: self.name.clone(),
+            time: self.time,
+            target: self.time + step,
+            reached,
+            messages: self.log.take(),
+        }
+    }
+
+    #[cold]
+    fn integration_failed(&mut self, failure: super::integrator::Failure) -> Error {
+        use super::integrator::Failure;
+        match failure {
+            Failure::Call(function, status) => self.failed(function, status),
+            Failure::Problem(time, problem) => Error::Integration {
+                fmu: self.fmu.name().to_owned(),
+                instance: self.name.clone(),
+                time,
+                problem,
+            },
+        }
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if self.mode == Mode::Stepping {
+            // Nobody is left to hear of an error.
+            self.handle.terminate();
+        }
+        self.states.free_all(&mut self.handle);
+    }
+}
+
+impl std::fmt::Debug for Instance {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let mut out = out.debug_struct("Instance");
+        out.field("fmu", &self.fmu.name()).field("name", &self.name).field("mode", &self.mode);
+        out.finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,62 @@
+//! The import side: any Co-Simulation or Model Exchange FMU of FMI 2.0 or 3.0, of any tool.
+//!
+//! [`Fmu::open`] unpacks and describes; [`Fmu::co_simulation`] and [`Fmu::model_exchange`] make
+//! instances, which [`Instance::step`] moves through time; [`run`] does all of it for one experiment,
+//! and [`validate`] checks an FMU against the standard's rules and tries it.
+//!
+//! ```no_run
+//! use drivescope_fmu::import::{Fmu, InstanceOptions};
+//! let fmu = Fmu::open("motor.fmu")?;
+//! let mut motor = fmu.co_simulation(&InstanceOptions::named("motor"))?;
+//! motor.initialize(0.0, Some(1.0), None)?;
+//! let (voltage, speed) = (fmu.variable("u")?.reference, fmu.variable("omega")?.reference);
+//! let mut omega = [0.0];
+//! for k in 0..100 {
+//!     motor.set(&[voltage], &[12.0])?;
+//!     motor.step(f64::from(k) * 0.01, 0.01)?;
+//!     motor.get(&[speed], &mut omega)?;
+//! }
+//! # Ok::<(), drivescope_fmu::import::Error>(())
+//! ```
+//!
+//! Data flow: archive -> `modelDescription.xml` -> [`Description`]; binary -> function table -> handle
+//! -> [`Instance`]. All foreign calls are in `binding.rs`.
+
+mod access;
+mod archive;
+mod binary;
+mod binding;
+mod description;
+mod error;
+mod fmu;
+mod functions;
+mod instance;
+mod integrator;
+mod logging;
+mod native;
+mod parse;
+mod parse_structure;
+mod parse_variables;
+mod python;
+mod state;
+mod status;
+mod units;
+mod values;
+pub(crate) mod xml;
+
+pub use access::Group;
+pub use archive::Limits;
+pub use description::{
+    Capabilities, Causality, DefaultExperiment, Description, Dimension, FmiVersion, Initial, Kind,
+    Place, Structure, Type, TypeDefinition, Unknown, Variability, Variable,
+};
+pub use error::{
+    Error, ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem, XmlProblem,
+};
+pub use fmu::{Fmu, InstanceOptions};
+pub use instance::{Instance, Progress};
+pub use logging::Message;
+pub use state::State;
+pub use status::Status;
+pub use units::{BaseUnit, Conversion, Unit, convert};
+pub use values::Value;

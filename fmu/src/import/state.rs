@@ -1,0 +1,157 @@
+//! The FMU state: saved, restored, turned into bytes and back (FMI 2.0 section 2.1.8, FMI 3.0 section
+//! 2.2.6). A Model Exchange instance's integrator is saved with it.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::binding::{Handle, Saved};
+use super::error::Error;
+use super::instance::{Instance, Mode};
+use super::integrator::Integrator;
+
+/// A saved state of one instance. Its memory in the FMU is given back when it is dropped.
+#[derive(Debug)]
+pub struct State {
+    saved: Saved,
+    integrator: Option<Box<Integrator>>,
+    mode: Mode,
+    time: f64,
+    /// The instance's list of states to be freed, which also says whose state this is.
+    dropped: Arc<Mutex<Vec<Saved>>>,
+}
+
+impl Drop for State {
+    fn drop(&mut self) {
+        // Only the instance may call the FMU, so it frees the memory the next time it is called.
+        self.dropped.lock().unwrap_or_else(PoisonError::into_inner).push(self.saved);
+    }
+}
+
+/// The states that an instance has given out.
+#[derive(Debug, Default)]
+pub(super) struct States {
+    live: Vec<Saved>,
+    dropped: Arc<Mutex<Vec<Saved>>>,
+}
+
+impl States {
+    /// Whether the run may be taken back to an earlier time.
+    pub(super) fn in_use(&self) -> bool {
+        !self.live.is_empty()
+    }
+
+    fn free_dropped(&mut self, handle: &mut Handle) {
+        let dropped: Vec<_> =
+            self.dropped.lock().unwrap_or_else(PoisonError::into_inner).drain(..).collect();
+        for saved in dropped {
+            if let Some(at) = self.live.iter().position(|live| *live == saved) {
+                self.live.swap_remove(at);
+                handle.free_saved(saved);
+            }
+        }
+    }
+
+    pub(super) fn free_all(&mut self, handle: &mut Handle) {
+        for saved in self.live.drain(..) {
+            handle.free_saved(saved);
+        }
+    }
+}
+
+impl Instance {
+    /// Saves the state.
+    ///
+    /// # Errors
+    /// The FMU has no FMU state, or fails.
+    pub fn state(&mut self) -> Result<State, Error> {
+        self.need(|c| c.state, "saving the FMU state")?;
+        self.states.free_dropped(&mut self.handle);
+        let (status, saved) = self.handle.save(None);
+        self.check("GetFMUState", status)?;
+        Ok(self.wrap(saved))
+    }
+
+    /// Saves the state into an earlier saved one, whose memory is used again.
+    ///
+    /// # Errors
+    /// As [`state`](Instance::state), and if it was saved by another instance.
+    pub fn save_into(&mut self, state: &mut State) -> Result<(), Error> {
+        self.own(state)?;
+        let (status, saved) = self.handle.save(Some(state.saved));
+        if let Some(live) = self.states.live.iter_mut().find(|live| **live == state.saved) {
+            *live = saved;
+        }
+        state.saved = saved;
+        self.check("GetFMUState", status)?;
+        (state.mode, state.time) = (self.mode, self.time);
+        state.integrator.clone_from(&self.integrator);
+        Ok(())
+    }
+
+    /// Goes back to a saved state, any number of times.
+    ///
+    /// # Errors
+    /// The state was saved by another instance, or the FMU fails.
+    pub fn restore(&mut self, state: &State) -> Result<(), Error> {
+        self.own(state)?;
+        let status = self.handle.restore(state.saved);
+        self.check("SetFMUState", status)?;
+        (self.mode, self.time) = (state.mode, state.time);
+        self.integrator.clone_from(&state.integrator);
+        Ok(())
+    }
+
+    /// Turns a saved state into bytes.
+    ///
+    /// # Errors
+    /// The FMU cannot serialise, or the state was saved by another instance.
+    pub fn serialize(&mut self, state: &State) -> Result<Vec<u8>, Error> {
+        self.need(|c| c.serialize_state, "serialising the FMU state")?;
+        self.own(state)?;
+        let (status, bytes) = self.handle.serialize(state.saved);
+        self.check("SerializeFMUState", status)?;
+        Ok(bytes)
+    }
+
+    /// Makes a state from bytes that [`serialize`](Instance::serialize) gave, also of another instance
+    /// of this FMU; the instance's own mode, time and integrator go with it, so both must have come
+    /// equally far.
+    ///
+    /// # Errors
+    /// The FMU cannot serialise, or refuses the bytes.
+    pub fn deserialize(&mut self, bytes: &[u8]) -> Result<State, Error> {
+        self.need(|c| c.serialize_state, "deserialising the FMU state")?;
+        self.states.free_dropped(&mut self.handle);
+        let (status, saved) = self.handle.deserialize(bytes);
+        self.check("DeserializeFMUState", status)?;
+        Ok(self.wrap(saved))
+    }
+
+    fn wrap(&mut self, saved: Saved) -> State {
+        self.states.live.push(saved);
+        State {
+            saved,
+            integrator: self.integrator.clone(),
+            mode: self.mode,
+            time: self.time,
+            dropped: Arc::clone(&self.states.dropped),
+        }
+    }
+
+    fn own(&self, state: &State) -> Result<(), Error> {
+        if Arc::ptr_eq(&state.dropped, &self.states.dropped) {
+            return Ok(());
+        }
+        Err(Error::ForeignState { fmu: self.fmu.name().to_owned() })
+    }
+
+    fn need(
+        &self,
+        has: impl Fn(&super::Capabilities) -> bool,
+        capability: &'static str,
+    ) -> Result<(), Error> {
+        if self.fmu.description().capabilities(self.kind()).is_some_and(has) {
+            return Ok(());
+        }
+        Err(Error::Capability { fmu: self.fmu.name().to_owned(), capability })
+    }
+}

@@ -1,0 +1,150 @@
+//! A law that the user types in the drive file, for example `torque = "-c * omega * abs(omega)"`.
+//!
+//! The text is parsed once ([`parse`]) into a tape of operations for a stack ([`tape`]): no
+//! code is executed, size and depth are limited, and the same tape runs over `f64`, duals and
+//! lanes, natively and inside an exported FMU. Signs: a torque is added to the motor torque, a
+//! voltage to the applied voltage, heat to the winding; `omega` and `i` are what the sensor
+//! shows.
+
+mod parse;
+mod tape;
+
+use drivescope_numerics::Real;
+
+pub use parse::LawError;
+use tape::Tape;
+
+use super::law::{OutputLanes, Sums, View, Views};
+
+/// What a typed law gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// A torque (force) in the positive direction, N m (N).
+    Torque,
+    /// A voltage in the armature circuit in the direction of u, V.
+    Voltage,
+    /// Heat into the winding, W.
+    Heat,
+    /// The speed that the tachometer shows, rad/s (m/s).
+    Omega,
+    /// The current that its sensor shows, A.
+    Current,
+}
+
+impl Target {
+    /// Every target with its key in the drive file.
+    pub const ALL: [(&'static str, Self); 5] = [
+        ("torque", Self::Torque),
+        ("voltage", Self::Voltage),
+        ("heat", Self::Heat),
+        ("omega", Self::Omega),
+        ("i", Self::Current),
+    ];
+}
+
+/// A parsed law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Law {
+    target: Target,
+    tape: Tape,
+}
+
+/// An expression in the time `t` alone, as a reference or input signal is typed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expression(Tape);
+
+impl Expression {
+    /// Parses the text.
+    ///
+    /// # Errors
+    /// [`LawError`] with the byte position in the text; also where it uses anything but `t`.
+    pub fn parse(text: &str) -> Result<Self, LawError> {
+        Ok(Self(parse::parse(text, &[], &parse::TIME)?))
+    }
+
+    /// The value at time `t`, s.
+    pub fn at(&self, t: f64) -> f64 {
+        let zero = View {
+            i: 0.0,
+            omega: 0.0,
+            theta: 0.0,
+            direction: 0.0,
+            u: 0.0,
+            drive: 0.0,
+            load: 0.0,
+            copper: 0.0,
+            inertia: 0.0,
+            time: t,
+        };
+        self.0.run(&[], &Views::<f64, 1>::splat(zero))[0]
+    }
+}
+
+impl Law {
+    /// Parses the text; `parameters` are the names of the coefficients, in the order in which
+    /// their values are given later.
+    ///
+    /// # Errors
+    /// [`LawError`] with the byte position in the text.
+    pub fn parse(target: Target, text: &str, parameters: &[String]) -> Result<Self, LawError> {
+        Ok(Self { target, tape: parse::parse(text, parameters, &parse::DRIVE)? })
+    }
+
+    /// What the law gives.
+    pub fn target(&self) -> Target {
+        self.target
+    }
+
+    /// Whether the law distorts what a sensor shows.
+    pub fn senses(&self) -> bool {
+        matches!(self.target, Target::Omega | Target::Current)
+    }
+
+    #[inline(always)]
+    pub(super) fn share<R: Real, const N: usize>(
+        &self,
+        p: &[[R; N]],
+        at: &Views<R, N>,
+        sum: &mut Sums<R, N>,
+    ) {
+        if self.senses() {
+            return;
+        }
+        let value = self.tape.run(p, at);
+        for l in 0..N {
+            match self.target {
+                Target::Torque => sum.torque[l] -= value[l],
+                Target::Voltage => sum.voltage[l] -= value[l],
+                Target::Heat => sum.heat[l] += value[l],
+                Target::Omega | Target::Current => {}
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn sense<R: Real, const N: usize>(
+        &self,
+        p: &[[R; N]],
+        at: &Views<R, N>,
+        y: &mut OutputLanes<R, N>,
+    ) {
+        match self.target {
+            Target::Omega => y.omega = self.tape.run(p, at),
+            Target::Current => y.i = self.tape.run(p, at),
+            Target::Torque | Target::Voltage | Target::Heat => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_expression_knows_the_time_alone() {
+        let ramp = Expression::parse("min(10 * t, 5)").expect("it is right");
+        assert_eq!((ramp.at(0.25), ramp.at(2.0)), (2.5, 5.0));
+        let error = Expression::parse("omega + 1").expect_err("there is no drive");
+        assert_eq!(error.at(), 0);
+    }
+}

@@ -1,0 +1,99 @@
+//! Flexible coupling: the inertia splits into motor and load, joined by a spring and a damper.
+//!
+//! J_l = ratio J,  J_m = (1 - ratio) J,  T_k = k phi + d (omega - omega_l),
+//! J_m domega/dt = ... - T_k,  J_l domega_l/dt = T_k - T_l,  dphi/dt = omega - omega_l.
+
+use drivescope_numerics::Real;
+
+use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+
+/// Two masses: the load's speed lags by `omega - lag`, and the twist `phi`.
+pub struct FlexibleCoupling;
+
+impl FlexibleCoupling {
+    #[inline(always)]
+    fn torque<R: Real>([k, d, _]: [R; 3], [phi, slip]: [R; 2]) -> R {
+        k * phi + d * slip
+    }
+}
+
+/// Own states: the twist phi and the slip omega - omega_l. Both are zero in a drive at rest
+/// or in steady motion without load, whatever its speed.
+impl Effect<3, 2> for FlexibleCoupling {
+    const INFO: Info = Info {
+        nulls: &[("k", f64::INFINITY)],
+        ..Info::new(
+            "flexible_coupling",
+            "J splits into (1 - ratio) J and ratio J, joined by T_k = k phi + d dphi/dt",
+            "acceleration, ringing after steps",
+        )
+    };
+    const PARAMETERS: [Parameter; 3] = [
+        Parameter {
+            name: "k",
+            unit: "N m/rad",
+            nominal: 5.0,
+            range: (f64::MIN_POSITIVE, f64::INFINITY),
+            description: "stiffness of the coupling",
+        },
+        Parameter {
+            name: "d",
+            unit: "N m s/rad",
+            nominal: 1e-3,
+            range: (0.0, f64::INFINITY),
+            description: "damping of the coupling",
+        },
+        Parameter {
+            name: "ratio",
+            unit: "1",
+            nominal: 0.5,
+            range: (0.01, 0.99),
+            description: "share of J on the load's side",
+        },
+    ];
+    const STATES: [OwnState; 2] = [
+        OwnState { name: "phi", unit: "rad", nominal: 0.01, description: "twist of the coupling" },
+        OwnState {
+            name: "slip",
+            unit: "rad/s",
+            nominal: 1.0,
+            description: "speed of the motor less that of the load",
+        },
+    ];
+
+    #[inline(always)]
+    fn share<R: Real>(p: [R; 3], x: [R; 2], at: &View<R>, sum: &mut Sum<R>) {
+        sum.inverse_inertia = R::one() / (at.inertia * (R::one() - p[2]));
+        sum.load = Self::torque(p, x);
+    }
+
+    #[inline(always)]
+    fn rate<R: Real>(p: [R; 3], x: [R; 2], at: &View<R>, sum: &Sum<R>) -> [R; 2] {
+        let load = (Self::torque(p, x) - at.load) / (at.inertia * p[2]);
+        [x[1], sum.acceleration - load]
+    }
+
+    fn fastest([k, d, ratio]: [f64; 3], _: f64, inertia: f64) -> f64 {
+        let reduced = inertia * ratio * (1.0 - ratio);
+        (k / reduced).sqrt().max(d / reduced)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn the_load_hangs_on_spring_and_damper() {
+        let p = parameters::<FlexibleCoupling, 3, 2>([("ratio", 0.25), ("d", 1e-3), ("k", 5.0)]);
+        let x = [0.01, 2.0];
+        let sum = shared::<FlexibleCoupling, 3, 2>(p, x, AT);
+        assert_same(sum.load, 5.0 * 0.01 + 1e-3 * 2.0);
+        assert_same(sum.inverse_inertia, 1.0 / (0.75 * AT.inertia));
+        let [twist, slip] = FlexibleCoupling::rate(p, x, &AT, &sum);
+        assert_eq!(twist, 2.0);
+        // A motor that does not accelerate: the slip falls as the load speeds up.
+        assert_same(slip, -(0.052 - AT.load) / (0.25 * AT.inertia));
+    }
+}

@@ -1,0 +1,288 @@
+//! What an effect is: a law that adds its share to the balances of the drive.
+
+use drivescope_numerics::Real;
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Name in the drive file.
+    pub name: &'static str,
+    /// Unit for a rotary drive; [`crate::units::for_motion`] gives the linear one.
+    pub unit: &'static str,
+    /// A typical value: where a fit starts, and the scale of the parameter.
+    pub nominal: f64,
+    /// Least and greatest value that is physically possible.
+    pub range: (f64, f64),
+    /// One line for a person.
+    pub description: &'static str,
+}
+
+/// A state of its own that an effect brings in; it starts at zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OwnState {
+    /// Name, after the effect's name and a dot.
+    pub name: &'static str,
+    /// Unit for a rotary drive.
+    pub unit: &'static str,
+    /// Typical size: the scale for error control.
+    pub nominal: f64,
+    /// One line for a person.
+    pub description: &'static str,
+}
+
+/// What a person and the discovery need to know of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Info {
+    /// Identifier in files and commands.
+    pub id: &'static str,
+    /// The law, in the symbols of the equations.
+    pub law: &'static str,
+    /// The variables over which a model without the effect fails.
+    pub fingerprint: &'static str,
+    /// Effects that are equal to it by algebra, at least on some recordings.
+    pub aliases: &'static [&'static str],
+    /// Parameters and the values at which the effect vanishes; infinity for a stiffness.
+    pub nulls: &'static [(&'static str, f64)],
+    /// Whether it raises the level of dry friction.
+    pub dry: bool,
+    /// Whether it replaces the jump of dry friction at rest by its own state.
+    pub replaces_dry: bool,
+    /// Whether it distorts what a sensor shows.
+    pub senses: bool,
+    /// Whether it takes power from the moving shaft at every speed: friction and drag.
+    pub dissipates: bool,
+    /// Whether its own states are stiff and give a decay rate to the exponential stages.
+    pub stiff: bool,
+    /// Whether it acts in the armature circuit alone, which a force-driven drive does not have.
+    pub electrical: bool,
+}
+
+impl Info {
+    /// The plain effect: no dry friction, no own stiff state, no sensor.
+    pub const fn new(id: &'static str, law: &'static str, fingerprint: &'static str) -> Self {
+        Self {
+            id,
+            law,
+            fingerprint,
+            aliases: &[],
+            nulls: &[],
+            dry: false,
+            replaces_dry: false,
+            senses: false,
+            dissipates: false,
+            stiff: false,
+            electrical: false,
+        }
+    }
+}
+
+/// Makes a struct of scalars and its lanes: the same fields, each an array over the lanes.
+macro_rules! lanes {
+    ($(#[$doc:meta])* $one:ident / $many:ident { $($(#[$field_doc:meta])* $field:ident),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct $one<R> { $($(#[$field_doc])* pub $field: R),+ }
+
+        #[doc = concat!("[`", stringify!($one), "`] of `N` lanes, as a structure of arrays.")]
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct $many<R, const N: usize> { $($(#[$field_doc])* pub $field: [R; N]),+ }
+
+        impl<R> $one<R> {
+            /// Every field through the function.
+            #[inline(always)]
+            pub fn map<S>(self, mut f: impl FnMut(R) -> S) -> $one<S> {
+                $one { $($field: f(self.$field)),+ }
+            }
+        }
+
+        impl<R: Copy, const N: usize> $many<R, N> {
+            /// One lane.
+            #[inline(always)]
+            pub fn lane(&self, l: usize) -> $one<R> {
+                $one { $($field: self.$field[l]),+ }
+            }
+
+            /// Overwrites one lane.
+            #[inline(always)]
+            pub fn set_lane(&mut self, l: usize, one: $one<R>) {
+                $(self.$field[l] = one.$field;)+
+            }
+
+            /// The same values in every lane.
+            #[inline(always)]
+            pub fn splat(one: $one<R>) -> Self {
+                Self { $($field: [one.$field; N]),+ }
+            }
+        }
+    };
+}
+
+pub(crate) use lanes;
+
+lanes! {
+    /// What an effect sees of the drive at an instant; SI units.
+    View / Views {
+        /// Armature current, A (the commanded signal `u` where the drive is force-driven).
+        i,
+        /// Speed of the motor shaft, rad/s or m/s.
+        omega,
+        /// Position of the motor shaft, rad or m.
+        theta,
+        /// Sign of the motion, 0 where the shaft sticks: it changes at located events only, so a
+        /// law that is kinked at zero speed writes |omega| as direction omega.
+        direction,
+        /// Armature voltage or commanded force signal.
+        u,
+        /// Motor torque or force before effects: K_m i, or K_m u where force-driven, N m or N.
+        drive,
+        /// External load, N m or N.
+        load,
+        /// Copper loss at the cold resistance: R i^2, W.
+        copper,
+        /// Total inertia J, kg m^2 or kg.
+        inertia,
+        /// Time, s.
+        time,
+    }
+}
+
+lanes! {
+    /// What the effects add up to; SI units. Made whole before own states are differentiated.
+    Sum / Sums {
+        /// Voltage lost in the armature circuit, V.
+        voltage,
+        /// Torque or force against positive motion, without dry friction, N m or N.
+        torque,
+        /// Dry-friction level in forward motion (break-away level at rest), N m or N.
+        forward,
+        /// Dry-friction level in backward motion (break-away level at rest), N m or N.
+        backward,
+        /// Flux relative to the nominal flux: it acts in both balances.
+        flux,
+        /// Resistance relative to R.
+        resistance,
+        /// Heat besides the copper loss, W.
+        heat,
+        /// Inverse of the inertia that the motor torque accelerates, 1/(kg m^2) or 1/kg.
+        inverse_inertia,
+        /// Load on the motor shaft, N m or N.
+        load,
+        /// Acceleration of the motor shaft, known once the balances are closed, rad/s^2 or m/s^2.
+        acceleration,
+    }
+}
+
+lanes! {
+    /// What ideal sensors show: measurement effects included, noise and quantisation not.
+    Outputs / OutputLanes {
+        /// Current, A.
+        i,
+        /// Speed, rad/s or m/s.
+        omega,
+        /// Position, rad or m.
+        theta,
+    }
+}
+
+/// A physical effect with `P` parameters and `X` own states: one file, one registry line.
+pub trait Effect<const P: usize, const X: usize> {
+    /// What a person and the discovery need to know.
+    const INFO: Info;
+    /// The parameters, in the order of the array that the methods take.
+    const PARAMETERS: [Parameter; P];
+    /// The own states, in the order of the array that the methods take.
+    const STATES: [OwnState; X];
+
+    /// Adds the effect's share to the balances.
+    #[inline(always)]
+    fn share<R: Real>(_p: [R; P], _x: [R; X], _at: &View<R>, _sum: &mut Sum<R>) {}
+
+    /// Time derivatives of the own states.
+    #[inline(always)]
+    fn rate<R: Real>(_p: [R; P], _x: [R; X], _at: &View<R>, _sum: &Sum<R>) -> [R; X] {
+        [R::zero(); X]
+    }
+
+    /// Decay rates of stiff own states, 1/s, for the exponential stages.
+    #[inline(always)]
+    fn decay<R: Real>(_p: [R; P], _x: [R; X], _at: &View<R>, _sum: &Sum<R>) -> [R; X] {
+        [R::zero(); X]
+    }
+
+    /// Distorts what the sensors show.
+    #[inline(always)]
+    fn sense<R: Real>(_p: [R; P], _x: [R; X], _at: &View<R>, _y: &mut Outputs<R>) {}
+
+    /// Speed beyond which the law is affine in the state to the last bit.
+    fn affine_beyond(_p: [f64; P]) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Change of speed over which the law bends near rest: it is not crossed in one stride.
+    fn grain(_p: [f64; P]) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Fastest rate that the law brings in at that speed, 1/s: it sets the sub-steps.
+    fn fastest(_p: [f64; P], _speed: f64, _inertia: f64) -> f64 {
+        0.0
+    }
+}
+
+/// What the tests of the laws share: values by name, so that the order of the names against the
+/// pattern of the law is checked.
+#[cfg(test)]
+pub(crate) mod by_name {
+    use super::{Effect, Sum, View};
+
+    /// The law's array of parameters from values by name, every name once.
+    pub(crate) fn parameters<E: Effect<P, X>, const P: usize, const X: usize>(
+        values: [(&str, f64); P],
+    ) -> [f64; P] {
+        E::PARAMETERS.map(|parameter| {
+            let named = values.iter().find(|(name, _)| *name == parameter.name);
+            named.unwrap_or_else(|| panic!("no value for {}", parameter.name)).1
+        })
+    }
+
+    /// A drive in motion: every quantity differs from every other.
+    pub(crate) const AT: View<f64> = View {
+        i: 1.3,
+        omega: 7.0,
+        theta: 0.4,
+        direction: 1.0,
+        u: 9.0,
+        drive: 0.078,
+        load: 0.011,
+        copper: 5.3,
+        inertia: 8.2e-5,
+        time: 2.5,
+    };
+
+    /// What the law adds to empty balances.
+    pub(crate) fn shared<E: Effect<P, X>, const P: usize, const X: usize>(
+        p: [f64; P],
+        x: [f64; X],
+        at: View<f64>,
+    ) -> Sum<f64> {
+        let mut sum = Sum {
+            voltage: 0.0,
+            torque: 0.0,
+            forward: 0.0,
+            backward: 0.0,
+            flux: 1.0,
+            resistance: 1.0,
+            heat: 0.0,
+            inverse_inertia: 1.0 / at.inertia,
+            load: at.load,
+            acceleration: 0.0,
+        };
+        E::share(p, x, &at, &mut sum);
+        sum
+    }
+
+    /// Two ways to write a law differ by rounding only.
+    pub(crate) fn assert_same(found: f64, expected: f64) {
+        assert!((found - expected).abs() <= 1e-14 * expected.abs(), "{found} is not {expected}");
+    }
+}

@@ -1,0 +1,80 @@
+//! Stribeck friction: T_b exp(-(omega/omega_s)^2) sgn(omega) on top of Coulomb friction,
+//! so that the break-away torque is T_s = T_c + T_b (Armstrong-Helouvry, 1991).
+
+use drivescope_numerics::Real;
+
+use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+
+/// Beyond this many omega_s the exponential is below 1e-16 of T_b: less than its rounding error.
+const AFFINE_BEYOND: f64 = 6.1;
+
+/// Dry friction that falls with speed near rest.
+pub struct Stribeck;
+
+impl Effect<2, 0> for Stribeck {
+    const INFO: Info = Info {
+        dissipates: true,
+        dry: true,
+        nulls: &[("T_b", 0.0)],
+        ..Info::new(
+            "stribeck",
+            "torque += T_b exp(-(omega/omega_s)^2) sgn(omega); T_s = T_c + T_b",
+            "omega near zero",
+        )
+    };
+    const PARAMETERS: [Parameter; 2] = [
+        Parameter {
+            name: "T_b",
+            unit: "N m",
+            nominal: 0.005,
+            range: (0.0, f64::INFINITY),
+            description: "break-away torque above Coulomb friction",
+        },
+        Parameter {
+            name: "omega_s",
+            unit: "rad/s",
+            nominal: 5.0,
+            range: (f64::MIN_POSITIVE, f64::INFINITY),
+            description: "Stribeck speed",
+        },
+    ];
+    const STATES: [OwnState; 0] = [];
+
+    #[inline(always)]
+    fn share<R: Real>([t_b, omega_s]: [R; 2], _: [R; 0], at: &View<R>, sum: &mut Sum<R>) {
+        let ratio = at.omega / omega_s;
+        let level = t_b * (-(ratio * ratio)).exp();
+        sum.forward += level;
+        sum.backward += level;
+    }
+
+    fn affine_beyond([_, omega_s]: [f64; 2]) -> f64 {
+        AFFINE_BEYOND * omega_s
+    }
+
+    fn grain([_, omega_s]: [f64; 2]) -> f64 {
+        omega_s
+    }
+
+    fn fastest([t_b, omega_s]: [f64; 2], _: f64, inertia: f64) -> f64 {
+        // Greatest slope of the curve, sqrt(2/e) T_b / omega_s, over the inertia.
+        0.86 * t_b / omega_s / inertia
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    #[test]
+    fn it_adds_to_break_away_and_is_gone_at_speed() {
+        let p = parameters::<Stribeck, 2, 0>([("omega_s", 5.0), ("T_b", 0.008)]);
+        let level = |omega: f64| shared::<Stribeck, 2, 0>(p, [], View { omega, ..AT }).forward;
+        assert_eq!(level(0.0), 0.008);
+        assert_same(level(5.0), 0.008 / std::f64::consts::E);
+        assert_eq!(level(-5.0), level(5.0));
+        // Beyond the affine speed it is less than a rounding error of itself at rest.
+        assert!(level(Stribeck::affine_beyond(p)) < 0.008 * f64::EPSILON);
+    }
+}

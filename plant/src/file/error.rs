@@ -1,0 +1,230 @@
+//! What can be wrong with a drive file, each with its place and the next step.
+
+use std::fmt;
+use std::io;
+use std::ops::Range;
+
+use thiserror::Error;
+
+use crate::effects::custom::LawError;
+use crate::parameters::meant;
+
+/// Why a drive file was not read or written.
+#[derive(Debug, Error)]
+pub enum DriveFileError {
+    /// The file cannot be read.
+    #[error("{file}: cannot be read ({source}): give the path of a drive file in UTF-8")]
+    Read {
+        /// Path as it was given.
+        file: String,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The file cannot be written; whatever was there before is untouched.
+    #[error(
+        "{file}: cannot be written ({source}): choose a file in a folder that you may write to"
+    )]
+    Write {
+        /// Path as it was given.
+        file: String,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The content is wrong.
+    #[error("{place}: {problem}")]
+    Content {
+        /// Where.
+        place: Place,
+        /// What.
+        problem: Box<Problem>,
+    },
+}
+
+impl DriveFileError {
+    /// Where in the file, if the error lies in its content.
+    pub fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Content { place, .. } => Some(place),
+            Self::Read { .. } | Self::Write { .. } => None,
+        }
+    }
+
+    /// What is wrong with the content.
+    pub fn problem(&self) -> Option<&Problem> {
+        match self {
+            Self::Content { problem, .. } => Some(problem),
+            Self::Read { .. } | Self::Write { .. } => None,
+        }
+    }
+}
+
+/// A place in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// File name as it was given.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Bytes of the text that are meant.
+    pub span: Range<usize>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file, self.line, self.column)
+    }
+}
+
+/// What is wrong with the content of a drive file. Keys are given with their table.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Problem {
+    /// The text is not TOML.
+    #[error("not TOML: {reason}")]
+    Syntax {
+        /// What the TOML parser says.
+        reason: String,
+    },
+    /// A format that this program does not know.
+    #[error("`schema` = {found} is unknown: this program reads 1; use a program of that version")]
+    Schema {
+        /// The number in the file.
+        found: i64,
+    },
+    /// A key that its table does not have.
+    #[error("unknown key `{key}`{}; here may stand {known}", meant(.nearest))]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// A key of that table that is spelt alike.
+        nearest: Option<String>,
+        /// The keys of that table.
+        known: String,
+    },
+    /// A key that its table needs.
+    #[error("`{key}` is missing: add it{why}")]
+    Missing {
+        /// The key.
+        key: String,
+        /// What it is needed for, after a comma; may be empty.
+        why: String,
+    },
+    /// A value of another type, or none of the words that are allowed.
+    #[error("`{key}` = {found}: it takes {expected}")]
+    Type {
+        /// The key.
+        key: String,
+        /// The value as the file has it.
+        found: String,
+        /// What is allowed.
+        expected: String,
+    },
+    /// A number that is not possible.
+    #[error("`{key}` = {found:?}: {description}; it takes {allowed}")]
+    OutOfRange {
+        /// The key.
+        key: String,
+        /// The value.
+        found: f64,
+        /// What the number means.
+        description: String,
+        /// The range, in words, with the unit.
+        allowed: String,
+    },
+    /// A key that means nothing for this drive.
+    #[error("`{key}` has no meaning here: {why}; remove it")]
+    Meaningless {
+        /// The key.
+        key: String,
+        /// Why.
+        why: &'static str,
+    },
+    /// An effect that is not in the library.
+    #[error("unknown effect `{kind}`{}; known are {known}", meant(.nearest))]
+    UnknownEffect {
+        /// The kind in the file.
+        kind: String,
+        /// A kind that is spelt alike.
+        nearest: Option<String>,
+        /// The kinds there are.
+        known: String,
+    },
+    /// An effect that this drive cannot have.
+    #[error("`{id}` cannot exist for this drive: {why}; remove it, or set `input = \"voltage\"`")]
+    Impossible {
+        /// Its name.
+        id: String,
+        /// Why.
+        why: &'static str,
+    },
+    /// Two effects of one name.
+    #[error("a second effect `{id}` (the first is on line {first}): give each its own `id`")]
+    Twice {
+        /// The name.
+        id: String,
+        /// Line of the first.
+        first: usize,
+    },
+    /// A name that cannot stand in `name.parameter`.
+    #[error(
+        "`{key}`: `{found}` is no name: it takes a letter or `_`, then letters, digits or `_` (ASCII), and none of {reserved}"
+    )]
+    Name {
+        /// The key.
+        key: String,
+        /// The name.
+        found: String,
+        /// Names that are taken.
+        reserved: String,
+    },
+    /// A typed law that cannot be parsed; the place is the character in the law.
+    #[error("`{key}`: {error}")]
+    Law {
+        /// The key.
+        key: String,
+        /// What is wrong with the law.
+        error: LawError,
+    },
+    /// A custom effect with no law or several.
+    #[error("`{id}` has {found}: a custom effect gives exactly one of {known}")]
+    Laws {
+        /// Its name.
+        id: String,
+        /// The laws it has, or `no law`.
+        found: String,
+        /// What a law may give.
+        known: String,
+    },
+    /// A list names a parameter that the drive does not have.
+    #[error("`{key}`: the drive has no parameter `{name}`{}; it has {known}", meant(.nearest))]
+    UnknownParameter {
+        /// The list.
+        key: String,
+        /// The name in it.
+        name: String,
+        /// A parameter that is spelt alike.
+        nearest: Option<String>,
+        /// The parameters there are.
+        known: String,
+    },
+    /// A parameter that is fixed and yet free in every recording.
+    #[error("`{name}` stands in `fit.fixed` and in `fit.per_recording`: keep one of them")]
+    FixedAndFree {
+        /// The parameter.
+        name: String,
+    },
+}
+
+/// A problem with the bytes that it is about; the file's name comes last.
+#[derive(Debug)]
+pub(super) struct Flaw {
+    pub(super) problem: Box<Problem>,
+    pub(super) span: Range<usize>,
+}
+
+impl Flaw {
+    pub(super) fn new(problem: Problem, span: Range<usize>) -> Self {
+        Self { problem: Box::new(problem), span }
+    }
+}

@@ -1,0 +1,277 @@
+//! The drive file as serde and the schema see it: tables and keys, without the rules between
+//! them. Units, ranges and descriptions of the numbers are those of [`crate::parameters`].
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::de::{self, MapAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::drive::{Input, Motion};
+
+/// A drive file: SI units throughout.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table", rename = "Drive")]
+pub(super) struct Layout {
+    /// Version of the format: 1.
+    #[serde(default = "first")]
+    #[schemars(extend("const" = 1))]
+    pub(super) schema: i64,
+    /// A name for people.
+    #[serde(default)]
+    pub(super) name: String,
+    /// Whether the drive turns or slides.
+    #[serde(default = "motion")]
+    pub(super) motion: Motion,
+    /// The motor.
+    pub(super) motor: MotorTable,
+    /// The physical effects besides the motor's linear balances.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) effect: Vec<EffectTable>,
+    /// PI speed control.
+    pub(super) controller: Option<ControllerTable>,
+    /// Power amplifier from the control signal C_m to u; without it u = C_m.
+    pub(super) amplifier: Option<GainTable>,
+    /// Second motor as a generator: a load torque that a current sets.
+    pub(super) generator: Option<GeneratorTable>,
+    /// Resolution of the sensors.
+    pub(super) sensors: Option<SensorTable>,
+    /// Known standard deviations of the noise.
+    pub(super) noise: Option<NoiseTable>,
+    /// What a fit does with the parameters.
+    pub(super) fit: Option<FitTable>,
+    /// Where values come from, by parameter name (`R`, `coulomb.T_c`, `noise.omega`).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) origin: BTreeMap<String, Origin>,
+}
+
+fn first() -> i64 {
+    1
+}
+
+fn motion() -> Motion {
+    Motion::Rotary
+}
+
+fn voltage() -> Input {
+    Input::Voltage
+}
+
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct MotorTable {
+    /// What u is.
+    #[serde(default = "voltage")]
+    pub(super) input: Input,
+    #[serde(rename = "R")]
+    pub(super) r: Option<f64>,
+    #[serde(rename = "L")]
+    pub(super) l: Option<f64>,
+    #[serde(rename = "K_e")]
+    pub(super) k_e: Option<f64>,
+    #[serde(rename = "K_m")]
+    pub(super) k_m: f64,
+    #[serde(rename = "J")]
+    pub(super) j: f64,
+    #[serde(rename = "B_m")]
+    pub(super) b_m: f64,
+    /// Whether a fit keeps K_m = K_e.
+    #[serde(rename = "tie_K")]
+    pub(super) tie_k: Option<bool>,
+    pub(super) rated_torque: Option<f64>,
+}
+
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct ControllerTable {
+    #[serde(rename = "K_p")]
+    pub(super) k_p: f64,
+    #[serde(rename = "K_i")]
+    pub(super) k_i: f64,
+    pub(super) period: Option<f64>,
+    pub(super) limit: Option<f64>,
+}
+
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct GainTable {
+    pub(super) gain: f64,
+    pub(super) limit: Option<f64>,
+}
+
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct GeneratorTable {
+    #[serde(rename = "K_m")]
+    pub(super) k_m: f64,
+    pub(super) gain: f64,
+    pub(super) limit: Option<f64>,
+}
+
+/// Unit of the tachometer signal T as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub(super) enum TachoName {
+    #[serde(rename = "rad/s")]
+    Rotary,
+    #[serde(rename = "m/s")]
+    Linear,
+    #[serde(rename = "rpm")]
+    Rpm,
+}
+
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct SensorTable {
+    pub(super) tacho_quantum: Option<f64>,
+    pub(super) current_quantum: Option<f64>,
+    /// Unit of the tachometer signal T; the SI unit of the motion if absent.
+    pub(super) tacho_unit: Option<TachoName>,
+}
+
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct NoiseTable {
+    pub(super) omega: Option<f64>,
+    /// `omega` of a linear drive.
+    pub(super) v: Option<f64>,
+    pub(super) i: Option<f64>,
+    pub(super) theta: Option<f64>,
+    /// `theta` of a linear drive.
+    pub(super) x: Option<f64>,
+    pub(super) reference: Option<f64>,
+    pub(super) torque: Option<f64>,
+    pub(super) torque_time: Option<f64>,
+}
+
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct FitTable {
+    /// Parameters that a fit leaves as they are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) fixed: Vec<String>,
+    /// Parameters that may differ from recording to recording.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) per_recording: Vec<String>,
+}
+
+/// One `[[effect]]`: which keys it takes depends on its kind, and is checked with the registry.
+#[derive(Debug)]
+pub(super) struct EffectTable(pub(super) Vec<(String, EffectValue)>);
+
+/// A value in an effect: a number, a text, or the coefficients of a typed law.
+#[derive(Debug)]
+pub(super) enum EffectValue {
+    Number(f64),
+    Text(String),
+    Coefficients(Vec<(String, f64)>),
+}
+
+/// The origin of a value, or of the values below a name (`coulomb.T_c` without quotes).
+#[derive(Debug, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum Origin {
+    Text(String),
+    Below(BTreeMap<String, String>),
+}
+
+/// Collects a table in the order of the file.
+struct Ordered<T>(std::marker::PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for Ordered<T> {
+    type Value = Vec<(String, T)>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a table")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut entries = Vec::new();
+        while let Some(entry) = map.next_entry()? {
+            entries.push(entry);
+        }
+        Ok(entries)
+    }
+}
+
+impl<'de> Deserialize<'de> for EffectTable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(Ordered(std::marker::PhantomData)).map(Self)
+    }
+}
+
+impl<'de> Deserialize<'de> for EffectValue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Any;
+        impl<'de> Visitor<'de> for Any {
+            type Value = EffectValue;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, a text in quotes or a table of numbers")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<EffectValue, E> {
+                Ok(EffectValue::Number(value))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<EffectValue, E> {
+                Ok(EffectValue::Number(value as f64))
+            }
+
+            fn visit_str<E: de::Error>(self, value: &str) -> Result<EffectValue, E> {
+                Ok(EffectValue::Text(value.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<EffectValue, A::Error> {
+                Ordered(std::marker::PhantomData).visit_map(map).map(EffectValue::Coefficients)
+            }
+        }
+        deserializer.deserialize_any(Any)
+    }
+}
+
+impl<'de> Deserialize<'de> for Origin {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Any;
+        impl<'de> Visitor<'de> for Any {
+            type Value = Origin;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a text in quotes")
+            }
+
+            fn visit_str<E: de::Error>(self, value: &str) -> Result<Origin, E> {
+                Ok(Origin::Text(value.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Origin, A::Error> {
+                let all = Ordered(std::marker::PhantomData).visit_map(map)?;
+                Ok(Origin::Below(all.into_iter().collect()))
+            }
+        }
+        deserializer.deserialize_any(Any)
+    }
+}
+
+impl Serialize for EffectTable {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(key, value)| (key, value)))
+    }
+}
+
+impl Serialize for EffectValue {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Number(value) => serializer.serialize_f64(*value),
+            Self::Text(text) => serializer.serialize_str(text),
+            Self::Coefficients(all) => {
+                let mut map = serializer.serialize_map(Some(all.len()))?;
+                for (name, value) in all {
+                    map.serialize_entry(name, value)?;
+                }
+                map.end()
+            }
+        }
+    }
+}

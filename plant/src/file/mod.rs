@@ -1,0 +1,69 @@
+//! The drive file: TOML in SI units, checked as a whole, every error with its place.
+//!
+//! `document` parses the text and keeps the places; `deserialize` reads it into the tables of
+//! `layout`; `check` and `effects` apply the rules between keys, the registry and the list of
+//! [`crate::parameters`], and put a [`Drive`] together. `write` goes the other way, and `schema`
+//! describes the file to editors.
+
+mod check;
+mod deserialize;
+mod document;
+mod effects;
+mod error;
+mod law_text;
+mod layout;
+mod schema;
+#[cfg(test)]
+mod tests;
+mod write;
+
+use std::fs;
+use std::path::Path;
+
+use crate::drive::Drive;
+
+pub use error::{DriveFileError, Place, Problem};
+pub use schema::schema_json;
+
+impl Drive {
+    /// Reads the text of a drive file; `file_name` is only for the error.
+    ///
+    /// # Errors
+    /// [`DriveFileError::Content`] with line, column and what to do about the first thing that
+    /// is wrong.
+    pub fn parse(text: &str, file_name: &str) -> Result<Self, DriveFileError> {
+        document::Document::parse(text)
+            .and_then(|document| {
+                let layout = deserialize::deserialize(&document)?;
+                check::drive(&document, layout)
+            })
+            .map_err(|flaw| flaw.within(file_name, text))
+    }
+
+    /// Reads a drive file.
+    ///
+    /// # Errors
+    /// [`DriveFileError`] if it cannot be read or its content is wrong.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, DriveFileError> {
+        let file = path.as_ref().display().to_string();
+        match fs::read_to_string(path) {
+            Ok(text) => Self::parse(&text, &file),
+            Err(source) => Err(DriveFileError::Read { file, source }),
+        }
+    }
+
+    /// The text of the drive file: [`Drive::parse`] gives the same drive again.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(&write::layout(self)).expect("plain tables of numbers and texts are TOML")
+    }
+
+    /// Writes the drive file: all of it or nothing.
+    ///
+    /// # Errors
+    /// [`DriveFileError::Write`] if the folder does not take it.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), DriveFileError> {
+        let path = path.as_ref();
+        write::replace(path, &self.to_toml())
+            .map_err(|source| DriveFileError::Write { file: path.display().to_string(), source })
+    }
+}

@@ -1,0 +1,238 @@
+//! The exact step where the drive is affine: x(t + h) = Phi x + Gamma (u, T_l, 1).
+//!
+//! The matrices are read off the one right-hand side by unit vectors, at a speed beyond which
+//! every placed law is affine; there is no second formula of the physics.
+
+use drivescope_numerics::Real;
+
+use crate::model::{Applied, CURRENT, Model, OWN, POSITION, SPEED, field};
+
+/// Columns of the step: current, speed, input, load, one.
+const COLUMNS: usize = 5;
+
+/// The exact step of `N` drives in one direction of motion.
+#[derive(Debug, Clone)]
+pub(super) struct Affine<R, const N: usize> {
+    /// `matrix[row][column][lane]`; rows current, speed, position (less its start).
+    matrix: [[[R; N]; COLUMNS]; OWN],
+    /// The acceleration at the start of the step, as a row over the same columns.
+    acceleration: [[f64; N]; COLUMNS],
+    /// For lanes that ring: the same row a quarter of a period on, so that with the acceleration
+    /// it gives the amplitude of the acceleration.
+    quadrature: [[f64; N]; COLUMNS],
+    /// Whether any lane does.
+    rings: bool,
+    sign: f64,
+    /// Speed beyond which each lane is affine.
+    beyond: [f64; N],
+    seconds: f64,
+}
+
+/// A continuous affine drive of one direction: d(i, omega)/dt = a (i, omega) + b (u, T_l, 1).
+struct Continuous<R> {
+    a: [[R; 2]; 2],
+    b: [[R; 3]; 2],
+}
+
+impl<R: Real> Continuous<R> {
+    /// Reads the matrices off the field: lane `l`, direction `sign`, speeds beyond `beyond`.
+    fn read<const N: usize>(model: &Model<R, N>, l: usize, sign: f64, beyond: f64) -> Self {
+        let one = model.lane(l);
+        // Two speeds in the affine zone: their difference is the speed column.
+        let base = sign * (beyond + 1.0);
+        let slope = |i: f64, omega: f64, u: f64, load: f64| {
+            let mut x = vec![[R::zero()]; OWN];
+            x[CURRENT] = [R::constant(i)];
+            x[SPEED] = [R::constant(omega)];
+            let applied = Applied { u: [R::constant(u)], load: [R::constant(load)], time: 0.0 };
+            let mut dx = vec![[R::zero()]; OWN];
+            field(&one, &x, &applied, &[sign], &mut dx, None);
+            [dx[CURRENT][0], dx[SPEED][0]]
+        };
+        let at_base = slope(0.0, base, 0.0, 0.0);
+        let column = |other: [R; 2]| [other[0] - at_base[0], other[1] - at_base[1]];
+        let i = column(slope(1.0, base, 0.0, 0.0));
+        let omega = column(slope(0.0, 2.0 * base, 0.0, 0.0)).map(|d| d.scaled(1.0 / base));
+        let u = column(slope(0.0, base, 1.0, 0.0));
+        let load = column(slope(0.0, base, 0.0, 1.0));
+        let rest = |row: usize| at_base[row] - omega[row].scaled(base);
+        Self {
+            a: [[i[0], omega[0]], [i[1], omega[1]]],
+            b: [[u[0], load[0], rest(0)], [u[1], load[1], rest(1)]],
+        }
+    }
+}
+
+/// Rows and columns of the augmented matrix: current, speed, position and two unit slopes.
+const SIZE: usize = 5;
+type Square<R> = [[R; SIZE]; SIZE];
+
+fn product<R: Real>(a: &Square<R>, b: &Square<R>) -> Square<R> {
+    let mut c = [[R::zero(); SIZE]; SIZE];
+    for (row, left) in c.iter_mut().zip(a) {
+        for (k, factor) in left.iter().enumerate() {
+            for (sum, value) in row.iter_mut().zip(&b[k]) {
+                *sum += *factor * *value;
+            }
+        }
+    }
+    c
+}
+
+/// Taylor terms of the exponential after scaling to norm 1/4: 0.25^13 / 13! is below 1e-17.
+const TERMS: usize = 12;
+
+/// The matrix exponential by scaling, Taylor series and squaring.
+fn exponential<R: Real>(a: &Square<R>) -> Square<R> {
+    let norm =
+        a.iter().map(|row| row.iter().map(|x| x.value().abs()).sum::<f64>()).fold(0.0, f64::max);
+    let squarings = (norm * 4.0).log2().ceil().max(0.0) as i32;
+    let scale = 0.5f64.powi(squarings);
+    let scaled = a.map(|row| row.map(|x| x.scaled(scale)));
+    let mut identity = [[R::zero(); SIZE]; SIZE];
+    for (k, row) in identity.iter_mut().enumerate() {
+        row[k] = R::one();
+    }
+    // Horner: I + A/1 (I + A/2 (I + ...)).
+    let mut sum = identity;
+    for k in (1..=TERMS).rev() {
+        sum = product(&scaled, &sum);
+        for (row, unit) in sum.iter_mut().zip(&identity) {
+            for (x, one) in row.iter_mut().zip(unit) {
+                *x = x.scaled(1.0 / k as f64) + *one;
+            }
+        }
+    }
+    (0..squarings).fold(sum, |power, _| product(&power, &power))
+}
+
+impl<R: Real, const N: usize> Affine<R, N> {
+    /// The step over `h` of every lane in the direction `sign`; nothing if a lane is affine
+    /// nowhere.
+    pub(super) fn new(model: &Model<R, N>, sign: f64, h: R) -> Option<Self> {
+        let beyond: [f64; N] = std::array::from_fn(|l| model.affine_beyond(l));
+        if beyond.iter().any(|speed| !speed.is_finite()) {
+            return None;
+        }
+        let mut matrix = [[[R::zero(); N]; COLUMNS]; OWN];
+        let mut acceleration = [[0.0; N]; COLUMNS];
+        let mut quadrature = [[0.0; N]; COLUMNS];
+        let mut rings = false;
+        for l in 0..N {
+            let Continuous { a, b } = Continuous::read(model, l, sign, beyond[l]);
+            let row = [a[1][0], a[1][1], b[1][0], b[1][1], b[1][2]];
+            for (column, value) in row.into_iter().enumerate() {
+                acceleration[column][l] = value.value();
+            }
+            // Eigenvalues of a: -decay +- sqrt(root); the acceleration then follows
+            // e^(-decay t) cos(w t + phase), w = sqrt(-root), and its derivative is a row too.
+            let a_value = a.map(|row| row.map(R::value));
+            let decay = -0.5 * (a_value[0][0] + a_value[1][1]);
+            let determinant = a_value[0][0] * a_value[1][1] - a_value[0][1] * a_value[1][0];
+            let root = decay * decay - determinant;
+            if root < 0.0 {
+                rings = true;
+                let b_value = b.map(|row| row.map(R::value));
+                let current =
+                    [a_value[0][0], a_value[0][1], b_value[0][0], b_value[0][1], b_value[0][2]];
+                for (column, slope) in current.into_iter().enumerate() {
+                    let own = acceleration[column][l];
+                    let jerk = a_value[1][0] * slope + a_value[1][1] * own;
+                    quadrature[column][l] = (jerk + decay * own) / (-root).sqrt();
+                }
+            }
+            let mut augmented = [[R::zero(); SIZE]; SIZE];
+            for row in 0..2 {
+                augmented[row][0] = a[row][0] * h;
+                augmented[row][1] = a[row][1] * h;
+                augmented[row][3 + row] = h;
+            }
+            augmented[2][1] = h;
+            let phi = exponential(&augmented);
+            for row in 0..OWN {
+                matrix[row][0][l] = phi[row][0];
+                matrix[row][1][l] = phi[row][1];
+                for column in 0..3 {
+                    matrix[row][2 + column][l] =
+                        phi[row][3] * b[0][column] + phi[row][4] * b[1][column];
+                }
+            }
+        }
+        Some(Self { matrix, acceleration, quadrature, rings, sign, beyond, seconds: h.value() })
+    }
+
+    /// Whether lane `l` stays in its affine zone from `x` to `next`, also in between: the speed
+    /// can dip below both ends only if it starts out falling, and no further than at that rate;
+    /// one that rings never falls faster than at the amplitude of its acceleration.
+    #[inline(always)]
+    pub(super) fn holds(
+        &self,
+        l: usize,
+        x: &[[R; N]],
+        next: &[[R; N]; OWN],
+        applied: &Applied<R, N>,
+    ) -> bool {
+        let along = |row: &[[f64; N]; COLUMNS]| {
+            row[0][l] * x[CURRENT][l].value()
+                + row[1][l] * x[SPEED][l].value()
+                + row[2][l] * applied.u[l].value()
+                + row[3][l] * applied.load[l].value()
+                + row[4][l]
+        };
+        let rate = along(&self.acceleration);
+        let outward = self.sign * rate;
+        let mut fall = if outward < 0.0 { -outward } else { 0.0 };
+        if self.rings {
+            let quadrature = along(&self.quadrature);
+            let amplitude = (rate * rate + quadrature * quadrature).sqrt();
+            fall = if quadrature != 0.0 { amplitude } else { fall };
+        }
+        let first = self.sign * x[SPEED][l].value() - fall * self.seconds;
+        let last = self.sign * next[SPEED][l].value();
+        first > self.beyond[l] && last > self.beyond[l]
+    }
+
+    /// The state a step later.
+    #[inline(always)]
+    pub(super) fn step(&self, x: &[[R; N]], applied: &Applied<R, N>) -> [[R; N]; OWN] {
+        let mut next = [[R::zero(); N]; OWN];
+        for row in 0..OWN {
+            let m = &self.matrix[row];
+            for l in 0..N {
+                let from_state = m[0][l] * x[CURRENT][l] + m[1][l] * x[SPEED][l];
+                let from_input = m[2][l] * applied.u[l] + m[3][l] * applied.load[l] + m[4][l];
+                next[row][l] = from_state + from_input;
+            }
+        }
+        for l in 0..N {
+            next[POSITION][l] += x[POSITION][l];
+        }
+        next
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exponential_of_a_rotation_and_a_decay_is_exact() {
+        let mut a = [[0.0; SIZE]; SIZE];
+        a[0][1] = 2.0;
+        a[1][0] = -2.0;
+        a[2][2] = -30.0;
+        a[3][4] = 5.0;
+        let e = exponential(&a);
+        let (sin, cos) = 2.0f64.sin_cos();
+        for (found, expected) in [
+            (e[0][0], cos),
+            (e[0][1], sin),
+            (e[1][0], -sin),
+            (e[2][2], (-30.0f64).exp()),
+            (e[3][4], 5.0),
+            (e[4][4], 1.0),
+        ] {
+            assert!((found - expected).abs() < 1e-14, "{found} against {expected}");
+        }
+    }
+}

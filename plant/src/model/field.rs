@@ -1,0 +1,194 @@
+//! The right-hand side of the drive, written once over the scalar and over the lanes.
+//!
+//! L di/dt = u - R (1 + ..) i - K_e (flux) omega - (voltage)                     (20), (21)
+//! J domega/dt = K_m (flux) i - B_m omega - (torque) - T_l - s (dry friction)    (22), (23)
+//!
+//! The brackets are what the effects add up to. s is the sign of the motion: +1 or -1 while
+//! the shaft slips, 0 while it sticks. For a given s the field is smooth, also across
+//! omega = 0: the automaton of [`crate::integrate`] changes s at located events.
+
+use std::array::from_fn;
+
+use drivescope_numerics::Real;
+
+use super::{Applied, CURRENT, Model, OWN, POSITION, SPEED};
+use crate::effects::law::{Sum, Sums, Views};
+
+/// What the effects see, lane by lane.
+#[inline(always)]
+pub(super) fn views<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    applied: &Applied<R, N>,
+    sign: &[f64; N],
+) -> Views<R, N> {
+    let u = match &model.control {
+        Some(_) => from_fn(|l| model.controlled(x, applied, l).map_or(applied.u[l], |c| c.u)),
+        None => applied.u,
+    };
+    views_under(model, x, applied, sign, u)
+}
+
+/// What the effects see under that input.
+#[inline(always)]
+pub(super) fn views_under<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    applied: &Applied<R, N>,
+    sign: &[f64; N],
+    u: [R; N],
+) -> Views<R, N> {
+    let motors = &model.motors;
+    let zero = [R::zero(); N];
+    let i = if model.force { u } else { x[CURRENT] };
+    let mut at = Views {
+        i,
+        omega: x[SPEED],
+        theta: x[POSITION],
+        direction: sign.map(R::constant),
+        u,
+        drive: zero,
+        load: applied.load,
+        copper: zero,
+        inertia: motors.j,
+        time: [R::constant(applied.time); N],
+    };
+    for l in 0..N {
+        at.drive[l] = motors.k_m[l] * i[l];
+        at.copper[l] = motors.r[l] * i[l] * i[l];
+    }
+    at
+}
+
+/// What the effects add up to, without the acceleration, which closes the balances.
+#[inline(always)]
+fn sums<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    at: &Views<R, N>,
+) -> Sums<R, N> {
+    let motors = &model.motors;
+    let zero = R::zero();
+    let mut sum = Sums::splat(Sum {
+        voltage: zero,
+        torque: zero,
+        forward: zero,
+        backward: zero,
+        flux: R::one(),
+        resistance: R::one(),
+        heat: zero,
+        inverse_inertia: zero,
+        load: zero,
+        acceleration: zero,
+    });
+    sum.load = at.load;
+    for l in 0..N {
+        sum.inverse_inertia[l] = R::one() / motors.j[l];
+    }
+    for part in &model.placed {
+        part.share(&model.laws, &model.p, &x[OWN..], at, &mut sum);
+    }
+    for l in 0..N {
+        sum.forward[l] *= motors.friction[l];
+        sum.backward[l] *= motors.friction[l];
+    }
+    sum
+}
+
+/// Torque on the shaft without dry friction, one lane.
+#[inline(always)]
+fn net<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    at: &Views<R, N>,
+    sum: &Sums<R, N>,
+    l: usize,
+) -> R {
+    let viscous = model.motors.b_m[l] * model.motors.friction[l] * at.omega[l];
+    at.drive[l] * sum.flux[l] - viscous - sum.torque[l] - sum.load[l]
+}
+
+/// Time derivatives `dx` of the state `x`, and the decay rates of its stiff own states where
+/// `lambda` is given. `sign` is the sign of the motion in each lane, 0 where it sticks.
+#[inline(always)]
+pub fn field<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    applied: &Applied<R, N>,
+    sign: &[f64; N],
+    dx: &mut [[R; N]],
+    lambda: Option<&mut [[R; N]]>,
+) {
+    let at = views(model, x, applied, sign);
+    let mut sum = sums(model, x, &at);
+    let motors = &model.motors;
+    for l in 0..N {
+        let net = net(model, &at, &sum, l);
+        let level = R::select(sign[l] > 0.0, sum.forward[l], -sum.backward[l]);
+        let slipping = if model.dry { net - level } else { net };
+        let sticks = model.dry && sign[l] == 0.0;
+        sum.acceleration[l] = R::select(sticks, R::zero(), slipping * sum.inverse_inertia[l]);
+    }
+    for l in 0..N {
+        let drop = motors.r[l] * sum.resistance[l] * at.i[l] + sum.voltage[l];
+        let back_emf = motors.k_e[l] * sum.flux[l] * at.omega[l];
+        let electrical = (at.u[l] - drop - back_emf) / motors.l[l];
+        dx[CURRENT][l] = if model.force { R::zero() } else { electrical };
+        dx[SPEED][l] = sum.acceleration[l];
+        dx[POSITION][l] = at.omega[l];
+    }
+    if model.control.is_some() {
+        let integral = OWN + model.own_states;
+        for l in 0..N {
+            let rate = model.controlled(x, applied, l).map(|signals| signals.integral_rate);
+            dx[integral][l] = rate.unwrap_or(R::zero());
+        }
+    }
+    if model.own_states == 0 {
+        return;
+    }
+    for part in &model.placed {
+        part.rate(&model.p, &x[OWN..], &at, &sum, &mut dx[OWN..]);
+    }
+    if let Some(lambda) = lambda {
+        for part in &model.placed {
+            part.decay(&model.p, &x[OWN..], &at, &sum, &mut lambda[OWN..]);
+        }
+    }
+}
+
+/// Torques that decide whether a shaft at rest stays there, N m or N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest<R> {
+    /// Torque on the shaft without dry friction, load included.
+    pub net: R,
+    /// Break-away level in forward direction.
+    pub forward: R,
+    /// Break-away level in backward direction.
+    pub backward: R,
+}
+
+impl<R: Real> Rest<R> {
+    /// What is missing until the shaft breaks away; negative once it must move.
+    pub fn margin(&self) -> R {
+        let (up, down) = (self.forward - self.net, self.backward + self.net);
+        R::select(up.value() < down.value(), up, down)
+    }
+
+    /// Sign of the motion that a shaft at rest takes up: 0 if it sticks.
+    pub fn sign(&self) -> f64 {
+        if self.net.value() > self.forward.value() {
+            1.0
+        } else if self.net.value() < -self.backward.value() {
+            -1.0
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The torques at the state `x`, whose speed is zero.
+pub fn rest<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], applied: &Applied<R, 1>) -> Rest<R> {
+    let at = views(model, x, applied, &[0.0]);
+    let sum = sums(model, x, &at);
+    Rest { net: net(model, &at, &sum, 0), forward: sum.forward[0], backward: sum.backward[0] }
+}

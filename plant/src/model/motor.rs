@@ -1,0 +1,42 @@
+//! The parameters of the motor's two balances (20)-(23).
+
+use drivescope_numerics::Real;
+
+use crate::effects::law::lanes;
+
+lanes! {
+    /// Parameters of a motor; SI units (linear motion: kg, N, m in place of kg m^2, N m, rad).
+    Motor / Motors {
+        /// Armature resistance R, ohm.
+        r,
+        /// Armature inductance L, H.
+        l,
+        /// Voltage constant K_e, V s/rad.
+        k_e,
+        /// Torque constant K_m, N m/A (force-driven: N m or N a unit of u).
+        k_m,
+        /// Moment of inertia J, kg m^2.
+        j,
+        /// Viscous friction B_m, N m s/rad.
+        b_m,
+        /// Factor on viscous and dry friction: 1 unless a friction fault acts.
+        friction,
+    }
+}
+
+impl<R: Real> Motor<R> {
+    /// Fastest rate of the balances besides R / L, 1/s: electromechanical oscillation, drag.
+    pub(crate) fn fastest(&self, force: bool) -> f64 {
+        let drag = (self.b_m * self.friction / self.j).value().abs();
+        if force {
+            return drag;
+        }
+        let coupling = (self.k_m * self.k_e / self.j).value().abs();
+        let oscillation = (coupling / self.l.value()).sqrt();
+        // Of an over-damped pair the slow one counts: the armature's own decay is exact.
+        let half = 0.5 * (self.r / self.l).value();
+        let slow =
+            oscillation * oscillation / (half + (half * half - oscillation * oscillation).sqrt());
+        drag.max(if half > oscillation { slow } else { oscillation })
+    }
+}

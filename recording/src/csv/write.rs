@@ -1,0 +1,28 @@
+//! CSV as every tool reads it: comma, point, UTF-8, `name [unit]`, shortest exact numbers.
+
+use std::io::{self, Write};
+
+use crate::signal::Recording;
+
+/// Writes header and rows. Numbers have as many digits as it takes to read the same bits again.
+pub(crate) fn write(out: impl Write, recording: &Recording) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_field("time [s]")?;
+    for signal in &recording.signals {
+        csv.write_field(signal.header())?;
+    }
+    csv.write_record(None::<&[u8]>)?;
+    let mut text = Vec::new();
+    for k in 0..recording.len() {
+        let values = recording.signals.iter().map(|signal| signal.values[k]);
+        for value in std::iter::once(recording.time(k)).chain(values) {
+            text.clear();
+            // `{:?}` is the shortest text that parses to the same bits, with an exponent where
+            // it is shorter than zeros.
+            write!(text, "{value:?}")?;
+            csv.write_field(&text)?;
+        }
+        csv.write_record(None::<&[u8]>)?;
+    }
+    csv.flush()
+}

@@ -1,0 +1,373 @@
+//! What can be wrong with a recording, where, and what to do about it.
+
+use std::io;
+
+use crate::place::Place;
+
+/// Why a recording could not be read, used or written.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The file cannot be opened or read.
+    #[error("{file}: cannot be read: {source}")]
+    Read {
+        /// The file as the user named it.
+        file: String,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The path is a folder.
+    #[error("{file}: is a folder; name the recording inside it")]
+    IsFolder {
+        /// The path as the user named it.
+        file: String,
+    },
+    /// The extension tells no format.
+    #[error("{file}: format `{extension}` is not known; use .csv, .parquet or .mat")]
+    Format {
+        /// The file as the user named it.
+        file: String,
+        /// Its extension, perhaps empty.
+        extension: String,
+    },
+    /// The file cannot be written.
+    #[error("{file}: cannot be written: {source}")]
+    Write {
+        /// The file as the user named it.
+        file: String,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// Reading is all that is offered for the format.
+    #[error("{file}: `{extension}` files are not written; use .csv or .parquet")]
+    WriteFormat {
+        /// The file as the user named it.
+        file: String,
+        /// Its extension.
+        extension: String,
+    },
+    /// Nothing in the file.
+    #[error("{file}: is empty; a recording starts with a header such as `time [s],u [V],i [A]`")]
+    Empty {
+        /// The file.
+        file: String,
+    },
+    /// Names, but no samples.
+    #[error("{file}: holds a header but no samples")]
+    HeaderOnly {
+        /// The file.
+        file: String,
+    },
+    /// A single sample tells no sampling time.
+    #[error("{file}: holds one sample; at least two are needed to know the sampling time")]
+    OneRow {
+        /// The file.
+        file: String,
+    },
+    /// The first line holds values.
+    #[error(
+        "{place}: the first line holds numbers, not names; put a header such as \
+         `time [s],u [V],i [A]` above it"
+    )]
+    NoHeader {
+        /// The first line.
+        place: Place,
+    },
+    /// A row with another number of values than the header has names.
+    #[error("{place}: {found} values, but the header names {expected} columns")]
+    Ragged {
+        /// The row.
+        place: Place,
+        /// Values in the row.
+        found: usize,
+        /// Columns in the header.
+        expected: usize,
+    },
+    /// Text where a number should be.
+    #[error("{place}: column {position} `{column}`: `{text}` is not a number")]
+    NotANumber {
+        /// The row.
+        place: Place,
+        /// Which column, the first is 1.
+        position: usize,
+        /// The column's name.
+        column: String,
+        /// What stands there.
+        text: String,
+    },
+    /// Bytes that are no UTF-8 text.
+    #[error(
+        "{place}: column {position} is not UTF-8 text (byte 0x{byte:02x}); save the file as UTF-8"
+    )]
+    NotUtf8 {
+        /// The line.
+        place: Place,
+        /// Which column, the first is 1.
+        position: usize,
+        /// The first byte that is none.
+        byte: u8,
+    },
+    /// A carriage return that ends no line.
+    #[error("{place}: a carriage return inside the line; save the file with LF or CRLF line ends")]
+    LoneReturn {
+        /// The line.
+        place: Place,
+    },
+    /// A line is longer than any header.
+    #[error("{place}: no line end within {limit} bytes; this is not a CSV file")]
+    EndlessLine {
+        /// Where the line starts.
+        place: Place,
+        /// Bytes looked at.
+        limit: usize,
+    },
+    /// No column is the time.
+    #[error(
+        "{file}: no time column among {columns}; the first column is `time [s]`, or name it with \
+         --columns time=NAME:UNIT"
+    )]
+    MissingTime {
+        /// The file.
+        file: String,
+        /// The names that are there.
+        columns: String,
+    },
+    /// Nothing but time.
+    #[error("{file}: holds time but no signal")]
+    NoSignals {
+        /// The file.
+        file: String,
+    },
+    /// Two columns of one name.
+    #[error("{file}: columns {first} and {second} are both called `{name}`; rename one")]
+    DuplicateColumn {
+        /// The file.
+        file: String,
+        /// The name.
+        name: String,
+        /// The earlier column, the first is 1.
+        first: usize,
+        /// The later one.
+        second: usize,
+    },
+    /// Two columns mapped to one signal.
+    #[error(
+        "{file}: `{name}` is both column `{first}` and column `{second}`; give one another name, \
+         as in --columns {name}_2={second}"
+    )]
+    DuplicateSignal {
+        /// The file.
+        file: String,
+        /// The signal.
+        name: String,
+        /// The earlier column.
+        first: String,
+        /// The later one.
+        second: String,
+    },
+    /// A unit that the signal cannot have.
+    #[error(
+        "{file}: column `{column}`: `{unit}` is no unit of {signal}; known are {known}. Say which \
+         with --columns {signal}={column}:UNIT"
+    )]
+    UnknownUnit {
+        /// The file.
+        file: String,
+        /// The column.
+        column: String,
+        /// The signal it stands for.
+        signal: String,
+        /// The unit that it carries.
+        unit: String,
+        /// Units that would do.
+        known: String,
+    },
+    /// An item of `--columns` that is none.
+    #[error("`{text}` is not a column mapping; write signal=COLUMN or signal=COLUMN:UNIT")]
+    Mapping {
+        /// The item.
+        text: String,
+    },
+    /// A mapping to a column that is not there.
+    #[error("{file}: has no column `{column}` to take as {signal}; it has {columns}")]
+    MappedColumn {
+        /// The file.
+        file: String,
+        /// The column asked for.
+        column: String,
+        /// The signal it was to be.
+        signal: String,
+        /// The names that are there.
+        columns: String,
+    },
+    /// A time stamp that is no number.
+    #[error("{place}: time is missing or not finite")]
+    TimeNotFinite {
+        /// The row.
+        place: Place,
+    },
+    /// Time runs backwards.
+    #[error("{place}: time goes back from {from_s} s to {to_s} s; cut or sort the recording there")]
+    TimeBackwards {
+        /// The row after the step.
+        place: Place,
+        /// Time before it, s.
+        from_s: f64,
+        /// Time after it, s.
+        to_s: f64,
+    },
+    /// The same time twice.
+    #[error(
+        "{place}: time {at_s} s stands there twice; remove the row, or resample (--resample \
+         {median_s}), which keeps the first"
+    )]
+    TimeRepeated {
+        /// The second of the rows.
+        place: Place,
+        /// The time, s.
+        at_s: f64,
+        /// Median step of the recording, s.
+        median_s: f64,
+    },
+    /// Samples are missing.
+    #[error(
+        "{place}: a gap of {step_s} s, where the median step is {median_s} s; cut the recording \
+         there, or resample (--resample {median_s}), which bridges it with a straight line"
+    )]
+    Gap {
+        /// The row after the gap.
+        place: Place,
+        /// Length of the gap, s.
+        step_s: f64,
+        /// Median step of the recording, s.
+        median_s: f64,
+    },
+    /// A step that departs from the others.
+    #[error(
+        "{place}: a time step of {step_s} s, where the median step is {median_s} s: not uniform \
+         within 1 %; resample with --resample {median_s}"
+    )]
+    NonUniform {
+        /// The row after the step.
+        place: Place,
+        /// The step, s.
+        step_s: f64,
+        /// Median step of the recording, s.
+        median_s: f64,
+    },
+    /// Steps that are each near the mean but drift away from the grid together.
+    #[error(
+        "{place}: time is {off_s} s off a uniform grid of {period_s} s: the sampling time drifts; \
+         resample with --resample {period_s}"
+    )]
+    Drift {
+        /// The row farthest off.
+        place: Place,
+        /// How far, s.
+        off_s: f64,
+        /// Mean step, s.
+        period_s: f64,
+    },
+    /// A sampling time that cannot be.
+    #[error(
+        "{file}: cannot be sampled every {period_s} s: it must lie between 0 and {duration_s} s"
+    )]
+    Period {
+        /// The file or the recording.
+        file: String,
+        /// The sampling time asked for, s.
+        period_s: f64,
+        /// Length of the recording, s.
+        duration_s: f64,
+    },
+    /// A signal that is needed is not there.
+    #[error(
+        "{file}: has no signal `{signal}`; it has {signals}. Name its column with --columns \
+         {signal}=COLUMN:UNIT"
+    )]
+    MissingSignal {
+        /// The file.
+        file: String,
+        /// The signal needed.
+        signal: String,
+        /// The signals that are there.
+        signals: String,
+    },
+    /// A signal that is needed has holes.
+    #[error(
+        "{place}: `{signal}` is missing or not finite there, {samples} samples in {stretches} \
+         stretches; cut the recording to a part without holes"
+    )]
+    NotFinite {
+        /// The first hole.
+        place: Place,
+        /// The signal needed.
+        signal: String,
+        /// Samples without a value.
+        samples: usize,
+        /// Stretches that they form.
+        stretches: usize,
+    },
+    /// Signals of different length cannot share a time axis.
+    #[error("{name}: `{signal}` has {found} samples, others have {expected}")]
+    UnequalLengths {
+        /// The recording.
+        name: String,
+        /// The signal.
+        signal: String,
+        /// Its length.
+        found: usize,
+        /// Length of the first signal.
+        expected: usize,
+    },
+    /// The Parquet reader gives up.
+    #[error("{file}: is not a whole Parquet file: {source}")]
+    Parquet {
+        /// The file.
+        file: String,
+        /// What the Parquet reader says.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A Parquet file packed in a way that is not unpacked here.
+    #[error(
+        "{file}: is packed with {compression}, which is not read; write it with \
+         compression=\"snappy\""
+    )]
+    Compression {
+        /// The file.
+        file: String,
+        /// The packer's name.
+        compression: String,
+    },
+    /// A MAT file of another version than 5.
+    #[error(
+        "{file}: is a MAT file of {version}, only version 5 little-endian is read; save it with \
+         `save -v7` in MATLAB or Octave, or with scipy.io.savemat in Python"
+    )]
+    MatVersion {
+        /// The file.
+        file: String,
+        /// What it is.
+        version: &'static str,
+    },
+    /// Bytes that are not what the format says.
+    #[error("{file}: is not a whole MAT file: {what} near byte {at}")]
+    MatDamaged {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        what: &'static str,
+        /// Bytes read up to there.
+        at: u64,
+    },
+    /// No plain numeric series in a MAT file.
+    #[error(
+        "{file}: holds no plain numeric series, but {found}; flatten it with \
+         scipy.io.loadmat(..., simplify_cells=True) and scipy.io.savemat(..., {{\"t\": t, \"u\": u}})"
+    )]
+    MatNoSeries {
+        /// The file.
+        file: String,
+        /// The variables that are there.
+        found: String,
+    },
+}

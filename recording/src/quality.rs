@@ -1,0 +1,220 @@
+//! One signal by itself: range, holes, limits, steps of quantisation, excitation.
+
+use serde::Serialize;
+
+use crate::place::Lines;
+use crate::quantum::{Quantum, quantum};
+use crate::report::Stretches;
+
+/// A signal with so few values is switched, not limited.
+const SWITCHED_LEVELS: usize = 16;
+/// Sitting at an extreme counts from this share of the samples ...
+const LIMIT_SHARE: f64 = 0.01;
+/// ... and from so many in a row: noise touches its extreme once.
+const LIMIT_RUN: usize = 5;
+/// Part of the range about its middle that a swing has to cross.
+const SWING: f64 = 0.1;
+/// Speed below this share of the largest does not count as a direction.
+const DIRECTION: f64 = 0.02;
+
+/// How one signal looks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SignalQuality {
+    /// The signal's name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Smallest value; NaN where there is none.
+    pub min: f64,
+    /// Largest value; NaN where there is none.
+    pub max: f64,
+    /// Mean of the values that are there.
+    pub mean: f64,
+    /// Where values are missing or not finite.
+    pub missing: Stretches,
+    /// Whether all values are the same.
+    pub constant: bool,
+    /// Extremes at which the signal sits.
+    pub limits: Vec<Limit>,
+    /// The grid that the values lie on.
+    pub quantum: Option<Quantum>,
+    /// How often the signal swings through the middle of its range.
+    pub swings: usize,
+    /// Whether it takes both signs.
+    pub both_signs: bool,
+}
+
+/// An extreme value at which a signal sits, as a saturated one does.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Limit {
+    /// The value.
+    pub value: f64,
+    /// Share of the samples there.
+    pub share: f64,
+    /// Longest stay, samples.
+    pub longest: usize,
+    /// Line (or row) at which that stay begins.
+    pub at: u64,
+}
+
+impl SignalQuality {
+    /// What deserves attention, a sentence each; `period_s` turns samples into seconds.
+    pub(crate) fn warnings(&self, period_s: f64) -> Vec<String> {
+        let SignalQuality { name, unit, .. } = self;
+        let mut warnings = Vec::new();
+        if self.constant {
+            let value = self.min;
+            warnings.push(format!("{name} is constant at {value} {unit}: nothing follows from it"));
+            return warnings;
+        }
+        for Limit { value, share, longest, at } in &self.limits {
+            let (share, stay) = (100.0 * share, *longest as f64 * period_s);
+            warnings.push(format!(
+                "{name} sits at {value} {unit} for {share:.1} % of the samples, at most {stay:.3} s \
+                 (from {at}): is it saturated?"
+            ));
+        }
+        if let Some(quantum) = self.quantum.filter(|quantum| quantum.coarse) {
+            let step = quantum.step;
+            warnings.push(format!("{name} is quantised in steps of {step:.6e} {unit}"));
+        }
+        if matches!(name.as_str(), "u" | "reference") && self.swings < 2 {
+            let swings = self.swings;
+            warnings.push(format!(
+                "{name} swings {swings} times only: fast and slow parts are hard to tell apart"
+            ));
+        }
+        if matches!(name.as_str(), "omega" | "v") && !self.both_signs {
+            warnings.push(format!(
+                "{name} never reverses: what depends on the direction cannot be seen"
+            ));
+        }
+        warnings
+    }
+}
+
+/// Looks at the values of one signal; memory does not depend on their number.
+pub(crate) fn inspect(name: &str, unit: &str, values: &[f64], lines: &Lines) -> SignalQuality {
+    let mut missing = Stretches::default();
+    let (mut min, mut max, mut sum) = (f64::NAN, f64::NAN, 0.0);
+    let mut levels: Vec<f64> = Vec::new();
+    for (k, value) in values.iter().copied().enumerate() {
+        if !value.is_finite() {
+            missing.add(k, lines.line(k));
+            continue;
+        }
+        (min, max) = (min.min(value), max.max(value));
+        sum += value;
+        if levels.len() <= SWITCHED_LEVELS && !levels.contains(&value) {
+            levels.push(value);
+        }
+    }
+    let constant = min == max;
+    let limits = if levels.len() > SWITCHED_LEVELS {
+        // A drive at rest sits at zero without being limited.
+        let extremes = [min, max].into_iter().filter(|value| *value != 0.0);
+        extremes.filter_map(|extreme| limit(extreme, values, lines)).collect()
+    } else {
+        Vec::new()
+    };
+    let least = DIRECTION * max.abs().max(min.abs());
+    SignalQuality {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        min,
+        max,
+        mean: sum / (values.len() - missing.samples) as f64,
+        missing,
+        constant,
+        limits,
+        quantum: if constant { None } else { quantum(values, max - min) },
+        swings: swings(values, min, max),
+        both_signs: max > least && min < -least,
+    }
+}
+
+fn limit(extreme: f64, values: &[f64], lines: &Lines) -> Option<Limit> {
+    let (mut count, mut run, mut longest, mut start) = (0, 0, 0, 0);
+    for (k, value) in values.iter().enumerate() {
+        run = if *value == extreme { run + 1 } else { 0 };
+        count += usize::from(run > 0);
+        if run > longest {
+            (longest, start) = (run, k + 1 - run);
+        }
+    }
+    let share = count as f64 / values.len() as f64;
+    (share >= LIMIT_SHARE && longest >= LIMIT_RUN).then(|| Limit {
+        value: extreme,
+        share,
+        longest,
+        at: lines.line(start),
+    })
+}
+
+/// Passages through the middle of the range, each from beyond one side of a band to the other.
+fn swings(values: &[f64], min: f64, max: f64) -> usize {
+    let (middle, half) = (0.5 * (min + max), 0.5 * SWING * (max - min));
+    let (mut side, mut count) = (0, 0);
+    for value in values {
+        let now = i32::from(*value > middle + half) - i32::from(*value < middle - half);
+        if now != 0 && now != side {
+            count += usize::from(side != 0);
+            side = now;
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(values: &[f64]) -> SignalQuality {
+        inspect("omega", "rad/s", values, &Lines::rows("a"))
+    }
+
+    fn sine(amplitude: f64) -> Vec<f64> {
+        (0..2000).map(|k| amplitude * (0.01 * f64::from(k)).sin()).collect()
+    }
+
+    #[test]
+    fn a_clipped_sine_is_limited_at_both_ends_and_a_whole_one_is_not() {
+        let clipped: Vec<f64> = sine(12.0).iter().map(|value| value.clamp(-10.0, 9.5)).collect();
+        let seen = of(&clipped);
+        assert_eq!(seen.limits.iter().map(|it| it.value).collect::<Vec<_>>(), [-10.0, 9.5]);
+        // A sine of 12 is beyond 9.5 for acos(9.5/12)/pi = 0.2096 of a whole period; the run
+        // covers 3.18 periods, so the share is that within one part in ten.
+        assert!((seen.limits[1].share - 0.2096).abs() < 0.03, "{:?}", seen.limits);
+        assert_eq!(of(&sine(12.0)).limits, []);
+    }
+
+    #[test]
+    fn switched_and_resting_signals_are_not_called_saturated() {
+        let square: Vec<f64> =
+            (0..1000).map(|k| if k / 50 % 2 == 0 { 5.0 } else { -5.0 }).collect();
+        assert_eq!(of(&square).limits, []);
+        assert_eq!(of(&square).swings, 19);
+        let resting: Vec<f64> = sine(1.0).iter().map(|value| value.max(0.0)).collect();
+        assert_eq!(of(&resting).limits, []);
+        assert!(!of(&resting).both_signs && of(&sine(1.0)).both_signs);
+    }
+
+    #[test]
+    fn holes_are_located_and_left_out_of_the_range() {
+        let mut values = sine(1.0);
+        values[10..15].fill(f64::NAN);
+        values[100] = f64::INFINITY;
+        let seen = of(&values);
+        assert_eq!((seen.missing.samples, seen.missing.count), (6, 2));
+        assert_eq!((seen.missing.listed[0].first, seen.missing.listed[0].last), (11, 15));
+        assert!(seen.max <= 1.0 && seen.mean.is_finite());
+    }
+
+    #[test]
+    fn constant_and_empty_signals() {
+        let constant = of(&[3.0; 50]);
+        assert!(constant.constant && constant.quantum.is_none() && constant.swings == 0);
+        assert_eq!(constant.warnings(0.1).len(), 1);
+        assert!(of(&[f64::NAN; 5]).min.is_nan());
+    }
+}

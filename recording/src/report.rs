@@ -1,0 +1,234 @@
+//! What reading a recording brought to light: guesses, sampling, holes, limits, steps, doubts.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::header::{ColumnNote, Taken};
+use crate::place::{Counted, Place};
+use crate::quality::SignalQuality;
+use crate::signal::Recording;
+use crate::suspicion::Suspicion;
+
+/// Stretches that are listed one by one; further ones are only counted.
+const LISTED: usize = 100;
+
+/// Consecutive samples that share a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Stretch {
+    /// Line (or row) of the first.
+    pub first: u64,
+    /// Line (or row) of the last.
+    pub last: u64,
+}
+
+/// Where a fault occurs: the first hundred stretches, and how many there are.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Stretches {
+    /// The first hundred, in order.
+    pub listed: Vec<Stretch>,
+    /// All stretches.
+    pub count: usize,
+    /// All samples in them.
+    pub samples: usize,
+    #[serde(skip)]
+    last: usize,
+}
+
+impl Stretches {
+    /// Adds sample `k` at `line`; samples come in rising order.
+    pub(crate) fn add(&mut self, k: usize, line: u64) {
+        if self.samples > 0 && self.last + 1 == k {
+            if self.count == self.listed.len()
+                && let Some(stretch) = self.listed.last_mut()
+            {
+                stretch.last = line;
+            }
+        } else {
+            self.count += 1;
+            if self.listed.len() < LISTED {
+                self.listed.push(Stretch { first: line, last: line });
+            }
+        }
+        self.samples += 1;
+        self.last = k;
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
+    fn text(&self, counted: Counted) -> String {
+        let one = match counted {
+            Counted::Lines => "line",
+            Counted::Rows => "row",
+        };
+        let shown = self.listed.iter().take(3).map(|it| match it.first == it.last {
+            true => format!("{one} {}", it.first),
+            false => format!("{one}s {} to {}", it.first, it.last),
+        });
+        let mut text = shown.collect::<Vec<_>>().join(", ");
+        if self.count > 3 {
+            text += &format!(" and {} more", self.count - 3);
+        }
+        text
+    }
+}
+
+/// How the recording is sampled.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sampling {
+    /// Time of the first sample, s.
+    pub start_s: f64,
+    /// Sampling time, s.
+    pub period_s: f64,
+    /// Largest departure of a time step from the mean, relative; 0 where none was measured.
+    pub jitter: f64,
+    /// Median step of the file, s, where the recording was resampled.
+    pub resampled_from_s: Option<f64>,
+}
+
+/// What the reader found in a file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// The file as the user named it.
+    pub file: String,
+    /// What places are counted in.
+    pub counted: Counted,
+    /// Samples of the recording.
+    pub samples: usize,
+    /// How it is sampled.
+    pub sampling: Sampling,
+    /// What became of every column.
+    pub columns: Vec<ColumnNote>,
+    /// Columns or variables that hold no series of numbers, and why.
+    pub left_out: Vec<String>,
+    /// Gaps that resampling bridged, named by the row after each.
+    pub gaps: Stretches,
+    /// Rows with the time of the row before, which resampling left out.
+    pub repeated: Stretches,
+    /// Every signal by itself.
+    pub signals: Vec<SignalQuality>,
+    /// Signals whose units or signs contradict each other.
+    pub suspicions: Vec<Suspicion>,
+}
+
+impl Report {
+    /// Checks that the recording has all these signals, without holes.
+    ///
+    /// # Errors
+    /// [`Error::MissingSignal`] or [`Error::NotFinite`] with the line of the first hole.
+    pub fn require(&self, recording: &Recording, names: &[&str]) -> Result<(), Error> {
+        for name in names {
+            recording.needed(name)?;
+            let Some(quality) = self.signals.iter().find(|it| it.name == *name) else { continue };
+            if let Some(first) = quality.missing.listed.first() {
+                let (file, counted) = (self.file.clone(), self.counted);
+                return Err(Error::NotFinite {
+                    place: Place { file, at: first.first, counted },
+                    signal: (*name).to_owned(),
+                    samples: quality.missing.samples,
+                    stretches: quality.missing.count,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// What was assumed about columns, a sentence each.
+    pub fn guesses(&self) -> Vec<String> {
+        self.columns.iter().filter_map(guess).collect()
+    }
+
+    /// What deserves attention before the recording is used, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings: Vec<String> =
+            self.left_out.iter().map(|it| format!("left out: {it}")).collect();
+        if let Some(median_s) = self.sampling.resampled_from_s {
+            let period_s = self.sampling.period_s;
+            warnings.push(format!("resampled from {median_s} s (median) to {period_s} s"));
+        }
+        if !self.gaps.is_empty() {
+            let places = self.gaps.text(self.counted);
+            warnings.push(format!("gaps bridged by straight lines before {places}"));
+        }
+        if !self.repeated.is_empty() {
+            let places = self.repeated.text(self.counted);
+            warnings.push(format!("rows with a repeated time left out: {places}"));
+        }
+        for signal in &self.signals {
+            if !signal.missing.is_empty() {
+                let places = signal.missing.text(self.counted);
+                let (name, samples) = (&signal.name, signal.missing.samples);
+                warnings.push(format!("{name}: {samples} samples missing or not finite, {places}"));
+            }
+            warnings.extend(signal.warnings(self.sampling.period_s));
+        }
+        warnings.extend(self.suspicions.iter().map(Suspicion::to_string));
+        warnings
+    }
+}
+
+fn guess(column: &ColumnNote) -> Option<String> {
+    let ColumnNote { column: name, signal, unit, .. } = column;
+    let given = column.given_unit.as_deref().map_or(String::new(), |unit| format!(" [{unit}]"));
+    let then = match (column.converted, &column.given_unit) {
+        (true, _) => format!(", converted to {unit}"),
+        (false, None) => format!(", its unit as {unit}"),
+        _ => String::new(),
+    };
+    match column.taken {
+        Taken::Guessed => Some(format!("column `{name}`{given} taken as {signal}{then}")),
+        Taken::Kept => Some(format!("column `{name}`{given} is not known and kept as it is")),
+        Taken::Named if column.given_unit.is_none() => {
+            Some(format!("column `{name}` has no unit: taken as {unit}"))
+        }
+        Taken::Named | Taken::Mapped if column.converted => {
+            Some(format!("column `{name}`{given} taken as {signal}{then}"))
+        }
+        Taken::Named | Taken::Mapped => None,
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Sampling { start_s, period_s, .. } = self.sampling;
+        let end_s = start_s + self.samples.saturating_sub(1) as f64 * period_s;
+        let samples = self.samples;
+        writeln!(
+            f,
+            "{}: {samples} samples every {period_s} s, {start_s} s to {end_s} s",
+            self.file
+        )?;
+        for line in self.guesses().iter().chain(&self.warnings()) {
+            writeln!(f, "  {line}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_join_neighbours_and_stay_small() {
+        let mut stretches = Stretches::default();
+        for k in [3, 4, 5, 9] {
+            stretches.add(k, k as u64 + 2);
+        }
+        assert_eq!(
+            stretches.listed,
+            [Stretch { first: 5, last: 7 }, Stretch { first: 11, last: 11 }]
+        );
+        assert_eq!(stretches.text(Counted::Lines), "lines 5 to 7, line 11");
+        for k in (20..20_000).step_by(2) {
+            stretches.add(k, k as u64 + 2);
+        }
+        assert_eq!((stretches.count, stretches.listed.len()), (9992, LISTED));
+        stretches.add(19_999, 20_001);
+        assert_eq!(stretches.listed.last().unwrap().first, stretches.listed.last().unwrap().last);
+    }
+}

@@ -1,0 +1,177 @@
+//! Every kind of bad CSV: what is said, and where.
+
+use std::fmt::Write as _;
+
+use drivescope_recording::{
+    Error, Mapping, ReadOptions, Recording, Report, read, read_csv, write, write_csv,
+};
+
+fn read_bytes(text: &[u8]) -> Result<(Recording, Report), Error> {
+    read_csv(text, "rec.csv", &ReadOptions::default())
+}
+
+fn fails(text: &str) -> String {
+    read_bytes(text.as_bytes()).expect_err(text).to_string()
+}
+
+fn says(text: &str, words: &[&str]) {
+    let error = fails(text);
+    for word in words {
+        assert!(error.contains(word), "`{error}` does not say `{word}`");
+    }
+}
+
+#[test]
+fn too_little() {
+    says("", &["rec.csv", "empty"]);
+    says("\n \n", &["empty"]);
+    says("time [s],u [V]\n", &["header but no samples"]);
+    says("time [s],u [V]\n0,1\n", &["one sample"]);
+    says("time [s]\n0\n1\n", &["no signal"]);
+}
+
+#[test]
+fn rows_that_are_not_rows() {
+    says("time,u\n0,1\n1,2,3\n", &["rec.csv:3", "3 values", "2 columns"]);
+    says("time,u\n0,1\n1\n", &["rec.csv:3", "1 values"]);
+    says("time,u [V]\n0,1\n1,abc\n", &["rec.csv:3", "column 2 `u [V]`", "`abc`"]);
+    says("time,u\n0,1\n\n# note\n1,x\n", &["rec.csv:5"]);
+    says("0,1\n1,2\n", &["rec.csv:1", "numbers, not names"]);
+    says("time,u\r0,1\r1,2\r", &["rec.csv:1", "carriage return"]);
+}
+
+#[test]
+fn columns_that_cannot_be_told() {
+    says("u [V],i [A]\n0,1\n1,2\n", &["no time column", "`u`, `i`", "--columns time="]);
+    says("time,u,u\n0,1,1\n1,2,2\n", &["columns 2 and 3", "`u`"]);
+    says("time,omega [parsec]\n0,1\n1,2\n", &["`omega`", "`parsec`", "rpm", "--columns omega="]);
+    let columns = Mapping::parse_list("omega=Sped:rpm").unwrap();
+    let options = ReadOptions { columns, resample: None };
+    let error = read_csv(&b"time,Speed\n0,1\n1,2\n"[..], "rec.csv", &options).unwrap_err();
+    assert!(error.to_string().contains("no column `Sped`"), "{error}");
+}
+
+#[test]
+fn time_that_is_not_uniform() {
+    let told = |third: &str| format!("time,u\n0,1\n0.1,1\n{third},1\n0.3,1\n0.4,1\n0.5,1\n");
+    says(&told("0.21"), &["rec.csv:4", "not uniform", "--resample 0.1"]);
+    says(&told("0.1"), &["rec.csv:4", "twice"]);
+    says(&told("0.05"), &["rec.csv:4", "goes back from 0.1 s to 0.05 s"]);
+    says(&told("nan"), &["rec.csv:4", "time is missing"]);
+    says("time,u\n0,1\n1,1\n2,1\n9,1\n10,1\n", &["rec.csv:5", "gap of 7 s", "median step is 1 s"]);
+    let options = ReadOptions { columns: vec![], resample: Some(0.1) };
+    let (mended, report) = read_csv(told("0.21").as_bytes(), "rec.csv", &options).unwrap();
+    assert_eq!((mended.len(), mended.period_s), (6, 0.1));
+    assert!((report.sampling.resampled_from_s.unwrap() - 0.1).abs() < 1e-12);
+    let options = ReadOptions { columns: vec![], resample: Some(1.0) };
+    let gap = "time,u\n0,0\n1,1\n1,7\n2,2\n9,9\n10,10\n";
+    let (mended, report) = read_csv(gap.as_bytes(), "rec.csv", &options).unwrap();
+    assert_eq!(mended.signals[0].values, (0..=10).map(f64::from).collect::<Vec<_>>());
+    let told = report.to_string();
+    assert!(told.contains("before line 6") && told.contains("left out: line 4"), "{told}");
+    let options = ReadOptions { columns: vec![], resample: Some(-1.0) };
+    assert!(matches!(read_csv(gap.as_bytes(), "a", &options), Err(Error::Period { .. })));
+}
+
+#[test]
+fn holes_are_read_located_and_refused_only_where_needed() {
+    let mut text = String::from("time [s],u [V],omega [rad/s]\n");
+    for k in 0..100 {
+        let omega = if (40..45).contains(&k) { "NaN".into() } else { format!("{}", k % 7) };
+        let u = if k == 60 { String::new() } else { format!("{k}") };
+        writeln!(text, "{},{u},{omega}", f64::from(k) * 0.5).unwrap();
+    }
+    let (recording, report) = read_bytes(text.as_bytes()).unwrap();
+    assert!(recording.signal("omega").unwrap().values[42].is_nan());
+    let told = report.to_string();
+    assert!(told.contains("omega: 5 samples missing or not finite, lines 42 to 46"), "{told}");
+    assert!(told.contains("u: 1 samples missing or not finite, line 62"), "{told}");
+    let error = report.require(&recording, &["omega"]).unwrap_err().to_string();
+    assert!(error.contains("rec.csv:42") && error.contains("`omega`"), "{error}");
+    let error = report.require(&recording, &["i"]).unwrap_err().to_string();
+    assert!(error.contains("no signal `i`") && error.contains("u [V]"), "{error}");
+}
+
+#[test]
+fn bytes_that_are_not_text() {
+    let error = |text: &[u8]| read_bytes(text).unwrap_err().to_string();
+    let header = error(b"time,Winkel [\xb0]\n0,1\n1,2\n");
+    assert!(header.contains("rec.csv:1: column 2") && header.contains("0xb0"), "{header}");
+    let value = error(b"time,u\n0,1\n1,\xff\n");
+    assert!(value.contains("rec.csv:3: column 2") && value.contains("0xff"), "{value}");
+    let utf16: Vec<u8> = "time,u\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert!(error(&utf16).contains("UTF-8"));
+}
+
+#[test]
+fn the_dialects_of_the_world_mean_the_same() {
+    let plain = "time [s],u [V],omega [rad/s]\n0,1.5,-2\n0.5,2.5,-3e1\n1,3.5,4\n";
+    let expected = read_bytes(plain.as_bytes()).unwrap().0;
+    for text in [
+        plain.replace('\n', "\r\n"),
+        format!("\u{feff}{plain}"),
+        plain.replace(',', ";").replace('.', ","),
+        plain.replace(',', "\t"),
+        plain.replace(',', " , "),
+        plain.trim_end().to_owned(),
+        plain.replace('\n', ",\n"),
+        format!("# made by a logger\n\n{plain}"),
+        plain.replace("time", "# time"),
+        "time;u;omega\ns;V;rad/s\n0;1,5;-2\n0,5;2,5;-3e1\n1;3,5;4".into(),
+        "time,u,omega\n\"0\",\"1,5\",\"-2\"\n\"0,5\",\"2,5\",\"-30\"\n1,\"3,5\",4".into(),
+        plain.replace("0,1.5", "\n0,1.5"),
+    ] {
+        assert_eq!(read_bytes(text.as_bytes()).expect(&text).0, expected, "{text}");
+    }
+    let plain = "time [s],u [V],omega [rad/s]\n0,1.5,-2\n0.5,2.5,-3e1\n1,3.5,4\n";
+    let units = plain.replace("[s]", "[ms]").replace("0.5,", "500,").replace("\n1,", "\n1000,");
+    assert_eq!(read_bytes(units.as_bytes()).unwrap().0, expected);
+}
+
+#[test]
+fn every_guess_is_said() {
+    let text = "Timestamp (ms),Voltage,Speed [rpm],vibration\n0,1,30,1\n5,2,60,2\n10,3,90,3\n";
+    let (recording, report) = read_bytes(text.as_bytes()).unwrap();
+    assert_eq!(recording.period_s, 0.005);
+    assert_eq!(recording.signal("omega").unwrap().unit, "rad/s");
+    let told = report.guesses();
+    for sentence in [
+        "column `Timestamp` [ms] taken as time, converted to s",
+        "column `Voltage` taken as u, its unit as V",
+        "column `Speed` [rpm] taken as omega, converted to rad/s",
+        "column `vibration` is not known and kept as it is",
+    ] {
+        assert!(told.iter().any(|it| it == sentence), "{sentence}: {told:?}");
+    }
+}
+
+#[test]
+fn paths_that_are_no_recordings() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ReadOptions::default();
+    let error = |path: &std::path::Path| read(path, &options).unwrap_err();
+    assert!(matches!(error(folder.path()), Error::IsFolder { .. }));
+    let missing = error(&folder.path().join("none.csv")).to_string();
+    assert!(missing.contains("none.csv") && missing.contains("cannot be read"), "{missing}");
+    std::fs::write(folder.path().join("a.xyz"), "time,u\n0,1\n1,2\n").unwrap();
+    assert!(matches!(error(&folder.path().join("a.xyz")), Error::Format { .. }));
+
+    let recording = read_bytes(b"time,u\n0,1\n1,2\n").unwrap().0;
+    let nowhere = write_csv(folder.path().join("no/such/a.csv"), &recording).unwrap_err();
+    assert!(nowhere.to_string().contains("cannot be written"), "{nowhere}");
+    std::fs::create_dir(folder.path().join("taken.csv")).unwrap();
+    assert!(write(folder.path().join("taken.csv"), &recording).is_err());
+    assert!(matches!(write("a.mat", &recording), Err(Error::WriteFormat { .. })));
+    let mut uneven = recording.clone();
+    uneven.signals.push(drivescope_recording::Signal {
+        name: "i".into(),
+        unit: "A".into(),
+        values: vec![],
+    });
+    let kept = folder.path().join("kept.csv");
+    write(&kept, &recording).unwrap();
+    assert!(matches!(write(&kept, &uneven), Err(Error::UnequalLengths { .. })));
+    assert_eq!(read(&kept, &options).unwrap().0.signals, recording.signals);
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|it| it.unwrap()).collect();
+    assert_eq!(left.len(), 3, "a temporary file stayed behind: {left:?}");
+}

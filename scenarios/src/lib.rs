@@ -1,0 +1,19 @@
+//! When which fault happens, and what came of it.
+//!
+//! ```text
+//! drive file -> Experiment -> inputs of a run (reference, noise, fault) as a Recording
+//!   -> native run (Sampled)            -> Recording  -> how far the FMU agrees
+//!   -> FMU through the co-simulation algorithm -> Recording and a diagnoser's verdicts
+//!   -> study: train, design, judge twelve faults  -> StudyResults
+//! ```
+//!
+//! Randomness is drawn before anything runs in parallel: a run's inputs are a function of the
+//! seed and the run's number.
+
+pub mod cosimulated;
+pub mod drives;
+pub mod experiment;
+pub mod faults;
+pub mod native;
+pub mod results;
+pub mod study;

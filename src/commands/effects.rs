@@ -1,0 +1,182 @@
+//! `effects`: the library of physical effects, straight from the registry.
+
+use std::fmt::Write;
+
+use clap::Args;
+use comfy_table::{ContentArrangement, Table, presets};
+use drivescope_plant::effects::custom::Target;
+use drivescope_plant::effects::registry::{Entry, REGISTRY};
+use serde::Serialize;
+
+use super::Run;
+use crate::failure::{Ending, Failure};
+use crate::session::Session;
+
+/// Show the library of physical effects: law, parameters, fingerprint, confusions.
+#[derive(Debug, Args)]
+pub(crate) struct Effects {
+    /// One effect in detail.
+    id: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Shown {
+    id: &'static str,
+    law: &'static str,
+    fingerprint: &'static str,
+    /// What it cannot be told from, at least on some recordings.
+    confusion_set: &'static [&'static str],
+    parameters: Vec<Quantity>,
+    states: Vec<Quantity>,
+    /// Parameter values at which the effect vanishes; `null` where that is an infinite value.
+    vanishes_at: Vec<(&'static str, f64)>,
+    measurement: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Quantity {
+    name: &'static str,
+    unit: &'static str,
+    nominal: f64,
+    /// Least and greatest possible value; `null` for none.
+    range: Option<(Option<f64>, Option<f64>)>,
+    description: &'static str,
+}
+
+/// The effect that the registry does not list: the user types its law.
+const CUSTOM: &str = "custom";
+
+impl Run for Effects {
+    fn run(self, session: &Session) -> miette::Result<Ending> {
+        match self.id.as_deref() {
+            None => {
+                let all: Vec<Shown> = REGISTRY.iter().map(shown).collect();
+                session.answer(&table(&all), &all)?;
+            }
+            Some(CUSTOM) => session.answer(&custom(), &custom_keys())?,
+            Some(id) => {
+                let entry = Entry::find(id).ok_or_else(|| unknown(id))?;
+                let effect = shown(entry);
+                session.answer(&detail(&effect), &effect)?;
+            }
+        }
+        Ok(Ending::Done)
+    }
+}
+
+fn unknown(id: &str) -> Failure {
+    let known: Vec<_> = REGISTRY.iter().map(|entry| entry.info.id).chain([CUSTOM]).collect();
+    Failure::UnknownEffect { id: id.to_owned(), known: known.join(", ") }
+}
+
+fn shown(entry: &Entry) -> Shown {
+    let bound = |limit: f64| Some(limit).filter(|limit| limit.is_finite());
+    let parameter = |p: &drivescope_plant::effects::law::Parameter| Quantity {
+        name: p.name,
+        unit: p.unit,
+        nominal: p.nominal,
+        range: Some((bound(p.range.0), bound(p.range.1))),
+        description: p.description,
+    };
+    let state = |s: &drivescope_plant::effects::law::OwnState| Quantity {
+        name: s.name,
+        unit: s.unit,
+        nominal: s.nominal,
+        range: None,
+        description: s.description,
+    };
+    Shown {
+        id: entry.info.id,
+        law: entry.info.law,
+        fingerprint: entry.info.fingerprint,
+        confusion_set: entry.info.aliases,
+        parameters: entry.parameters.iter().map(parameter).collect(),
+        states: entry.states.iter().map(state).collect(),
+        vanishes_at: entry.info.nulls.to_vec(),
+        measurement: entry.info.senses,
+    }
+}
+
+/// The names joined, or a dash.
+fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<_> = names.into_iter().collect();
+    if names.is_empty() { "-".to_owned() } else { names.join(", ") }
+}
+
+fn table(all: &[Shown]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(["effect", "law", "parameters", "fingerprint", "confused with"]);
+    for effect in all {
+        table.add_row([
+            effect.id.to_owned(),
+            effect.law.to_owned(),
+            listed(effect.parameters.iter().map(|p| p.name)),
+            effect.fingerprint.to_owned(),
+            listed(effect.confusion_set.iter().copied()),
+        ]);
+    }
+    format!(
+        "{table}\n`drivescope effects ID` shows one in detail; `{CUSTOM}` is a law of your own.\n"
+    )
+}
+
+fn detail(effect: &Shown) -> String {
+    let mut text = format!(
+        "{}\n  law            {}\n  fingerprint    {}\n  confused with  {}\n",
+        effect.id,
+        effect.law,
+        effect.fingerprint,
+        listed(effect.confusion_set.iter().copied()),
+    );
+    let vanishes = effect.vanishes_at.iter().map(|(name, value)| format!("{name} = {value}"));
+    let vanishes: Vec<_> = vanishes.collect();
+    let _ = writeln!(text, "  vanishes at    {}", listed(vanishes.iter().map(String::as_str)));
+    if effect.measurement {
+        text.push_str("  acts on what a sensor shows, not on the shaft\n");
+    }
+    for (title, quantities) in [("parameters", &effect.parameters), ("own states", &effect.states)]
+    {
+        if quantities.is_empty() {
+            continue;
+        }
+        let mut table = Table::new();
+        table.load_style(presets::NOTHING);
+        table.set_content_arrangement(ContentArrangement::Dynamic);
+        table.set_header(["  name", "unit", "nominal", "range", "meaning"]);
+        for q in quantities {
+            let range = q.range.map_or("-".to_owned(), in_words);
+            let nominal = q.nominal.to_string();
+            table.add_row([&format!("  {}", q.name), q.unit, &nominal, &range, q.description]);
+        }
+        let _ = write!(text, "{title} (units for a rotary drive)\n{table}\n");
+    }
+    text
+}
+
+/// A range for a person.
+fn in_words(range: (Option<f64>, Option<f64>)) -> String {
+    match range {
+        (None, None) => "any".to_owned(),
+        (Some(f64::MIN_POSITIVE), None) => "above 0".to_owned(),
+        (Some(low), None) => format!("{low} or more"),
+        (None, Some(high)) => format!("{high} or less"),
+        (Some(low), Some(high)) => format!("{low} to {high}"),
+    }
+}
+
+fn custom_keys() -> serde_json::Value {
+    let keys: Vec<_> = Target::ALL.iter().map(|(key, _)| *key).collect();
+    serde_json::json!({ "id": CUSTOM, "laws": keys })
+}
+
+fn custom() -> String {
+    let keys: Vec<_> = Target::ALL.iter().map(|(key, _)| *key).collect();
+    format!(
+        "{CUSTOM}\n  a law that you type in the drive file; it gives one of {}\n\n\
+         [[effect]]\nkind = \"custom\"\nid = \"fan\"\n\
+         torque = \"-c * omega * abs(omega)\"\nparameters = {{ c = 3.0e-7 }}\n",
+        keys.join(", "),
+    )
+}

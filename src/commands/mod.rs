@@ -1,0 +1,45 @@
+//! The commands: one file each, and its line in the list below. Help, completions and the manual
+//! page derive from it.
+
+mod effects;
+mod recording_options;
+mod schema;
+mod shell;
+mod simulate;
+
+use clap::{Args, Subcommand};
+
+use crate::failure::Ending;
+use crate::session::Session;
+
+/// What a command is: its arguments, and what it does with them.
+pub(crate) trait Run: Args {
+    /// Does it.
+    ///
+    /// # Errors
+    /// Whatever makes the input unusable.
+    fn run(self, session: &Session) -> miette::Result<Ending>;
+}
+
+macro_rules! commands {
+    ($($name:ident: $arguments:ty),+ $(,)?) => {
+        /// A command with its arguments; each is described where its arguments are.
+        #[derive(Debug, Subcommand)]
+        pub(crate) enum Command { $($name($arguments)),+ }
+
+        impl Command {
+            /// Runs it.
+            pub(crate) fn run(self, session: &Session) -> miette::Result<Ending> {
+                match self { $(Self::$name(arguments) => arguments.run(session)),+ }
+            }
+        }
+    };
+}
+
+commands! {
+    Simulate: simulate::Simulate,
+    Effects: effects::Effects,
+    Schema: schema::Schema,
+    Completions: shell::Completions,
+    Man: shell::Man,
+}

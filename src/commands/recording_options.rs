@@ -1,0 +1,42 @@
+//! How a recording is read: the options of every command that takes one.
+
+use std::path::Path;
+
+use clap::Args;
+use drivescope_recording::{Mapping, ReadOptions, Recording, Report, read};
+use miette::IntoDiagnostic;
+
+use crate::session::Session;
+
+/// Options of reading a recording.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Reading the recording")]
+pub(super) struct RecordingOptions {
+    /// Columns by name: `u=Voltage,omega=Speed:rpm`.
+    #[arg(long, value_name = "NAME=COLUMN[:UNIT],..")]
+    columns: Option<String>,
+    /// Interpolate to this sampling time, s, where time is not uniform.
+    #[arg(long, value_name = "S")]
+    resample: Option<f64>,
+}
+
+impl RecordingOptions {
+    /// Reads the recording and says what was assumed and what deserves attention.
+    ///
+    /// # Errors
+    /// The file, its columns or its time axis cannot be used.
+    pub(super) fn read(
+        &self,
+        path: &Path,
+        session: &Session,
+    ) -> miette::Result<(Recording, Report)> {
+        let columns = self.columns.as_deref().map(Mapping::parse_list).transpose();
+        let columns = columns.into_diagnostic()?.unwrap_or_default();
+        let options = ReadOptions { columns, resample: self.resample };
+        let (recording, report) = read(path, &options).into_diagnostic()?;
+        for remark in report.guesses().iter().chain(&report.warnings()) {
+            session.remark(format_args!("{}: {remark}", report.file));
+        }
+        Ok((recording, report))
+    }
+}

@@ -1,0 +1,79 @@
+//! Where a drive comes from: a drive file, or the name of a built-in drive.
+
+use std::path::Path;
+
+use drivescope_plant::drive::Drive;
+use drivescope_plant::file::DriveFileError;
+use miette::{Diagnostic, NamedSource, SourceSpan};
+use thiserror::Error;
+
+use crate::failure::Failure;
+
+/// The drives that ship with the program: name and text of the drive file.
+const BUILT_IN: [(&str, &str); 2] = [
+    ("dr300", include_str!("../scenarios/drives/dr300.toml")),
+    ("emps", include_str!("../scenarios/drives/emps.toml")),
+];
+
+/// A drive file that is wrong, with the text around the place.
+#[derive(Debug, Error, Diagnostic)]
+#[error("{error}")]
+struct WrongDriveFile {
+    error: DriveFileError,
+    #[source_code]
+    text: NamedSource<String>,
+    #[label("here")]
+    span: Option<SourceSpan>,
+}
+
+/// The drive of a file or of a built-in name; a file wins over a name.
+///
+/// # Errors
+/// No such file or name, a file that cannot be read, or wrong content, with its place.
+pub(crate) fn drive(given: &str) -> miette::Result<Drive> {
+    let path = Path::new(given);
+    if !path.exists()
+        && let Some((_, text)) = BUILT_IN.iter().find(|(name, _)| *name == given)
+    {
+        return parse(text, given);
+    }
+    if !path.exists() && !looks_like_a_file(path) {
+        let known = BUILT_IN.map(|(name, _)| name).join(", ");
+        return Err(Failure::UnknownDrive { name: given.to_owned(), known }.into());
+    }
+    let read = std::fs::read_to_string(path);
+    let text = read.map_err(|source| Failure::Read { path: path.to_owned(), source })?;
+    parse(&text, given)
+}
+
+fn looks_like_a_file(path: &Path) -> bool {
+    path.extension().is_some() || path.components().count() > 1
+}
+
+fn parse(text: &str, name: &str) -> miette::Result<Drive> {
+    Drive::parse(text, name).map_err(|error| {
+        let span = error.place().map(|place| SourceSpan::from(place.span.clone()));
+        let text = NamedSource::new(name, text.to_owned()).with_language("toml");
+        WrongDriveFile { error, text, span }.into()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn built_in_drives_are_right() {
+        for (name, _) in BUILT_IN {
+            drive(name).unwrap_or_else(|error| panic!("{name}: {error:?}"));
+        }
+    }
+
+    #[test]
+    fn what_is_no_drive_is_said() {
+        let error = drive("dr3000").expect_err("there is none").to_string();
+        assert!(error.contains("`dr3000`"), "{error}");
+        let error = drive("no/such.toml").expect_err("there is none").to_string();
+        assert!(error.starts_with("no/such.toml: cannot be read"), "{error}");
+    }
+}

@@ -1,0 +1,123 @@
+//! Errors of the program itself, how errors look, and how a run ends.
+
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use miette::{Diagnostic, MietteHandlerOpts, Report};
+use thiserror::Error;
+
+use crate::interrupt::Stopped;
+
+/// How a run ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// The command did what was asked.
+    Done,
+    /// The answer is a finding that `--check` forbids.
+    Forbidden,
+    /// The input cannot be used.
+    BadInput,
+    /// The user stopped it.
+    Stopped,
+}
+
+impl Ending {
+    /// The exit code.
+    pub(crate) fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::Forbidden => 1,
+            Self::BadInput => 2,
+            // As a shell counts a process ended by SIGINT.
+            Self::Stopped => 130,
+        }
+    }
+}
+
+impl From<Ending> for ExitCode {
+    fn from(ending: Ending) -> Self {
+        ending.code().into()
+    }
+}
+
+/// What the program itself finds wrong.
+#[derive(Debug, Error, Diagnostic)]
+pub(crate) enum Failure {
+    /// A file cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    #[diagnostic(help("choose a file in a folder that exists and that you may write to"))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// Standard output cannot be written to.
+    #[error("standard output cannot be written to: {source}")]
+    Print {
+        /// Why not.
+        source: io::Error,
+    },
+    /// A file cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// Who reads standard output has gone away.
+    #[error("nobody reads standard output any more")]
+    Unread,
+    /// Neither a file nor a built-in drive.
+    #[error("`{name}` is neither a file nor a built-in drive")]
+    #[diagnostic(help("built-in drives: {known}"))]
+    UnknownDrive {
+        /// What was given.
+        name: String,
+        /// The built-in drives.
+        known: String,
+    },
+    /// An effect that the library does not have.
+    #[error("there is no effect `{id}`")]
+    #[diagnostic(help("the library has {known}"))]
+    UnknownEffect {
+        /// What was given.
+        id: String,
+        /// The effects.
+        known: String,
+    },
+    /// Two things that exclude each other, or one that needs another.
+    #[error("{what}")]
+    #[diagnostic(help("{instead}"))]
+    Usage {
+        /// What does not fit.
+        what: String,
+        /// What to do instead.
+        instead: String,
+    },
+}
+
+/// Makes errors look the same on every terminal: no line is broken inside a path.
+pub(crate) fn install() {
+    // Fails only where a hook is set already, as in tests that share a process.
+    let _ = miette::set_hook(Box::new(|_| {
+        Box::new(MietteHandlerOpts::new().wrap_lines(false).break_words(false).build())
+    }));
+}
+
+/// Shows the error on standard error; how the run ends with it.
+pub(crate) fn report(error: &Report) -> Ending {
+    if matches!(error.downcast_ref::<Failure>(), Some(Failure::Unread)) {
+        return Ending::Done;
+    }
+    if error.downcast_ref::<Stopped>().is_some() {
+        use io::Write;
+        let _ = writeln!(io::stderr(), "drivescope: {error}");
+        return Ending::Stopped;
+    }
+    use io::Write;
+    let _ = writeln!(io::stderr(), "{error:?}");
+    Ending::BadInput
+}

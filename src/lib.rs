@@ -1,0 +1,50 @@
+//! The program: commands over the crates of the workspace.
+//!
+//! [`run`] reads the command line ([`cli`]), makes the [`session::Session`] that every command
+//! gets, and runs one of [`commands`]. A command computes with the other crates, prints its
+//! answer, and returns a finding or an error; here it becomes the exit code: 0 done, 1 a finding
+//! that `--check` forbids, 2 bad input, 130 stopped by the user.
+
+mod cli;
+mod commands;
+mod drive_source;
+mod expression;
+mod failure;
+mod interrupt;
+mod output;
+mod panics;
+mod session;
+mod simulation;
+
+use std::ffi::OsString;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use cli::Cli;
+use failure::Ending;
+use session::Session;
+
+/// Runs the program with these arguments, the first of which is its name.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    panics::install();
+    interrupt::install();
+    failure::install();
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(usage) => {
+            // A reader that has gone away is no reason to complain.
+            let _ = usage.print();
+            return if usage.use_stderr() { Ending::BadInput } else { Ending::Done }.into();
+        }
+    };
+    let session = Session::new(&cli.common);
+    let ended = catch_unwind(AssertUnwindSafe(|| cli.command.run(&session)));
+    match ended {
+        Ok(Ok(finding)) => finding.into(),
+        Ok(Err(report)) => failure::report(&report).into(),
+        // The hook has said what there is to say.
+        Err(_) => Ending::BadInput.into(),
+    }
+}

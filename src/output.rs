@@ -1,0 +1,111 @@
+//! Files and standard output: whole or not at all.
+
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
+
+use drivescope_recording::Recording;
+use miette::IntoDiagnostic;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::interrupt;
+
+/// Writes a file: to a temporary name in the same folder, then renamed.
+///
+/// # Errors
+/// [`Failure::Write`] with the path; whatever was there before is untouched.
+pub(crate) fn write_file(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> Result<(), Failure> {
+    let _not_now = interrupt::writing();
+    let written = || -> io::Result<()> {
+        let temporary = beside(path)?;
+        let mut out = BufWriter::new(temporary.as_file());
+        content(&mut out)?;
+        out.flush()?;
+        drop(out);
+        temporary.persist(path)?;
+        Ok(())
+    };
+    written().map_err(|source| Failure::Write { path: path.to_owned(), source })
+}
+
+/// Writes a recording; its extension tells the format.
+///
+/// # Errors
+/// The path, where it cannot be written or its format is not known.
+pub(crate) fn write_recording(path: &Path, recording: &Recording) -> miette::Result<()> {
+    let _not_now = interrupt::writing();
+    drivescope_recording::write(path, recording).into_diagnostic()
+}
+
+/// Finds out whether a file can be written there, before the work that fills it.
+///
+/// # Errors
+/// [`Failure::Write`] with the path.
+pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
+    let _not_now = interrupt::writing();
+    beside(path).map(drop).map_err(|source| Failure::Write { path: path.to_owned(), source })
+}
+
+fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    if path.is_dir() {
+        return Err(ErrorKind::IsADirectory.into());
+    }
+    let folder = path.parent().filter(|folder| *folder != Path::new(""));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".drivescope-").suffix(".tmp");
+    // Readable as any new file is, not by the owner alone as a temporary one.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder.unwrap_or(Path::new(".")))
+}
+
+/// The value as JSON text, ending in a line end; numbers that are not finite become `null`.
+pub(crate) fn json(value: &impl Serialize) -> Result<String, Failure> {
+    let refused = |error: serde_json::Error| Failure::Print { source: error.into() };
+    Ok(serde_json::to_string_pretty(value).map_err(refused)? + "\n")
+}
+
+/// Prints to standard output.
+///
+/// # Errors
+/// [`Failure::Unread`] where the reader has gone away, which is no error of the user's.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|source| {
+        match source.kind() {
+            ErrorKind::BrokenPipe => Failure::Unread,
+            _ => Failure::Print { source },
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_written_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        write_file(&path, |out| out.write_all(b"before")).expect("it can be written");
+        let failed = write_file(&path, |out| {
+            out.write_all(b"half")?;
+            Err(io::Error::other("the disk is full"))
+        });
+        assert!(failed.expect_err("it failed").to_string().contains("a.txt"));
+        assert_eq!(std::fs::read_to_string(&path).expect("it is there"), "before");
+        assert_eq!(folder.path().read_dir().expect("a folder").count(), 1);
+        assert!(check_writable(folder.path()).is_err());
+        assert!(check_writable(&folder.path().join("none/a.txt")).is_err());
+    }
+
+    #[test]
+    fn json_has_no_number_that_is_none() {
+        let text = json(&[1.5, f64::NAN, f64::INFINITY]).expect("it is data");
+        assert_eq!(text.split_whitespace().collect::<String>(), "[1.5,null,null]");
+    }
+}

@@ -1,0 +1,24 @@
+//! What a user sees of an error in the program itself: one line, not a trace.
+
+use std::io::Write;
+use std::panic::{self, PanicHookInfo};
+
+/// Replaces the standard message of a panic.
+pub(crate) fn install() {
+    panic::set_hook(Box::new(|info| {
+        let _ = writeln!(std::io::stderr(), "{}", line(info));
+    }));
+}
+
+fn line(info: &PanicHookInfo<'_>) -> String {
+    let payload = info.payload();
+    let said = payload
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("no reason given");
+    let place =
+        info.location().map_or(String::new(), |at| format!(" at {}:{}", at.file(), at.line()));
+    let said = said.lines().next().unwrap_or_default();
+    format!("drivescope: internal error{place}: {said}; please report it with the command you ran")
+}

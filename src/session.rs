@@ -1,0 +1,81 @@
+//! What a command has to say, and where it goes.
+//!
+//! The answer goes to standard output, or its JSON form in its place (`--json -`); remarks and
+//! progress go to standard error, unless `--quiet`.
+
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use crate::cli::Common;
+use crate::failure::Failure;
+use crate::output;
+
+/// The common options of a run.
+#[derive(Debug)]
+pub(crate) struct Session {
+    json: Option<PathBuf>,
+    /// Seed of everything random.
+    pub(crate) seed: u64,
+    quiet: bool,
+}
+
+/// How often a progress bar is drawn.
+const REDRAW: Duration = Duration::from_millis(100);
+
+impl Session {
+    pub(crate) fn new(common: &Common) -> Self {
+        Self { json: common.json.clone(), seed: common.seed, quiet: common.quiet }
+    }
+
+    /// Finds out whether the answer can be written, before the work.
+    ///
+    /// # Errors
+    /// The path that cannot be written.
+    pub(crate) fn check_writable(&self, targets: &[&PathBuf]) -> Result<(), Failure> {
+        let json = self.json.iter().filter(|path| path.as_os_str() != "-");
+        targets.iter().copied().chain(json).try_for_each(|path| output::check_writable(path))
+    }
+
+    /// Gives the answer: the text for a person, and its JSON form where it was asked for.
+    ///
+    /// # Errors
+    /// The file or standard output cannot be written.
+    pub(crate) fn answer(&self, text: &str, json: &impl Serialize) -> Result<(), Failure> {
+        match &self.json {
+            Some(path) if path.as_os_str() == "-" => return output::print(&output::json(json)?),
+            Some(path) => {
+                let json = output::json(json)?;
+                output::write_file(path, |out| out.write_all(json.as_bytes()))?;
+            }
+            None => {}
+        }
+        let end = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
+        output::print(&format!("{text}{end}"))
+    }
+
+    /// Says something beside the answer.
+    pub(crate) fn remark(&self, text: impl std::fmt::Display) {
+        if !self.quiet {
+            // Standard error that cannot be written to leaves nobody to tell.
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+    }
+
+    /// A progress bar over that many steps; hidden when quiet or not on a terminal.
+    pub(crate) fn progress(&self, steps: u64, what: &'static str) -> ProgressBar {
+        if self.quiet || !std::io::stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let bar = ProgressBar::new(steps).with_message(what);
+        let style = "{msg} {wide_bar} {percent:>3} % {eta:>4}";
+        bar.set_style(
+            ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()),
+        );
+        bar.enable_steady_tick(REDRAW);
+        bar
+    }
+}

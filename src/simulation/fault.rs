@@ -1,0 +1,148 @@
+//! A fault as it is typed: `KIND=SIZE[@FROM[..TO]]`, such as `tacho=5%@20..25`.
+
+use std::str::FromStr;
+
+use drivescope_plant::fault::{MECHANISMS, Mechanism};
+use thiserror::Error;
+
+/// A fault of constant size over a span of time.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FaultOverTime {
+    /// The mechanism.
+    pub(crate) mechanism: &'static Mechanism,
+    /// Its size; a fraction where the mechanism's unit is 1.
+    pub(crate) size: f64,
+    /// Onset, s.
+    pub(crate) from_s: f64,
+    /// End, s; infinite if it stays.
+    pub(crate) to_s: f64,
+}
+
+/// Why a text is no fault.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub(crate) enum FaultError {
+    /// There is no size.
+    #[error("write KIND=SIZE, such as `tacho=0.05` or `tacho=5%@20..25`")]
+    NoSize,
+    /// No such mechanism.
+    #[error("there is no fault `{kind}`; known are {known}")]
+    Kind {
+        /// What was given.
+        kind: String,
+        /// The mechanisms.
+        known: String,
+    },
+    /// No number.
+    #[error("`{text}` is no finite number")]
+    Number {
+        /// What was given.
+        text: String,
+    },
+    /// Per cent of something that is no fraction.
+    #[error("the size of `{kind}` is in {unit}, not a fraction: leave out `%`")]
+    Percent {
+        /// The mechanism.
+        kind: &'static str,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// More than everything is lost.
+    #[error("a loss of more than 100 % is not possible")]
+    Loss,
+    /// The end does not lie after the onset.
+    #[error("it ends at {to_s} s, which is not after its onset at {from_s} s")]
+    Span {
+        /// Onset, s.
+        from_s: f64,
+        /// End, s.
+        to_s: f64,
+    },
+}
+
+impl FromStr for FaultOverTime {
+    type Err = FaultError;
+
+    fn from_str(text: &str) -> Result<Self, FaultError> {
+        let (kind, rest) = text.split_once('=').ok_or(FaultError::NoSize)?;
+        let kind = kind.trim();
+        let mechanism = MECHANISMS.iter().find(|known| known.id == kind).ok_or_else(|| {
+            let known: Vec<_> = MECHANISMS.iter().map(|known| known.id).collect();
+            FaultError::Kind { kind: kind.to_owned(), known: known.join(", ") }
+        })?;
+        let (size, span) =
+            rest.split_once('@').map_or((rest, None), |(size, span)| (size, Some(span)));
+        let size = match size.trim().strip_suffix('%') {
+            Some(_) if mechanism.unit != "1" => {
+                return Err(FaultError::Percent { kind: mechanism.id, unit: mechanism.unit });
+            }
+            Some(percent) => number(percent)? / 100.0,
+            None => number(size)?,
+        };
+        if mechanism.unit == "1" && mechanism.id != "load" && size < -1.0 {
+            return Err(FaultError::Loss);
+        }
+        let (from_s, to_s) = match span.map(|span| span.split_once("..").ok_or(span)) {
+            None => (0.0, f64::INFINITY),
+            Some(Err(from)) => (number(from)?, f64::INFINITY),
+            Some(Ok((from, to))) => (number(from)?, number(to)?),
+        };
+        if to_s <= from_s {
+            return Err(FaultError::Span { from_s, to_s });
+        }
+        Ok(Self { mechanism, size, from_s, to_s })
+    }
+}
+
+impl FaultOverTime {
+    /// Whether it acts during the sample that begins at `k` x `period_s`; an onset between two
+    /// samples acts from the later one.
+    pub(crate) fn acts(&self, k: usize, period_s: f64) -> bool {
+        // A time typed in decimals may lie a rounding beside k x period.
+        let sample = |time: f64| (time / period_s - 1e-6).ceil();
+        sample(self.from_s) <= k as f64 && (k as f64) < sample(self.to_s)
+    }
+}
+
+fn number(text: &str) -> Result<f64, FaultError> {
+    let value = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| FaultError::Number { text: text.trim().to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(text: &str) -> FaultOverTime {
+        text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
+    }
+
+    #[test]
+    fn sizes_and_spans_are_read() {
+        let tacho = fault("tacho=5%@20..25");
+        assert_eq!((tacho.mechanism.id, tacho.from_s, tacho.to_s), ("tacho", 20.0, 25.0));
+        assert!((tacho.size - 0.05).abs() < 1e-15);
+        assert_eq!(fault("load = -0.2 @ 1").to_s, f64::INFINITY);
+        assert_eq!(fault("tacho_bias=2").size, 2.0);
+        // 0.3 / 0.1 is just below 3.
+        let late = fault("flux=0.1@0.3..0.5");
+        let acting: Vec<usize> = (0..10).filter(|k| late.acts(*k, 0.1)).collect();
+        assert_eq!(acting, [3, 4]);
+    }
+
+    #[test]
+    fn what_is_no_fault_is_said() {
+        for (text, said) in [
+            ("tacho", "KIND=SIZE"),
+            ("tacko=1", "`tacko`"),
+            ("tacho=x", "`x`"),
+            ("tacho=nan", "`nan`"),
+            ("tacho_bias=5%", "rad/s"),
+            ("flux=-150%", "100 %"),
+            ("flux=0.1@5..2", "not after"),
+            ("flux=0.1@", "``"),
+        ] {
+            let error = text.parse::<FaultOverTime>().expect_err(text).to_string();
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The state in which a recording begins, from its first samples.
+//!
+//! A straight line through the first samples gives value and slope at the first one. What cannot
+//! be told from zero is zero: most recordings begin at rest, and a line through the bent start
+//! of a motion misses it by its own standard error.
+
+use drivescope_numerics::Regression;
+use drivescope_plant::drive::Drive;
+use drivescope_recording::Recording;
+
+use super::{has_current, position, speed};
+
+/// Samples that the line goes through.
+const FIRST: usize = 10;
+/// Standard errors within which a value is taken as zero.
+const ERRORS_OF_ZERO: f64 = 3.0;
+
+/// Current A, speed rad/s (m/s), position rad (m) at the first sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Start {
+    /// Armature current; 0 where there is none.
+    pub(crate) current: f64,
+    /// Speed.
+    pub(crate) speed: f64,
+    /// Position.
+    pub(crate) position: f64,
+}
+
+/// A line at the first sample.
+struct Line {
+    value: f64,
+    /// Change a sample.
+    slope: f64,
+    /// Standard error of the value, and of the slope.
+    errors: (f64, f64),
+}
+
+/// A value that cannot be told from zero is zero.
+fn unless_zero(value: f64, error: f64) -> f64 {
+    if value.abs() <= ERRORS_OF_ZERO * error { 0.0 } else { value }
+}
+
+/// The line through the first samples; none where they hold holes.
+fn line(values: &[f64]) -> Option<Line> {
+    let values = &values[..values.len().min(FIRST)];
+    let mut regression = Regression::new(2);
+    for (k, value) in values.iter().enumerate() {
+        regression.push([1.0, k as f64], *value);
+    }
+    let fit = regression.solve().ok()?;
+    let n = values.len() as f64;
+    let variance = if n > 2.0 { fit.sse / (n - 2.0) } else { 0.0 };
+    // Inverse of the normal matrix of [1, k], k = 0 .. n - 1.
+    let of_value = 2.0 * (2.0 * n - 1.0) / (n * (n + 1.0));
+    let of_slope = 12.0 / (n * (n * n - 1.0));
+    Some(Line {
+        value: fit.parameters[0],
+        slope: fit.parameters[1],
+        errors: ((variance * of_value).sqrt(), (variance * of_slope).sqrt()),
+    })
+}
+
+impl Start {
+    /// The start of a recording of that drive. Without a speed column the position gives the
+    /// speed; without a current column a turning drive has the current of (20) at rest,
+    /// (u - K_e omega) / R, and a resting one none.
+    pub(crate) fn estimate(drive: &Drive, recording: &Recording) -> Self {
+        let of = |name: &str| recording.signal(name).and_then(|signal| line(&signal.values));
+        let measured_position = of(position(drive).0);
+        let speed = match (of(speed(drive).0), &measured_position) {
+            (Some(line), _) => unless_zero(line.value, line.errors.0),
+            (None, Some(line)) => unless_zero(line.slope, line.errors.1) / recording.period_s,
+            (None, None) => 0.0,
+        };
+        let u = recording.signal("u").and_then(|u| u.values.first()).copied();
+        let current = match (of("i"), drive.motor.k_e, drive.motor.r) {
+            _ if !has_current(drive) => 0.0,
+            (Some(line), _, _) => unless_zero(line.value, line.errors.0),
+            (None, Some(k_e), Some(r)) if speed != 0.0 => (u.unwrap_or(0.0) - k_e * speed) / r,
+            (None, _, _) => 0.0,
+        };
+        Self { current, speed, position: measured_position.map_or(0.0, |line| line.value) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use drivescope_recording::Signal;
+
+    fn recording(columns: &[(&str, fn(f64) -> f64)]) -> Recording {
+        let signals = columns.iter().map(|(name, of)| Signal {
+            name: (*name).to_owned(),
+            unit: String::new(),
+            values: (0..100).map(|k| of(f64::from(k) * 0.01)).collect(),
+        });
+        Recording { name: "r".into(), start_s: 3.0, period_s: 0.01, signals: signals.collect() }
+    }
+
+    fn dr300() -> Drive {
+        crate::drive_source::drive("dr300").expect("it is built in")
+    }
+
+    /// Ten samples of a line leave rounding alone.
+    const ROUNDING: f64 = 1e-10;
+
+    #[test]
+    fn a_speed_follows_from_the_position() {
+        let start =
+            Start::estimate(&dr300(), &recording(&[("theta", |t| 2.0 + 50.0 * t), ("u", |_| 6.0)]));
+        assert!((start.speed - 50.0).abs() < ROUNDING && (start.position - 2.0).abs() < ROUNDING);
+        assert!((start.current - (6.0 - 0.0599 * 50.0) / 3.13).abs() < ROUNDING, "{start:?}");
+    }
+
+    #[test]
+    fn what_is_measured_counts_and_rest_stays_rest() {
+        let start =
+            Start::estimate(&dr300(), &recording(&[("omega", |t| 7.0 - t), ("i", |_| 0.5)]));
+        assert!((start.speed - 7.0).abs() < ROUNDING && (start.current - 0.5).abs() < ROUNDING);
+        // A motion that begins bent, as every start from rest does.
+        let start = Start::estimate(&dr300(), &recording(&[("omega", |t| 100.0 * t * t)]));
+        assert_eq!(start, Start { current: 0.0, speed: 0.0, position: 0.0 });
+    }
+}

@@ -1,0 +1,1 @@
+"""The checks of `check_export.py`, one subject a file."""

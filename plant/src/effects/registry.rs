@@ -145,11 +145,16 @@ impl Entry {
     }
 }
 
-/// The first `K` arrays of a flat array, one lane of each.
+/// The first `K` arrays of a flat array, one lane of each (a loop: the closure of
+/// `array::from_fn` is not always inlined into the lanes).
 #[inline(always)]
-fn gather<R: Copy, const K: usize, const N: usize>(flat: &[[R; N]], l: usize) -> [R; K] {
+fn gather<R: Real, const K: usize, const N: usize>(flat: &[[R; N]], l: usize) -> [R; K] {
     let head: &[[R; N]; K] = flat.first_chunk().expect("placed within the flat array");
-    from_fn(|k| head[k][l])
+    let mut values = [R::zero(); K];
+    for k in 0..K {
+        values[k] = head[k][l];
+    }
+    values
 }
 
 /// Overwrites one lane of the first `K` arrays.

@@ -27,7 +27,7 @@ pub(super) fn views<R: Real, const N: usize>(
         i,
         omega: x[SPEED],
         theta: x[POSITION],
-        direction: sign.map(R::constant),
+        direction: zero,
         u: applied.u,
         drive: zero,
         load: applied.load,
@@ -36,6 +36,7 @@ pub(super) fn views<R: Real, const N: usize>(
         time: [R::constant(applied.time); N],
     };
     for l in 0..N {
+        at.direction[l] = R::constant(sign[l]);
         at.drive[l] = motors.k_m[l] * i[l];
         at.copper[l] = motors.r[l] * i[l] * i[l];
     }

@@ -3,7 +3,7 @@
 use drivescope_numerics::Real;
 
 use super::exponential::Exponential;
-use crate::model::{Applied, CURRENT, Model, OWN, SPEED, field};
+use crate::model::{Applied, CURRENT, Model, OWN, SPEED, field_at};
 
 /// Room for the stages of a step; allocated once, reused by every step.
 #[derive(Debug, Clone)]
@@ -151,9 +151,9 @@ pub(super) fn step<R: Real, const N: usize>(
     let Stages { slopes: [n0, na, nb, nc], stage, middle, lambda, stiff } = room;
     let half = h.scaled(0.5);
     let seconds = h.value();
-    let at = |share: f64| Applied { time: applied.time + share * seconds, ..*applied };
+    let at = |share: f64| applied.time + share * seconds;
     lambda[CURRENT] = armature.rate;
-    field(model, x, applied, sign, n0, Some(lambda));
+    field_at(model, x, applied, at(0.0), sign, n0, Some(lambda));
     for j in OWN..x.len() {
         if model.is_stiff(j) {
             stiff[j] = Some(Exponential::new(&lambda[j], h));
@@ -170,21 +170,21 @@ pub(super) fn step<R: Real, const N: usize>(
             Some(c) => decayed(&mut middle[j], &x[j], c, &mut n0[j], (&lambda[j], &x[j])),
         }
     }
-    field(model, middle, &at(0.5), sign, na, None);
+    field_at(model, middle, applied, at(0.5), sign, na, None);
     for j in 0..x.len() {
         match coefficients(j) {
             None => forward(&mut stage[j], &x[j], half, &na[j]),
             Some(c) => decayed(&mut stage[j], &x[j], c, &mut na[j], (&lambda[j], &middle[j])),
         }
     }
-    field(model, stage, &at(0.5), sign, nb, None);
+    field_at(model, stage, applied, at(0.5), sign, nb, None);
     for j in 0..x.len() {
         match coefficients(j) {
             None => forward(&mut stage[j], &x[j], h, &nb[j]),
             Some(c) => decayed_last(&mut stage[j], &middle[j], c, (&n0[j], &mut nb[j]), &lambda[j]),
         }
     }
-    field(model, stage, &at(1.0), sign, nc, None);
+    field_at(model, stage, applied, at(1.0), sign, nc, None);
     for j in 0..x.len() {
         let slopes = [&n0[j], &na[j], &nb[j], &nc[j]];
         match coefficients(j) {

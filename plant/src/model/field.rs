@@ -12,35 +12,19 @@ use drivescope_numerics::Real;
 use super::{Applied, CURRENT, Model, OWN, POSITION, SPEED};
 use crate::effects::law::{Sum, Sums, Views};
 
-/// What the effects see, lane by lane.
+/// What the effects see at `time`, lane by lane.
 #[inline(always)]
-pub(super) fn views<R: Real, const N: usize>(
-    model: &Model<R, N>,
-    x: &[[R; N]],
-    applied: &Applied<R, N>,
-    sign: &[f64; N],
-) -> Views<R, N> {
-    let motors = &model.motors;
-    let zero = [R::zero(); N];
-    let i = if model.force { applied.u } else { x[CURRENT] };
-    let mut at = Views {
-        i,
-        omega: x[SPEED],
-        theta: x[POSITION],
-        direction: zero,
-        u: applied.u,
-        drive: zero,
-        load: applied.load,
-        copper: zero,
-        inertia: motors.j,
-        time: [R::constant(applied.time); N],
-    };
-    for l in 0..N {
-        at.direction[l] = R::constant(sign[l]);
-        at.drive[l] = motors.k_m[l] * i[l];
-        at.copper[l] = motors.r[l] * i[l] * i[l];
-    }
-    at
+pub(super) fn views<'a, R: Real, const N: usize>(
+    model: &'a Model<R, N>,
+    x: &'a [[R; N]],
+    applied: &'a Applied<R, N>,
+    time: f64,
+    direction: &'a [f64; N],
+) -> Views<'a, R, N> {
+    let i = if model.force { &applied.u } else { &x[CURRENT] };
+    let (omega, theta) = (&x[SPEED], &x[POSITION]);
+    let (motors, u, load) = (&model.motors, &applied.u, &applied.load);
+    Views { motors, i, omega, theta, direction, u, load, time }
 }
 
 /// What the effects add up to, without the acceleration, which closes the balances.
@@ -48,7 +32,7 @@ pub(super) fn views<R: Real, const N: usize>(
 fn sums<R: Real, const N: usize>(
     model: &Model<R, N>,
     x: &[[R; N]],
-    at: &Views<R, N>,
+    at: &Views<'_, R, N>,
 ) -> Sums<R, N> {
     let motors = &model.motors;
     let zero = R::zero();
@@ -64,7 +48,7 @@ fn sums<R: Real, const N: usize>(
         load: zero,
         acceleration: zero,
     });
-    sum.load = at.load;
+    sum.load = *at.load;
     for l in 0..N {
         sum.inverse_inertia[l] = R::one() / motors.j[l];
     }
@@ -82,12 +66,12 @@ fn sums<R: Real, const N: usize>(
 #[inline(always)]
 fn net<R: Real, const N: usize>(
     model: &Model<R, N>,
-    at: &Views<R, N>,
+    at: &Views<'_, R, N>,
     sum: &Sums<R, N>,
     l: usize,
 ) -> R {
     let viscous = model.motors.b_m[l] * model.motors.friction[l] * at.omega[l];
-    at.drive[l] * sum.flux[l] - viscous - sum.torque[l] - sum.load[l]
+    model.motors.k_m[l] * at.i[l] * sum.flux[l] - viscous - sum.torque[l] - sum.load[l]
 }
 
 /// Time derivatives `dx` of the state `x`, and the decay rates of its stiff own states where
@@ -101,7 +85,21 @@ pub fn field<R: Real, const N: usize>(
     dx: &mut [[R; N]],
     lambda: Option<&mut [[R; N]]>,
 ) {
-    let at = views(model, x, applied, sign);
+    field_at(model, x, applied, applied.time, sign, dx, lambda);
+}
+
+/// The same at another time, the inputs held.
+#[inline(always)]
+pub(crate) fn field_at<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    applied: &Applied<R, N>,
+    time: f64,
+    sign: &[f64; N],
+    dx: &mut [[R; N]],
+    lambda: Option<&mut [[R; N]]>,
+) {
+    let at = views(model, x, applied, time, sign);
     let mut sum = sums(model, x, &at);
     let motors = &model.motors;
     for l in 0..N {
@@ -164,7 +162,7 @@ impl<R: Real> Rest<R> {
 
 /// The torques at the state `x`, whose speed is zero.
 pub fn rest<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], applied: &Applied<R, 1>) -> Rest<R> {
-    let at = views(model, x, applied, &[0.0]);
+    let at = views(model, x, applied, applied.time, &[0.0]);
     let sum = sums(model, x, &at);
     Rest { net: net(model, &at, &sum, 0), forward: sum.forward[0], backward: sum.backward[0] }
 }

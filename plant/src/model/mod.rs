@@ -11,6 +11,7 @@ use crate::effects::custom::Law;
 use crate::effects::law::{Info, OutputLanes};
 use crate::effects::registry::{Kind, Placed, REGISTRY};
 
+pub(crate) use field::field_at;
 pub use field::{Rest, field, rest};
 pub use motor::{Motor, Motors};
 
@@ -174,7 +175,7 @@ impl<R: Real, const N: usize> Model<R, N> {
         let i = if self.force { applied.u } else { x[CURRENT] };
         let mut shown = OutputLanes { i, omega: x[SPEED], theta: x[POSITION] };
         if self.placed.iter().any(|part| self.senses(part.kind)) {
-            let at = field::views(self, x, applied, &[0.0; N]);
+            let at = field::views(self, x, applied, applied.time, &[0.0; N]);
             for part in &self.placed {
                 part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
             }

@@ -73,7 +73,7 @@ impl Law {
     pub(super) fn share<R: Real, const N: usize>(
         &self,
         p: &[[R; N]],
-        at: &Views<R, N>,
+        at: &Views<'_, R, N>,
         sum: &mut Sums<R, N>,
     ) {
         if self.senses() {
@@ -94,7 +94,7 @@ impl Law {
     pub(super) fn sense<R: Real, const N: usize>(
         &self,
         p: &[[R; N]],
-        at: &Views<R, N>,
+        at: &Views<'_, R, N>,
         y: &mut OutputLanes<R, N>,
     ) {
         match self.target {

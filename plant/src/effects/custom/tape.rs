@@ -121,7 +121,11 @@ fn whole_power<R: Real>(x: R, exponent: u32) -> R {
 impl Tape {
     /// Runs the tape. The parser has checked that the stack neither overflows nor runs dry.
     #[inline(always)]
-    pub(super) fn run<R: Real, const N: usize>(&self, p: &[[R; N]], at: &Views<R, N>) -> [R; N] {
+    pub(super) fn run<R: Real, const N: usize>(
+        &self,
+        p: &[[R; N]],
+        at: &Views<'_, R, N>,
+    ) -> [R; N] {
         let mut stack = [[R::zero(); N]; DEEPEST];
         let mut top = 0;
         for operation in &self.0 {
@@ -132,11 +136,11 @@ impl Tape {
                 }
                 Operation::Variable(variable) => {
                     stack[top] = match variable {
-                        Variable::Current => at.i,
-                        Variable::Speed => at.omega,
-                        Variable::Position => at.theta,
-                        Variable::Input => at.u,
-                        Variable::Time => at.time,
+                        Variable::Current => *at.i,
+                        Variable::Speed => *at.omega,
+                        Variable::Position => *at.theta,
+                        Variable::Input => *at.u,
+                        Variable::Time => [R::constant(at.time); N],
                     };
                     top += 1;
                 }

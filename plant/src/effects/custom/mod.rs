@@ -1,6 +1,6 @@
 //! A law that the user types in the drive file, for example `torque = "-c * omega * abs(omega)"`.
 //!
-//! The text is parsed once ([`parse`]) into a tape of operations for a stack ([`tape`]): no
+//! The text is parsed once (`parse.rs`) into a tape of operations for a stack (`tape.rs`): no
 //! code is executed, size and depth are limited, and the same tape runs over `f64`, duals and
 //! lanes, natively and inside an exported FMU. Signs: a torque is added to the motor torque, a
 //! voltage to the applied voltage, heat to the winding; `omega` and `i` are what the sensor

@@ -10,9 +10,9 @@ use tempfile::TempDir;
 
 use super::archive::{self, Limits};
 use super::binary::{self, Binary};
-use super::binding::{Handle, Making};
 use super::description::{Description, FmiVersion, Kind};
 use super::error::Error;
+use super::handle::{Handle, Making};
 use super::instance::Instance;
 use super::logging::Log;
 use super::parse;

@@ -20,7 +20,7 @@
 //! ```
 //!
 //! Data flow: archive -> `modelDescription.xml` -> [`Description`]; binary -> function table -> handle
-//! -> [`Instance`]. All foreign calls are in `binding.rs`.
+//! -> [`Instance`]. All foreign code is reached through `binding.rs`.
 
 mod access;
 mod archive;
@@ -30,6 +30,7 @@ mod description;
 mod error;
 mod fmu;
 mod functions;
+mod handle;
 mod instance;
 mod integrator;
 mod logging;

@@ -69,6 +69,30 @@ pub(super) fn start_python(library: &Library, executable: Option<&CStr>) {
     }
 }
 
+/// Ends the process, once it exits, before the finalisers of the libraries loaded so far: their exit
+/// handlers were registered before this one and would run after it. Output is flushed, and the exit
+/// status stays. Only the GNU C library tells a handler the status.
+pub(super) fn leave_before_finalisers() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        unsafe extern "C" {
+            fn on_exit(handler: extern "C" fn(i32, Pointer), argument: Pointer) -> i32;
+            fn fflush(stream: Pointer) -> i32;
+            fn _exit(status: i32) -> !;
+        }
+        extern "C" fn leave(status: i32, _: Pointer) {
+            // SAFETY: a null stream means all of them; the process ends here.
+            unsafe {
+                fflush(null_mut());
+                _exit(status)
+            }
+        }
+        // SAFETY: the handler takes what the C library gives it. If it cannot be registered, the
+        // process ends in the ordinary way.
+        unsafe { on_exit(leave, null_mut()) };
+    }
+}
+
 /// `fmi2CallbackFunctions`. FMUs keep its address, so it lives as long as the instance.
 #[repr(C)]
 pub(super) struct Callbacks {

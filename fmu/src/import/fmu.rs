@@ -39,7 +39,7 @@ pub(super) struct Inner {
 pub struct InstanceOptions {
     /// Name of the instance, as it appears in errors and in what the FMU logs.
     pub name: String,
-    /// Whether the FMU should log in all its categories; warnings and errors come in any case.
+    /// Whether the FMU should log in all its categories. Most FMUs log errors in any case.
     pub logging: bool,
 }
 

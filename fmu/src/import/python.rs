@@ -3,12 +3,14 @@
 //! is not Python, that library has to be loaded first, for all to see.
 //!
 //! Python is also started here: a binary that starts it itself ends it with its last instance, under
-//! the feet of the instances of other FMUs.
+//! the feet of the instances of other FMUs. And their binaries cannot be unloaded (they hold symbols
+//! that the linker keeps unique), and when the process ends they free their own state twice: so the
+//! process has to end before their finalisers run.
 
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use super::binding;
 use super::error::{Error, loader_says};
@@ -20,10 +22,22 @@ pub(super) fn is_missing(error: &libloading::Error) -> bool {
     ["symbol: Py", "symbol: _Py", "'_Py", "'__Py"].iter().any(|mark| text.contains(mark))
 }
 
+/// Whether Python is loaded.
+static PROVIDED: Mutex<bool> = Mutex::new(false);
+
+pub(super) fn is_provided() -> bool {
+    *PROVIDED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whether a binary calls Python. Once Python is there, the linker no longer says so.
+pub(super) fn is_used_by(path: &Path) -> bool {
+    const SIGN: &[u8] = b"PyGILState_Ensure";
+    std::fs::read(path).is_ok_and(|bytes| bytes.windows(SIGN.len()).any(|part| part == SIGN))
+}
+
 /// Loads a Python library for the rest of the process. Python cannot be unloaded and loaded again.
 pub(super) fn provide(fmu: &str) -> Result<(), Error> {
-    static LOADED: Mutex<bool> = Mutex::new(false);
-    let mut loaded = LOADED.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let mut loaded = PROVIDED.lock().unwrap_or_else(PoisonError::into_inner);
     if *loaded {
         return Ok(());
     }

@@ -11,6 +11,7 @@ mod drive_source;
 mod expression;
 mod failure;
 mod first_drive;
+mod fmu_file;
 mod interrupt;
 mod output;
 mod panics;

@@ -18,7 +18,7 @@ pub mod oscillator;
 /// old one in place when this test is run alone.
 fn library() -> PathBuf {
     let build = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--example", "oscillator"])
+        .args(["build", "--quiet", "--example", "oscillator", "--features", "export"])
         .arg("--message-format=json-render-diagnostics")
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()

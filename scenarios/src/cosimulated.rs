@@ -61,7 +61,7 @@ pub fn closed_loop(
         }
         follower.sample(shown[0], shown[1])?;
     }
-    Ok(recorded(inputs, &RECORDED, rows))
+    Ok(recorded(fmu, inputs, &RECORDED, rows))
 }
 
 /// Runs the open loop over the inputs; row k holds T and I_m at sample k.
@@ -88,7 +88,7 @@ pub fn open_loop(fmu: &Fmu, inputs: &Recording) -> Result<Recording, RunError> {
             row.push(value);
         }
     }
-    Ok(recorded(inputs, &READ, rows))
+    Ok(recorded(fmu, inputs, &READ, rows))
 }
 
 fn references<'a>(
@@ -98,10 +98,10 @@ fn references<'a>(
     names.map(|name| Ok(fmu.variable(name)?.reference)).collect()
 }
 
-fn recorded(inputs: &Recording, names: &[&str], rows: Vec<Vec<f64>>) -> Recording {
+fn recorded(fmu: &Fmu, inputs: &Recording, names: &[&str], rows: Vec<Vec<f64>>) -> Recording {
     let signal = |(name, values): (&&str, Vec<f64>)| Signal {
         name: (*name).to_owned(),
-        unit: String::new(),
+        unit: fmu.variable(name).ok().and_then(|v| v.unit.clone()).unwrap_or_default(),
         values,
     };
     let signals = names.iter().zip(rows).map(signal).collect();

@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 
 use drivescope_plant::drive::{Drive, Motion, TachoUnit};
-use drivescope_plant::noise::NoiseStream;
+use drivescope_plant::noise::{Noise, NoiseStream};
 use drivescope_plant::sampled::{input_limit, speed_bound};
+use drivescope_plant::unit::{Unit, Variable};
 use drivescope_recording::{Recording, Signal};
 use thiserror::Error;
 
@@ -72,6 +73,8 @@ pub struct Experiment {
     pub set_point: f64,
     /// Seed of all noise.
     pub seed: u64,
+    /// Variables of the drive's FMUs, closed and open loop.
+    variables: Vec<Variable>,
 }
 
 impl Experiment {
@@ -87,31 +90,27 @@ impl Experiment {
         let usual = SET_POINT_RPM * PI / 30.0;
         let reachable = drive.motion == Motion::Rotary && usual <= REACHABLE * greatest;
         let set_point = if reachable { usual } else { 0.5 * greatest };
-        Ok(Self { drive, period_s, set_point, seed })
+        let variables = [false, true]
+            .into_iter()
+            .flat_map(|open_loop| Unit::new(drive.clone(), open_loop).variables().to_vec())
+            .collect();
+        Ok(Self { drive, period_s, set_point, seed, variables })
     }
 
     /// Inputs of a closed-loop run, one row a sample; the fault's input is there if one acts.
     pub fn closed_loop(&self, samples: usize, stream: Stream, fault: Option<&Fault>) -> Recording {
-        let per_si = self.drive.sensors.tacho_unit.per_si();
         let noise: Vec<_> = self.noise(stream).take(samples).collect();
-        let column = |name: &str, values: Vec<f64>| Signal {
-            name: name.to_owned(),
-            unit: String::new(),
-            values,
-        };
         let mut signals = vec![
-            column("reference", vec![self.set_point; samples]),
-            column("noise_reference", noise.iter().map(|n| n.reference).collect()),
-            column("noise_T", noise.iter().map(|n| n.omega * per_si).collect()),
-            column("noise_I_m", noise.iter().map(|n| n.i).collect()),
-            column("noise_T_l", noise.iter().map(|n| n.torque).collect()),
+            self.input("reference", vec![self.set_point; samples]),
+            self.input("noise_reference", noise.iter().map(|n| n.reference).collect()),
         ];
+        signals.extend(self.disturbances(&noise));
         if let Some(fault) = fault {
             let acts = |k: usize| {
                 if (fault.from..fault.until).contains(&k) { fault.name.size } else { 0.0 }
             };
             let name = format!("fault_{}", fault.name.kind);
-            signals.push(column(&name, (0..samples).map(acts).collect()));
+            signals.push(self.input(&name, (0..samples).map(acts).collect()));
         }
         self.recording(signals)
     }
@@ -119,7 +118,6 @@ impl Experiment {
     /// Inputs of an open-loop run under the excitation (25), and the control signal C_m that
     /// stands behind its u. The argument of the sines is t = k x period, in s.
     pub fn excited(&self, samples: usize, stream: Stream) -> Excited {
-        let per_si = self.drive.sensors.tacho_unit.per_si();
         let limit = self.drive.controller.and_then(|c| c.limit).unwrap_or(USUAL_LIMIT);
         let gain = self.drive.amplifier.map_or(1.0, |amplifier| amplifier.gain);
         let most = input_limit(&self.drive).unwrap_or(f64::INFINITY);
@@ -132,18 +130,10 @@ impl Experiment {
             })
             .collect();
         let noise: Vec<_> = self.noise(stream).take(samples).collect();
-        let column = |name: &str, values: Vec<f64>| Signal {
-            name: name.to_owned(),
-            unit: String::new(),
-            values,
-        };
-        let inputs = self.recording(vec![
-            column("u", c_m.iter().map(|c_m| (gain * c_m).clamp(-most, most)).collect()),
-            column("noise_T", noise.iter().map(|n| n.omega * per_si).collect()),
-            column("noise_I_m", noise.iter().map(|n| n.i).collect()),
-            column("noise_T_l", noise.iter().map(|n| n.torque).collect()),
-        ]);
-        Excited { inputs, c_m }
+        let u = c_m.iter().map(|c_m| (gain * c_m).clamp(-most, most)).collect();
+        let mut signals = vec![self.input("u", u)];
+        signals.extend(self.disturbances(&noise));
+        Excited { inputs: self.recording(signals), c_m }
     }
 
     /// Unit of T.
@@ -157,6 +147,23 @@ impl Experiment {
 
     fn noise(&self, stream: Stream) -> NoiseStream {
         NoiseStream::new(&self.drive.noise, self.period_s, self.seed, stream.index())
+    }
+
+    /// Noise of the sensors and of the load, which every run has.
+    fn disturbances(&self, noise: &[Noise<f64>]) -> [Signal; 3] {
+        let per_si = self.drive.sensors.tacho_unit.per_si();
+        [
+            self.input("noise_T", noise.iter().map(|n| n.omega * per_si).collect()),
+            self.input("noise_I_m", noise.iter().map(|n| n.i).collect()),
+            self.input("noise_T_l", noise.iter().map(|n| n.torque).collect()),
+        ]
+    }
+
+    /// An input of the drive's FMU, in the unit that it has there.
+    fn input(&self, name: &str, values: Vec<f64>) -> Signal {
+        let variable = self.variables.iter().find(|variable| variable.name == name);
+        let unit = variable.map_or_else(String::new, |variable| variable.unit.clone());
+        Signal { name: name.to_owned(), unit, values }
     }
 
     fn recording(&self, signals: Vec<Signal>) -> Recording {

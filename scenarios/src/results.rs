@@ -163,7 +163,7 @@ pub struct ByMethod<T = f64> {
 
 impl<T> ByMethod<T> {
     /// One value a method.
-    pub fn of(mut value: impl FnMut(Method) -> T) -> Self {
+    pub fn from_fn(mut value: impl FnMut(Method) -> T) -> Self {
         Self { mem: value(Method::Mem), constant: value(Method::Constant) }
     }
 

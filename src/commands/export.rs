@@ -3,20 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_fmu::archive::{Archive, Platform};
-use drivescope_fmu::description::{ModelDescription, Version};
-use drivescope_fmu::export::Model;
-use drivescope_fmu_blocks::{DRIVE_FILE, DriveModel, OPEN_LOOP_FILE};
+use drivescope_fmu::description::Version;
 use serde::Serialize;
 
 use super::Run;
-use crate::drive_source;
-use crate::failure::{Ending, Failure, told};
-use crate::interrupt;
+use crate::failure::{Ending, Failure};
 use crate::session::Session;
-
-/// The shared library of exported drives, for the platform of this program (see `build.rs`).
-const LIBRARY: &[u8] = include_bytes!(env!("DRIVESCOPE_FMU_LIBRARY"));
+use crate::{drive_source, fmu_file};
 
 /// Write a drive as a self-contained FMU: Co-Simulation and Model Exchange in one.
 ///
@@ -53,17 +46,12 @@ impl Run for Export {
         let drive = drive_source::drive(&self.drive)?;
         session.check_writable(&[&self.output])?;
         let version = if self.fmi == 2 { Version::Two } else { Version::Three };
-        let Some(platform) = Platform::host() else {
-            let what =
-                "FMI has no name for this platform, so nothing could load the FMU".to_owned();
-            let instead = "export on Linux, Windows or macOS, on x86_64 or aarch64".to_owned();
-            return Err(Failure::Usage { what, instead }.into());
-        };
-        let text = drive.to_toml();
+        let platform = fmu_file::platform()?;
         let open_loop = self.open_loop || drive.controller.is_none();
-        let name = drive.name.clone();
-        let description = DriveModel::new(drive, open_loop).description();
-        let bytes = self.write(&description, version, (platform, &text, open_loop))?;
+        let description = fmu_file::write(&drive, open_loop, version, &self.output)?;
+        let unread = |source| Failure::Read { path: self.output.clone(), source };
+        let bytes = std::fs::metadata(&self.output).map_err(unread)?.len();
+        let name = drive.name;
         let folder = platform.folder(version);
         let (variables, states) = (description.variables.len(), description.states().len());
         let output = self.output.clone();
@@ -89,31 +77,5 @@ impl Run for Export {
         };
         session.answer(&shown, &answer)?;
         Ok(Ending::Done)
-    }
-}
-
-impl Export {
-    /// Writes the archive; its size, bytes.
-    fn write(
-        &self,
-        description: &ModelDescription,
-        version: Version,
-        (platform, drive, open_loop): (Platform, &str, bool),
-    ) -> miette::Result<u64> {
-        let mut resources = vec![(DRIVE_FILE.to_owned(), drive.as_bytes())];
-        if open_loop {
-            resources.push((OPEN_LOOP_FILE.to_owned(), &b""[..]));
-        }
-        let archive = Archive {
-            description,
-            libraries: vec![(platform, LIBRARY)],
-            resources,
-            documentation: Vec::new(),
-        };
-        let _not_now = interrupt::writing();
-        archive.write(version, &self.output).map_err(told)?;
-        let size = std::fs::metadata(&self.output);
-        let size = size.map_err(|source| Failure::Read { path: self.output.clone(), source })?;
-        Ok(size.len())
     }
 }

@@ -7,7 +7,7 @@ use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
 
 /// Share of N omega that counts as a rate: the ripple is imposed on the motion, a quadrature off
 /// by x^4 / 2880 of it, where a free oscillation would be off by x^4 / 120 a radian.
-const IMPOSED: f64 = 0.12;
+const IMPOSED: f64 = 0.1;
 
 /// Torque a cos(N theta) + b sin(N theta).
 pub struct Cogging;

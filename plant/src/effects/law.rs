@@ -128,6 +128,9 @@ lanes! {
         omega,
         /// Position of the motor shaft, rad or m.
         theta,
+        /// Sign of the motion, 0 where the shaft sticks: it changes at located events only, so a
+        /// law that is kinked at zero speed writes |omega| as direction omega.
+        direction,
         /// Armature voltage or commanded force signal.
         u,
         /// Motor torque or force before effects: K_m i, or K_m u where force-driven, N m or N.
@@ -247,6 +250,7 @@ pub(crate) mod by_name {
         i: 1.3,
         omega: 7.0,
         theta: 0.4,
+        direction: 1.0,
         u: 9.0,
         drive: 0.078,
         load: 0.011,

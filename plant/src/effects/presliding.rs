@@ -19,10 +19,10 @@ impl Presliding {
     /// The rate at which the deflection forgets: sigma_0 |omega| / g, 1/s.
     #[inline(always)]
     fn forgetting<R: Real>(sigma_0: R, at: &View<R>, sum: &Sum<R>) -> R {
-        let level = R::select(at.omega.value() >= 0.0, sum.forward, sum.backward);
+        let level = R::select(at.direction.value() >= 0.0, sum.forward, sum.backward);
         let least = R::constant(LEAST_LEVEL);
         let level = R::select(level.value() > LEAST_LEVEL, level, least);
-        sigma_0 * at.omega.abs() / level
+        sigma_0 * at.direction * at.omega / level
     }
 }
 
@@ -98,7 +98,7 @@ mod tests {
             let h = std::f64::consts::TAU / f64::from(n);
             for k in 0..2 * n {
                 let omega = amplitude * (f64::from(k) * h).cos();
-                let at = View { omega, ..AT };
+                let at = View { omega, direction: omega.signum(), ..AT };
                 z += h * Presliding::rate(p, [z], &at, &level)[0];
                 let torque = shared::<Presliding, 1, 1>(p, [z], at).torque;
                 work += if k >= n { h * torque * omega } else { 0.0 };

@@ -10,7 +10,8 @@ use drivescope_numerics::Real;
 use super::step::{Armature, Stages, step};
 use crate::model::{Applied, Model, SPEED, field, rest};
 
-/// More changes of the sign than this within a sub-step: the shaft is held for the rest of it.
+/// More changes of the sign than this within a sub-step: the sign is held for the rest of it,
+/// and a shaft with dry friction too.
 const MOST_EVENTS: usize = 16;
 /// Halvings of a bracket until it is as short as a rounding error of the step.
 const MOST_HALVINGS: usize = 60;
@@ -32,7 +33,7 @@ pub(super) fn advance<R: Real>(
     start: &[[R; 1]],
 ) {
     step(model, x, applied, &[*sign], h, armature, room);
-    if model.dry() && may_change(model, (start, x), *sign, applied, h.value(), room) {
+    if model.directed() && may_change(model, (start, x), *sign, applied, h.value(), room) {
         x.copy_from_slice(start);
         through_events(model, x, sign, applied, h, room);
     }
@@ -146,28 +147,37 @@ fn through_events<R: Real>(
             return;
         };
         let Some(instant) = locate(start, value, until, margin) else {
-            // Pressed back at once: it was at rest and stays there.
-            *sign = 0.0;
+            // Pressed back at once: it was at rest and stays there, or goes the other way.
+            *sign = if model.dry() { 0.0 } else { -*sign };
             continue;
         };
         let (there, moved) = at_event(model, x, *sign, &applied, (instant, left), room);
         left -= R::constant(instant) + moved;
         applied.time += instant;
-        let torques = rest(model, &there, &applied);
-        *sign = if *sign == 0.0 {
-            // It breaks away to the side it is pushed to, whatever the last bit says.
-            if torques.net.value() > 0.0 { 1.0 } else { -1.0 }
-        } else {
-            torques.sign()
-        };
+        *sign = after(model, &there, *sign, &applied);
         *x = there;
         if left.value() <= 0.0 {
             return;
         }
     }
-    *sign = 0.0;
-    x[SPEED] = [R::zero()];
+    if model.dry() {
+        *sign = 0.0;
+        x[SPEED] = [R::zero()];
+    }
     *x = stepped(model, x, *sign, &applied, left, room);
+}
+
+/// The sign of the motion after an event, at which the state is `x`.
+fn after<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], sign: f64, applied: &Applied<R, 1>) -> f64 {
+    if !model.dry() {
+        return -sign;
+    }
+    let torques = rest(model, x, applied);
+    if sign != 0.0 {
+        return torques.sign();
+    }
+    // It breaks away to the side it is pushed to, whatever the last bit says.
+    if torques.net.value() > 0.0 { 1.0 } else { -1.0 }
 }
 
 /// The state at a located event, its speed exactly zero, and by how much the instant moves with

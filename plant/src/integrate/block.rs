@@ -7,6 +7,10 @@ use super::step::{Stages, step};
 use super::{Integrator, Pace, Plan, State};
 use crate::model::{Applied, Model, OWN, SPEED};
 
+/// Up to this share of the lanes, one in `FEW`, those that cannot take the exact step are made
+/// alone; beyond it sub-steps of the whole block cost less.
+const FEW: usize = 8;
+
 /// Advances `N` drives of one structure.
 #[derive(Debug, Clone)]
 pub struct Block<R, const N: usize> {
@@ -109,21 +113,28 @@ impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
         let Block { model, plan, room, saved, redo, .. } = block;
         let Some(plan) = plan else { return };
         saved.copy_from_slice(&state.x);
-        // The block moves as its first lane does; lanes that move otherwise are redone alone.
-        let sign = state.sign[0];
-        if let Some(affine) = plan.affine(sign) {
-            let next = affine.step(&state.x, applied);
+        let mut exact = [false; N];
+        let mut next = [[R::zero(); N]; OWN];
+        for way in [1.0, -1.0] {
+            let Some(affine) = plan.affine(way).filter(|_| state.sign.contains(&way)) else {
+                continue;
+            };
+            let there = affine.step(&state.x, applied);
             for l in 0..N {
-                let holds = !model.dry()
-                    || (state.sign[l] == sign && affine.holds(l, &state.x, &next, applied));
-                redo[l] = !holds;
+                let holds = !model.dry() | affine.holds(l, &state.x, &there, applied);
+                let goes = holds & (state.sign[l] == way);
+                for row in 0..OWN {
+                    next[row][l] = R::select(goes, there[row][l], next[row][l]);
+                }
+                exact[l] |= goes;
             }
-            state.x[..OWN].copy_from_slice(&next);
-            return;
         }
-        if model.dry() && sign == 0.0 && plan.forward.is_some() {
-            // Near rest in an affine drive the scalar run decides step by step.
-            *redo = [true; N];
+        let others = exact.iter().zip(&state.sign).filter(|(exact, s)| !**exact && **s != 0.0);
+        if plan.forward.is_some() && others.count() <= N / FEW {
+            state.x[..OWN].copy_from_slice(&next);
+            for l in 0..N {
+                redo[l] = !exact[l];
+            }
             return;
         }
         let h = plan.h.scaled(1.0 / plan.substeps as f64);
@@ -138,11 +149,19 @@ impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
             for l in 0..N {
                 let sign = state.sign[l];
                 let (first, last) = (before[l].value(), state.x[SPEED][l].value());
-                let ends = model.dry() & (sign * last < 0.0);
-                let dips =
-                    model.dry() & room.may_dip(l, sign, (sign * first, sign * last), h.value());
-                redo[l] |= ends | dips | plan.grain.too_coarse(l, first, last);
+                let ends = sign * last < 0.0;
+                let dips = room.may_dip(l, sign, (sign * first, sign * last), h.value());
+                let event = model.directed() & (ends | dips);
+                redo[l] |= event | plan.grain.too_coarse(l, first, last);
             }
+        }
+        for (values, next) in state.x.iter_mut().zip(&next) {
+            for l in 0..N {
+                values[l] = R::select(exact[l], next[l], values[l]);
+            }
+        }
+        for l in 0..N {
+            redo[l] &= !exact[l];
         }
     }
 }

@@ -34,8 +34,8 @@ use step::{Armature, Stages};
 pub use block::Block;
 
 /// Sub-step times fastest rate. A free oscillation is off by x^4 / 120 a radian at order four:
-/// 1e-7, which an armature that rings over several radians with all of its current sums to 4e-7.
-const RADIANS_A_STEP: f64 = 0.06;
+/// 5e-8, which an armature that rings over several radians with all of its current sums to 2e-7.
+const RADIANS_A_STEP: f64 = 0.05;
 /// Sub-step over armature time constant. The decay itself is exact; what is left is the quadrature
 /// of the torque of a current that dies away, x^4 / 2880 of it. Against an independent program
 /// over stick-slip runs (`tests/core/independent.rs`) the greatest error is 4e-8 of a variable's
@@ -50,7 +50,8 @@ const MOST_SUBSTEPS: usize = 100_000;
 pub struct State<R, const N: usize> {
     /// `x[state][lane]`, in the order of [`crate::model`].
     pub x: Vec<[R; N]>,
-    /// +1 forward, -1 backward, 0 stuck; +1 throughout for a drive without dry friction.
+    /// +1 forward, -1 backward, 0 stuck; never 0 without dry friction, and +1 throughout where
+    /// no law depends on it ([`Model::directed`]).
     pub sign: [f64; N],
 }
 
@@ -69,9 +70,11 @@ impl<R: Real, const N: usize> State<R, N> {
     /// Sets the speed, and with it the sign of the motion, of lane `l`.
     pub fn set_speed(&mut self, model: &Model<R, N>, l: usize, omega: R) {
         self.x[SPEED][l] = omega;
-        if model.dry() {
-            let value = omega.value();
-            self.sign[l] = if value == 0.0 { 0.0 } else { value.signum() };
+        let value = omega.value();
+        if model.dry() && value == 0.0 {
+            self.sign[l] = 0.0;
+        } else if model.directed() {
+            self.sign[l] = if value < 0.0 { -1.0 } else { 1.0 };
         }
     }
 }

@@ -20,12 +20,13 @@ pub(super) fn views<R: Real, const N: usize>(
     model: &Model<R, N>,
     x: &[[R; N]],
     applied: &Applied<R, N>,
+    sign: &[f64; N],
 ) -> Views<R, N> {
     let u = match &model.control {
         Some(_) => from_fn(|l| model.controlled(x, applied, l).map_or(applied.u[l], |c| c.u)),
         None => applied.u,
     };
-    views_under(model, x, applied, u)
+    views_under(model, x, applied, sign, u)
 }
 
 /// What the effects see under that input.
@@ -34,6 +35,7 @@ pub(super) fn views_under<R: Real, const N: usize>(
     model: &Model<R, N>,
     x: &[[R; N]],
     applied: &Applied<R, N>,
+    sign: &[f64; N],
     u: [R; N],
 ) -> Views<R, N> {
     let motors = &model.motors;
@@ -43,6 +45,7 @@ pub(super) fn views_under<R: Real, const N: usize>(
         i,
         omega: x[SPEED],
         theta: x[POSITION],
+        direction: sign.map(R::constant),
         u,
         drive: zero,
         load: applied.load,
@@ -115,7 +118,7 @@ pub fn field<R: Real, const N: usize>(
     dx: &mut [[R; N]],
     lambda: Option<&mut [[R; N]]>,
 ) {
-    let at = views(model, x, applied);
+    let at = views(model, x, applied, sign);
     let mut sum = sums(model, x, &at);
     let motors = &model.motors;
     for l in 0..N {
@@ -185,7 +188,7 @@ impl<R: Real> Rest<R> {
 
 /// The torques at the state `x`, whose speed is zero.
 pub fn rest<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], applied: &Applied<R, 1>) -> Rest<R> {
-    let at = views(model, x, applied);
+    let at = views(model, x, applied, &[0.0]);
     let sum = sums(model, x, &at);
     Rest { net: net(model, &at, &sum, 0), forward: sum.forward[0], backward: sum.backward[0] }
 }

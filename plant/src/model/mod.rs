@@ -52,6 +52,7 @@ pub struct Model<R, const N: usize> {
     stiff: Vec<bool>,
     dry: bool,
     control: Option<Controls<R, N>>,
+    kinked: bool,
     restless: bool,
 }
 
@@ -85,12 +86,13 @@ impl<R: Real> Model<R, 1> {
             stiff.extend(vec![is_stiff; own_states(part.kind)]);
         }
         let any = |of: fn(&Info) -> bool| parts.iter().filter_map(|q| info(q.kind)).any(of);
-        let dry = any(|i| i.dry) && !any(|i| i.replaces_dry);
+        let kinked = any(|i| i.replaces_dry);
+        let dry = any(|i| i.dry) && !kinked;
         let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
         let motors = Motors::splat(motor);
         let own_states = stiff.len() - OWN;
         let control = None;
-        Self { motors, force, placed, laws, p, own_states, stiff, dry, restless, control }
+        Self { motors, force, placed, laws, p, own_states, stiff, dry, kinked, restless, control }
     }
 }
 
@@ -126,6 +128,7 @@ impl<R: Real, const N: usize> Model<R, N> {
                 }
                 controls
             }),
+            kinked: first.kinked,
             restless: first.restless,
         }
     }
@@ -142,6 +145,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             stiff: self.stiff.clone(),
             dry: self.dry,
             control: self.control.map(|controls| Controls::splat(controls.lane(l))),
+            kinked: self.kinked,
             restless: self.restless,
         }
     }
@@ -176,6 +180,12 @@ impl<R: Real, const N: usize> Model<R, N> {
         self.dry
     }
 
+    /// Whether the field changes with the sign of the motion, so that changes of it are located:
+    /// dry friction, or a law that replaces it and is kinked at zero speed.
+    pub fn directed(&self) -> bool {
+        self.dry || self.kinked
+    }
+
     /// Whether the torque on a shaft at rest may turn round while the inputs are held: in the
     /// base drive it follows the current, which goes one way.
     pub(crate) fn restless(&self) -> bool {
@@ -198,7 +208,7 @@ impl<R: Real, const N: usize> Model<R, N> {
         let i = if !self.force {
             x[CURRENT]
         } else if self.control.is_some() {
-            field::views(self, x, applied).u
+            field::views(self, x, applied, &[0.0; N]).u
         } else {
             applied.u
         };
@@ -214,7 +224,7 @@ impl<R: Real, const N: usize> Model<R, N> {
         applied: &Applied<R, N>,
     ) -> OutputLanes<R, N> {
         if self.distorts_sensors() {
-            let at = field::views_under(self, x, applied, applied.u);
+            let at = field::views_under(self, x, applied, &[0.0; N], applied.u);
             for part in &self.placed {
                 part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
             }

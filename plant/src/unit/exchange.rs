@@ -1,6 +1,6 @@
 //! The continuous-time interface: an importer integrates, the unit answers.
 //!
-//! Event indicators of a drive with dry friction: while the shaft slips, its speed in the
+//! Event indicators of a drive with dry friction (or a law that is kinked at zero speed): while the shaft slips, its speed in the
 //! direction of motion; while it sticks, what is missing to break away forward and backward.
 //! Each is shifted by a hair, so that it lies clear of zero just after an event.
 
@@ -91,7 +91,7 @@ impl Unit {
                 self.sample();
             }
         }
-        let states_changed = self.sampled.model().dry() && self.update_sign();
+        let states_changed = self.sampled.model().directed() && self.update_sign();
         let next_event = self.period.map(|period| self.sample_time(period));
         Update { states_changed, next_event }
     }
@@ -107,6 +107,11 @@ impl Unit {
             return false;
         }
         if sign * state.x[SPEED][0] >= 0.0 {
+            return false;
+        }
+        if !self.sampled.model().dry() {
+            // Nothing sticks: the kink of the law is passed, and the state is continuous.
+            self.sampled.state_mut().sign = [-sign];
             return false;
         }
         let mut x = state.x.clone();

@@ -95,10 +95,10 @@ impl Unit {
         let sampled = Sampled::new(&drive, integrator, controlled);
         let states = vec![0.0; sampled.model().states()];
         Self {
-            variables: variables::list(&drive, controlled, sampled.model().dry()).into(),
+            variables: variables::list(&drive, controlled, sampled.model().directed()).into(),
             period: drive.controller.filter(|_| controlled).and_then(|c| c.period),
             derivatives: states.clone(),
-            indicators: vec![1.0; 2 * usize::from(sampled.model().dry())],
+            indicators: vec![1.0; 2 * usize::from(sampled.model().directed())],
             states,
             sampled,
             drive,

@@ -87,14 +87,14 @@ const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 /// A fault of -100 % is total; more would turn a gain round.
 const TOTAL_LOSS: f64 = -1.0;
 
-/// Every variable of the drive, open loop or controlled; `dry` if its shaft can stick.
-pub(super) fn list(drive: &Drive, controlled: bool, dry: bool) -> Vec<Variable> {
+/// Every variable of the drive, open loop or controlled; `signed` if the sign of its motion matters.
+pub(super) fn list(drive: &Drive, controlled: bool, signed: bool) -> Vec<Variable> {
     let mut list = Vec::new();
     inputs(&mut list, drive, controlled);
     faults(&mut list, drive);
     outputs(&mut list, drive, controlled);
     states(&mut list, drive, controlled);
-    if dry {
+    if signed {
         indicators(&mut list, drive);
     }
     for (number, parameter) in drive.parameters().into_iter().enumerate() {

@@ -218,10 +218,11 @@ fn summarise(
         .filter(|judged| matches!(judged.run, Run::Healthy(_)))
         .map(|judged| &judged.judgement)
         .collect();
-    let r_fd = ByMethod::of(|method| {
+    let r_fd = ByMethod::from_fn(|method| {
         healthy.iter().map(|j| j.false_rate(method)).sum::<f64>() / healthy.len() as f64
     });
-    let alarms = ByMethod::of(|method| healthy.iter().map(|j| j.alarms(method, 0..SAMPLES)).sum());
+    let alarms =
+        ByMethod::from_fn(|method| healthy.iter().map(|j| j.alarms(method, 0..SAMPLES)).sum());
     let rows = |reading: TorqueReading| -> Vec<DetectionRow> {
         Method::ALL
             .into_iter()

@@ -68,6 +68,7 @@ impl Expression {
             i: 0.0,
             omega: 0.0,
             theta: 0.0,
+            direction: 0.0,
             u: 0.0,
             drive: 0.0,
             load: 0.0,

@@ -353,6 +353,7 @@ mod tests {
             i: R::constant(2.0),
             omega,
             theta: zero,
+            direction: R::one(),
             u: zero,
             drive: zero,
             load: zero,

@@ -1,0 +1,96 @@
+//! The drives of the battery: one for every line of the registry, one with a typed law, one with
+//! everything. No second list of effects: what is registered is tested.
+
+use std::sync::Arc;
+
+use drivescope_numerics::Real;
+use drivescope_plant::effects::custom::{Law, Target};
+use drivescope_plant::effects::registry::{Entry, Kind, REGISTRY};
+use drivescope_plant::model::{Model, Part};
+
+use crate::support::{dr300_friction, dr300_motor};
+
+/// A drive of the battery: the DR300 with its friction, and one effect or all.
+pub(crate) struct Case {
+    pub(crate) name: &'static str,
+    /// The registered effect under test, if it is a single one.
+    pub(crate) entry: Option<&'static Entry>,
+    /// Kinds and nominal values of the parameters.
+    pub(crate) parts: Vec<(Kind, Vec<f64>)>,
+    pub(crate) laws: Arc<[Law]>,
+}
+
+impl Case {
+    /// The drive over any scalar; `value` turns the flat parameter number k into the scalar.
+    pub(crate) fn model<R: Real>(&self, mut value: impl FnMut(usize, f64) -> R) -> Model<R, 1> {
+        let mut k = 0;
+        let parts: Vec<Part<R>> = self
+            .parts
+            .iter()
+            .map(|(kind, values)| {
+                let parameters = values.iter().map(|v| {
+                    k += 1;
+                    value(k - 1, *v)
+                });
+                Part { kind: *kind, parameters: parameters.collect() }
+            })
+            .collect();
+        Model::new(dr300_motor(), false, &parts, self.laws.clone())
+    }
+
+    /// The drive at its nominal values.
+    pub(crate) fn nominal<R: Real>(&self) -> Model<R, 1> {
+        self.model(|_, value| R::constant(value))
+    }
+
+    /// Flat parameters of the effects.
+    pub(crate) fn parameters(&self) -> Vec<f64> {
+        self.parts.iter().flat_map(|(_, values)| values.clone()).collect()
+    }
+}
+
+fn friction() -> Vec<(Kind, Vec<f64>)> {
+    let parts = dr300_friction::<f64>();
+    parts.into_iter().map(|part| (part.kind, part.parameters)).collect()
+}
+
+fn nominal(entry: &Entry) -> (Kind, Vec<f64>) {
+    (entry.kind, entry.parameters.iter().map(|p| p.nominal).collect())
+}
+
+/// The base drive: motor, Coulomb and Stribeck friction.
+pub(crate) fn base() -> Case {
+    Case { name: "base", entry: None, parts: friction(), laws: Arc::from([]) }
+}
+
+/// The base drive with that effect added (its own friction once).
+pub(crate) fn with(entry: &'static Entry) -> Case {
+    let mut parts = friction();
+    parts.retain(|(kind, _)| *kind != entry.kind);
+    parts.push(nominal(entry));
+    Case { name: entry.info.id, entry: Some(entry), parts, laws: Arc::from([]) }
+}
+
+fn typed_law() -> Law {
+    let names = ["c".to_owned(), "a".to_owned()];
+    let text = "-c * omega * abs(omega) + a * sin(3 * theta) * exp(-i^2) * cos(t)";
+    Law::parse(Target::Torque, text, &names).expect("a valid law")
+}
+
+/// Every drive of the battery.
+pub(crate) fn cases() -> Vec<Case> {
+    let typed = (Kind::Custom(0), vec![3e-7, 0.002]);
+    let laws: Arc<[Law]> = Arc::from([typed_law()]);
+    let mut cases: Vec<Case> = REGISTRY.iter().map(with).collect();
+    let mut parts = friction();
+    parts.push(typed.clone());
+    cases.push(Case { name: "custom", entry: None, parts, laws: laws.clone() });
+    // Everything that leaves the shaft sticking, and everything.
+    for (name, sticks) in [("all that stick", true), ("all", false)] {
+        let chosen = REGISTRY.iter().filter(|entry| !(sticks && entry.info.replaces_dry));
+        let mut parts: Vec<(Kind, Vec<f64>)> = chosen.map(nominal).collect();
+        parts.push(typed.clone());
+        cases.push(Case { name, entry: None, parts, laws: laws.clone() });
+    }
+    cases
+}

@@ -1,0 +1,122 @@
+//! `study`: the whole experiment of the reference paper, through the exported FMU.
+//!
+//! Files of the folder: `study.json`, `report.html`; the FMUs `closed_loop_fmi2.fmu`,
+//! `closed_loop_fmi3.fmu`, `open_loop_fmi2.fmu`; and for every fault `runs/NAME.inputs.csv` and
+//! `runs/NAME.signals.csv`, from which any simulator can repeat the run.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use drivescope_fmu::description::Version;
+use drivescope_scenarios::results::TorqueReading;
+use drivescope_scenarios::study::{Progress, Study as Outcome, StudyOptions, study};
+use indicatif::ProgressBar;
+use miette::IntoDiagnostic;
+
+use super::Run;
+use crate::failure::{Ending, Failure};
+use crate::session::Session;
+use crate::{drive_source, fmu_file, interrupt, output};
+
+/// Run the main job: twelve faults in parallel through the exported FMU, tables and a report.
+#[derive(Debug, Args)]
+pub(crate) struct Study {
+    /// Folder for study.json, report.html, the FMUs and the runs.
+    #[arg(long, value_name = "DIR", default_value = "study")]
+    out: PathBuf,
+    /// Drive file, or the name of a built-in drive.
+    #[arg(long, value_name = "FILE", default_value = "dr300")]
+    drive: String,
+    /// What a motor torque that changes by a share means.
+    #[arg(long, value_enum, default_value_t = Torque::Flux)]
+    torque: Torque,
+    /// Confidence level of the bands: share of healthy samples outside them.
+    #[arg(long, default_value_t = 0.05)]
+    beta: f64,
+}
+
+/// Readings of the torque fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Torque {
+    /// The excitation flux changes: K_m and K_e.
+    Flux,
+    /// K_m alone changes.
+    TorqueConstant,
+    /// The gain of the amplifier changes.
+    Actuator,
+    /// A load of that share of the rated torque.
+    Load,
+}
+
+impl From<Torque> for TorqueReading {
+    fn from(torque: Torque) -> Self {
+        match torque {
+            Torque::Flux => Self::Flux,
+            Torque::TorqueConstant => Self::TorqueConstant,
+            Torque::Actuator => Self::Actuator,
+            Torque::Load => Self::Load,
+        }
+    }
+}
+
+impl Run for Study {
+    fn run(self, session: &Session) -> miette::Result<Ending> {
+        let drive = drive_source::drive(&self.drive)?;
+        let runs = self.out.join("runs");
+        let unwritable = |source| Failure::Write { path: runs.clone(), source };
+        std::fs::create_dir_all(&runs).map_err(unwritable)?;
+        let at = |name: &str| self.out.join(name);
+        session.check_writable(&[&at("study.json"), &at("report.html")])?;
+
+        let closed = at("closed_loop_fmi2.fmu");
+        let open = at("open_loop_fmi2.fmu");
+        fmu_file::write(&drive, false, Version::Two, &closed)?;
+        fmu_file::write(&drive, false, Version::Three, &at("closed_loop_fmi3.fmu"))?;
+        fmu_file::write(&drive, true, Version::Two, &open)?;
+
+        let torque = self.torque.into();
+        let options = StudyOptions { drive, seed: session.seed, torque, beta: self.beta };
+        let bar = session.progress(1, "training the process model");
+        let outcome = study(&options, (&closed, &open), &|step| show(&bar, step));
+        bar.finish_and_clear();
+        interrupt::check()?;
+        let outcome = outcome.into_diagnostic()?;
+
+        self.write(&outcome)?;
+        session.remark(format_args!("report: {}", at("report.html").display()));
+        session.answer(&crate::tables::study(&outcome.results), &outcome.results)?;
+        Ok(Ending::Done)
+    }
+}
+
+impl Study {
+    /// Writes results, report and runs.
+    fn write(&self, outcome: &Outcome) -> miette::Result<()> {
+        let text = |path: &Path, text: &str| output::write_file(path, |out| out.write_all(text.as_bytes()));
+        for run in &outcome.runs {
+            let name = run.fault.name.file_name();
+            let path = |kind: &str| self.out.join("runs").join(format!("{name}.{kind}.csv"));
+            output::write_recording(&path("inputs"), &run.inputs)?;
+            output::write_recording(&path("signals"), &run.signals)?;
+        }
+        let report = crate::report::study_html(&outcome.results, &outcome.pictures);
+        text(&self.out.join("report.html"), &report)?;
+        text(&self.out.join("study.json"), &output::json(&outcome.results)?)?;
+        Ok(())
+    }
+}
+
+/// Shows where the study is.
+fn show(bar: &ProgressBar, step: Progress) {
+    match step {
+        Progress::Training => bar.set_message("training the process model"),
+        Progress::Design => bar.set_message("designing the bands"),
+        Progress::Judging(runs) => {
+            bar.set_length(runs as u64);
+            bar.set_message("judging faulty and healthy runs");
+        }
+        Progress::Judged => bar.inc(1),
+    }
+}

@@ -10,4 +10,6 @@ pub mod description;
 #[cfg(feature = "export")]
 pub mod export;
 #[cfg(feature = "import")]
+pub mod cosim;
+#[cfg(feature = "import")]
 pub mod import;

@@ -1,9 +1,9 @@
 //! Groups of variables that are read or written together, whatever their types: FMI has one function
 //! a type, so a group is sorted by type once, and each transfer is then one C call a type.
 
-use super::binding::Handle;
 use super::description::{Description, FmiVersion, Type, Variable};
 use super::error::VariableProblem;
+use super::handle::Handle;
 use super::native::{Boolean2, Native};
 use super::status::Status;
 

@@ -39,15 +39,20 @@ impl Binary {
                 has: platforms(folder),
             });
         }
+        let mut needs_python = python::is_provided() && python::is_used_by(&path);
         let library = binding::load(&path, false).or_else(|source| {
             if python::is_missing(&source) {
                 python::provide(fmu)?;
+                needs_python = true;
                 binding::load(&path, false)
                     .map_err(|source| Error::Load { fmu: fmu.to_owned(), source })
             } else {
                 Err(Error::Load { fmu: fmu.to_owned(), source })
             }
         })?;
+        if needs_python {
+            binding::leave_before_finalisers();
+        }
         let functions = Functions::load(&library, description.fmi);
         Ok(Binary { functions, library })
     }

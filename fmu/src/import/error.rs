@@ -111,7 +111,10 @@ pub enum Error {
         has: Vec<String>,
     },
     /// The binary could not be loaded.
-    #[error("{fmu}: its binary cannot be loaded ({source}); install what it depends on")]
+    #[error(
+        "{fmu}: its binary cannot be loaded ({}); install what it depends on",
+        loader_says(source)
+    )]
     Load {
         /// The FMU's file name.
         fmu: String,
@@ -435,4 +438,9 @@ fn said(messages: &[Message]) -> impl fmt::Display {
     messages[first..]
         .iter()
         .fold(String::new(), |text, message| text + "; it says: " + &message.text)
+}
+
+/// The dynamic linker's own words, which the loading crate keeps as the source of its error.
+pub(super) fn loader_says(error: &libloading::Error) -> String {
+    std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
 }

@@ -10,9 +10,9 @@ use tempfile::TempDir;
 
 use super::archive::{self, Limits};
 use super::binary::{self, Binary};
-use super::binding::{Handle, Making};
 use super::description::{Description, FmiVersion, Kind};
 use super::error::Error;
+use super::handle::{Handle, Making};
 use super::instance::Instance;
 use super::logging::Log;
 use super::parse;
@@ -39,7 +39,7 @@ pub(super) struct Inner {
 pub struct InstanceOptions {
     /// Name of the instance, as it appears in errors and in what the FMU logs.
     pub name: String,
-    /// Whether the FMU should log in all its categories; warnings and errors come in any case.
+    /// Whether the FMU should log in all its categories. Most FMUs log errors in any case.
     pub logging: bool,
 }
 

@@ -8,16 +8,15 @@ use std::ffi::{CStr, c_char, c_void};
 
 use libloading::Library;
 
-use super::binding::{Callbacks, Environment, EventInfo, Pointer, symbol};
+use super::binding::{Callbacks, Environment, EventInfo, LogLine, Pointer, symbol};
 use super::description::{FmiVersion, Kind};
 use super::native::Boolean2;
 
 pub(super) type Instance = Pointer;
 type Text = *const c_char;
 pub(super) type Refs = *const u32;
-type LogLine = extern "C" fn(*const Environment, i32, Text, Text);
 
-/// A table of functions: field, symbol, type. `needed` lists those without which no run is possible.
+/// A table of functions: field, symbol, type.
 macro_rules! table {
     ($(#[$doc:meta])* $name:ident { $($field:ident = $symbol:literal ($($argument:ty),*) $(-> $result:ty)?;)* }) => {
         $(#[$doc])*

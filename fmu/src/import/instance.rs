@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use super::binding::Handle;
 use super::description::{FmiVersion, Kind};
 use super::error::Error;
 use super::fmu::{Fmu, Once};
+use super::handle::Handle;
 use super::integrator::Integrator;
 use super::logging::{Log, Message};
 use super::state::States;
@@ -36,6 +36,7 @@ pub(super) enum Mode {
     Stepping,
     Terminated,
     Failed,
+    Corrupt,
 }
 
 impl Mode {
@@ -46,6 +47,7 @@ impl Mode {
             Mode::Stepping => "running",
             Mode::Terminated => "terminated",
             Mode::Failed => "in an error state (reset it first)",
+            Mode::Corrupt => "corrupt after a fatal error (make a new one)",
         }
     }
 }
@@ -198,6 +200,7 @@ impl Instance {
     /// # Errors
     /// The FMU cannot be reset.
     pub fn reset(&mut self) -> Result<(), Error> {
+        self.callable("reset")?;
         let status = self.handle.reset();
         self.check("Reset", status)?;
         if self.integrator.is_some() {
@@ -227,6 +230,16 @@ impl Instance {
         Err(Error::Order { fmu, instance, call, mode: self.mode.name() })
     }
 
+    /// After a fatal error nothing may be called.
+    #[inline]
+    pub(super) fn callable(&self, call: &'static str) -> Result<(), Error> {
+        if self.mode != Mode::Corrupt {
+            return Ok(());
+        }
+        let (fmu, instance) = (self.fmu.name().to_owned(), self.name.clone());
+        Err(Error::Order { fmu, instance, call, mode: self.mode.name() })
+    }
+
     #[inline]
     pub(super) fn check(&mut self, function: &'static str, status: Status) -> Result<(), Error> {
         if status.is_good() { Ok(()) } else { Err(self.failed(function, status)) }
@@ -234,8 +247,13 @@ impl Instance {
 
     #[cold]
     pub(super) fn failed(&mut self, function: &'static str, status: Status) -> Error {
-        if matches!(status, Status::Error | Status::Fatal | Status::Undefined(_)) {
-            self.mode = Mode::Failed;
+        match status {
+            Status::Fatal => {
+                self.mode = Mode::Corrupt;
+                self.handle.abandon();
+            }
+            Status::Error | Status::Undefined(_) => self.mode = Mode::Failed,
+            _ => {}
         }
         Error::Call {
             fmu: self.fmu.name().to_owned(),
@@ -280,7 +298,9 @@ impl Drop for Instance {
             // Nobody is left to hear of an error.
             self.handle.terminate();
         }
-        self.states.free_all(&mut self.handle);
+        if !self.handle.is_abandoned() {
+            self.states.free_all(&mut self.handle);
+        }
     }
 }
 

@@ -12,9 +12,9 @@ use std::cell::RefCell;
 use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{DVector, Dopri5, System};
 
-use super::binding::Handle;
 use super::description::{Description, Kind};
 use super::error::IntegrationProblem;
+use super::handle::Handle;
 use super::status::Status;
 
 /// Relative tolerance if nobody states one.

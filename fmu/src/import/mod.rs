@@ -20,7 +20,7 @@
 //! ```
 //!
 //! Data flow: archive -> `modelDescription.xml` -> [`Description`]; binary -> function table -> handle
-//! -> [`Instance`]. All foreign calls are in `binding.rs`.
+//! -> [`Instance`]. All foreign code is reached through `binding.rs`.
 
 mod access;
 mod archive;
@@ -28,8 +28,11 @@ mod binary;
 mod binding;
 mod description;
 mod error;
+mod experiment;
 mod fmu;
 mod functions;
+mod handle;
+mod held;
 mod instance;
 mod integrator;
 mod logging;
@@ -38,14 +41,19 @@ mod parse;
 mod parse_structure;
 mod parse_variables;
 mod python;
+mod rules;
+mod rules_structure;
+mod run;
 mod state;
 mod status;
 mod units;
+mod validate;
 mod values;
 pub(crate) mod xml;
 
 pub use access::Group;
 pub use archive::Limits;
+pub(crate) use archive::unpack;
 pub use description::{
     Capabilities, Causality, DefaultExperiment, Description, Dimension, FmiVersion, Initial, Kind,
     Place, Structure, Type, TypeDefinition, Unknown, Variability, Variable,
@@ -53,10 +61,15 @@ pub use description::{
 pub use error::{
     Error, ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem, XmlProblem,
 };
+pub(crate) use experiment::steps;
 pub use fmu::{Fmu, InstanceOptions};
+pub(crate) use held::{Held, from_recorded};
 pub use instance::{Instance, Progress};
 pub use logging::Message;
+pub use run::{RunOptions, run};
 pub use state::State;
 pub use status::Status;
 pub use units::{BaseUnit, Conversion, Unit, convert};
+pub use validate::{Finding, Severity, validate};
 pub use values::Value;
+pub(crate) use values::nearest;

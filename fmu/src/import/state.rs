@@ -3,8 +3,9 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::binding::{Handle, Saved};
+use super::binding::Saved;
 use super::error::Error;
+use super::handle::Handle;
 use super::instance::{Instance, Mode};
 use super::integrator::Integrator;
 
@@ -138,6 +139,7 @@ impl Instance {
     }
 
     fn own(&self, state: &State) -> Result<(), Error> {
+        self.callable("a function of the FMU state")?;
         if Arc::ptr_eq(&state.dropped, &self.states.dropped) {
             return Ok(());
         }
@@ -149,6 +151,7 @@ impl Instance {
         has: impl Fn(&super::Capabilities) -> bool,
         capability: &'static str,
     ) -> Result<(), Error> {
+        self.callable(capability)?;
         if self.fmu.description().capabilities(self.kind()).is_some_and(has) {
             return Ok(());
         }

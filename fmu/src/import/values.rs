@@ -46,6 +46,7 @@ impl Instance {
         if references.len() != values.len() {
             return Err(self.lengths(references.len(), values.len()));
         }
+        self.callable("get")?;
         let status = self.handle.get(references, values);
         self.check("get Float64", status)
     }
@@ -83,6 +84,7 @@ impl Instance {
         if group.len() != values.len() {
             return Err(self.lengths(group.len(), values.len()));
         }
+        self.callable("read")?;
         group
             .read(&mut self.handle, self.fmi, values)
             .map_err(|failure| self.transfer_failed(failure, &[]))
@@ -129,6 +131,7 @@ impl Instance {
         let variable = self.variable(name)?;
         if variable.kind == Type::String {
             let reference = variable.reference;
+            self.callable("value")?;
             let (status, text) = self.handle.get_string(reference);
             self.check("get String", status)?;
             return Ok(Value::Text(text));
@@ -150,6 +153,7 @@ impl Instance {
         }
         let reference = variable.reference;
         let mut values = vec![0.0; self.fmu.description().elements(variable)];
+        self.callable("array")?;
         let status = self.handle.get(&[reference], &mut values);
         self.check("get Float64", status)?;
         Ok(values)
@@ -179,6 +183,7 @@ impl Instance {
             return Err(Error::Capability { fmu, capability: "a directional derivative" });
         }
         let mut values = vec![0.0; unknowns.len()];
+        self.callable("directional_derivative")?;
         let status = self.handle.directional_derivative(unknowns, knowns, seed, &mut values);
         self.check("GetDirectionalDerivative", status)?;
         Ok(values)
@@ -219,6 +224,7 @@ impl Instance {
     /// A Model Exchange instance takes inputs in event mode: a held input that changes is an event.
     #[inline]
     fn before_set(&mut self) -> Result<(), Error> {
+        self.callable("set")?;
         let Some(integrator) = self.integrator.as_mut().filter(|_| self.mode == Mode::Stepping)
         else {
             return Ok(());

@@ -1,0 +1,191 @@
+//! A system description as a file says it, whichever form the file has, and the system made of it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use drivescope_recording::Recording;
+use tempfile::TempDir;
+
+use crate::import::{Conversion, ExperimentProblem, Fmu, InstanceOptions, Kind, Value};
+
+use super::error::{Error, Problem};
+use super::fmu_component::FmuComponent;
+use super::system::{Algorithm, Experiment, System};
+use super::{ssp, text_form};
+
+/// Steps of a run for which nobody states a step size.
+const STEPS: f64 = 1000.0;
+
+/// A place in a file, from 1.
+pub(super) type Place = (u32, u32);
+
+/// A system description. Fields may be changed before the system is built.
+#[derive(Debug)]
+pub struct Document {
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// Start time, s.
+    pub start: Option<f64>,
+    /// Stop time, s; without it the latest one that an FMU proposes.
+    pub stop: Option<f64>,
+    /// Communication step size, s; without it the smallest one that an FMU proposes, or a
+    /// thousandth of the run.
+    pub step: Option<f64>,
+    /// Relative tolerance.
+    pub tolerance: Option<f64>,
+    /// How values are exchanged.
+    pub algorithm: Algorithm,
+    /// Whether a discarded step takes all components back to its start.
+    pub rollback: bool,
+    pub(super) components: Vec<ComponentEntry>,
+    pub(super) connections: Vec<ConnectionEntry>,
+    pub(super) inputs: Vec<InputEntry>,
+    pub(super) records: Vec<(String, Place)>,
+    /// The unpacked package of an `.ssp`, in which the FMUs are.
+    pub(super) package: Option<TempDir>,
+}
+
+#[derive(Debug)]
+pub(super) struct ComponentEntry {
+    pub(super) name: String,
+    pub(super) fmu: PathBuf,
+    /// Co-Simulation if it is offered, unless stated.
+    pub(super) kind: Option<Kind>,
+    pub(super) parameters: Vec<(String, Value, Place)>,
+    pub(super) place: Place,
+}
+
+#[derive(Debug)]
+pub(super) struct ConnectionEntry {
+    pub(super) from: String,
+    pub(super) to: String,
+    pub(super) scaling: Conversion,
+    pub(super) place: Place,
+}
+
+#[derive(Debug)]
+pub(super) struct InputEntry {
+    pub(super) recording: PathBuf,
+    pub(super) signal: String,
+    pub(super) to: String,
+    pub(super) place: Place,
+}
+
+/// Reads a system description: `.toml`, `.ssd` or `.ssp`.
+///
+/// # Errors
+/// A file that cannot be read or has another name; what is wrong in it, with line and column.
+pub fn open(path: impl AsRef<Path>) -> Result<Document, Error> {
+    let path = path.as_ref();
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("toml") => text_form::read(path),
+        Some("ssd") => ssp::read(path),
+        Some("ssp") => ssp::read_package(path),
+        _ => Err(Error::FileKind { path: path.to_owned() }),
+    }
+}
+
+impl Document {
+    pub(super) fn empty(path: &Path) -> Document {
+        Document {
+            path: path.to_owned(),
+            start: None,
+            stop: None,
+            step: None,
+            tolerance: None,
+            algorithm: Algorithm::default(),
+            rollback: false,
+            components: Vec::new(),
+            connections: Vec::new(),
+            inputs: Vec::new(),
+            records: Vec::new(),
+            package: None,
+        }
+    }
+
+    /// Opens the FMUs and builds the system. `read` reads a recording. Where nothing is said about
+    /// what to record, all outputs are recorded.
+    ///
+    /// # Errors
+    /// An FMU or recording that cannot be used; a connection, parameter or experiment that is wrong,
+    /// with line and column.
+    pub fn build(
+        &self,
+        read: &dyn Fn(&Path) -> Result<Recording, Box<dyn std::error::Error + Send + Sync>>,
+    ) -> Result<System<'static>, Error> {
+        let mut fmus: Vec<(PathBuf, Fmu)> = Vec::new();
+        let mut opened = Vec::new();
+        for entry in &self.components {
+            // Components of one FMU share the unpacked files and the loaded library.
+            let known = fmus.iter().find(|(path, _)| *path == entry.fmu);
+            let fmu = match known {
+                Some((_, fmu)) => fmu.clone(),
+                None => Fmu::open(&entry.fmu).map_err(|error| self.wrong(entry.place, error))?,
+            };
+            fmus.push((entry.fmu.clone(), fmu.clone()));
+            opened.push(fmu);
+        }
+        let mut system = System::new(self.experiment(&opened)?);
+        for (entry, fmu) in self.components.iter().zip(&opened) {
+            let kinds = fmu.description().kinds();
+            let kind = entry.kind.or(kinds.first().copied()).unwrap_or(Kind::CoSimulation);
+            let instance = fmu.instantiate(kind, &InstanceOptions::named(&entry.name));
+            let mut instance = instance.map_err(|error| self.wrong(entry.place, error))?;
+            for (name, value, place) in &entry.parameters {
+                instance.set_value(name, value).map_err(|error| self.wrong(*place, error))?;
+            }
+            let added = system.add(&entry.name, FmuComponent::new(instance));
+            added.map_err(|error| self.wrong(entry.place, error))?;
+        }
+        for entry in &self.connections {
+            let connected = system.connect_scaled(&entry.from, &entry.to, entry.scaling);
+            connected.map_err(|error| self.wrong(entry.place, error))?;
+        }
+        let mut recordings: Vec<(PathBuf, Arc<Recording>)> = Vec::new();
+        for entry in &self.inputs {
+            let known = recordings.iter().find(|(path, _)| *path == entry.recording);
+            let recording = match known {
+                Some((_, recording)) => Arc::clone(recording),
+                None => Arc::new(read(&entry.recording).map_err(|source| Error::Recording {
+                    path: entry.recording.clone(),
+                    source,
+                })?),
+            };
+            recordings.push((entry.recording.clone(), Arc::clone(&recording)));
+            let driven = system.input(&recording, &entry.signal, &entry.to);
+            driven.map_err(|error| self.wrong(entry.place, error))?;
+        }
+        for (port, place) in &self.records {
+            system.record(port).map_err(|error| self.wrong(*place, error))?;
+        }
+        if self.records.is_empty() {
+            system.record_all();
+        }
+        Ok(system)
+    }
+
+    fn experiment(&self, fmus: &[Fmu]) -> Result<Experiment, Error> {
+        let proposed = || fmus.iter().map(|fmu| fmu.description().default_experiment);
+        let start = self.start.unwrap_or(0.0);
+        let stop = self.stop.or_else(|| proposed().filter_map(|e| e.stop).reduce(f64::max));
+        let stop = stop.ok_or(Error::Experiment { problem: ExperimentProblem::NoStop })?;
+        let step = self.step.or_else(|| proposed().filter_map(|e| e.step).reduce(f64::min));
+        let experiment = Experiment {
+            tolerance: self.tolerance,
+            algorithm: self.algorithm.clone(),
+            rollback: self.rollback,
+            ..Experiment::new(start, stop, step.unwrap_or((stop - start) / STEPS))
+        };
+        experiment.steps().map_err(|problem| Error::Experiment { problem })?;
+        Ok(experiment)
+    }
+
+    pub(super) fn wrong(&self, place: Place, error: impl std::fmt::Display) -> Error {
+        wrong(&self.path, place, error.to_string())
+    }
+}
+
+/// A problem at a place of a file.
+pub(super) fn wrong(path: &Path, (line, column): Place, text: String) -> Error {
+    Error::Document { path: path.to_owned(), problem: Problem { line, column, text } }
+}

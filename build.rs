@@ -13,13 +13,18 @@ use std::process::{Command, exit};
 const PACKAGE: &str = "drivescope-fmu-drive";
 const STEM: &str = "drivescope_fmu_drive";
 /// What the library is made from.
-const SOURCES: [&str; 9] = [
+const SOURCES: [&str; 14] = [
     "Cargo.toml",
     "Cargo.lock",
-    "numerics",
-    "plant",
-    "recording",
+    "numerics/Cargo.toml",
+    "numerics/src",
+    "plant/Cargo.toml",
+    "plant/src",
+    "recording/Cargo.toml",
+    "recording/src",
     "fmu/Cargo.toml",
+    "fmu/build.rs",
+    "fmu/c",
     "fmu/src",
     "fmu/blocks",
     "fmu/drive",

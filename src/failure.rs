@@ -88,6 +88,10 @@ pub(crate) enum Failure {
         /// The effects.
         known: String,
     },
+    /// No FMU can be for this platform.
+    #[error("FMI has no name for this platform, so nothing could load the FMU")]
+    #[diagnostic(help("export on Linux or macOS (x86_64 or aarch64), or on Windows (x86_64)"))]
+    Platform,
     /// Two things that exclude each other, or one that needs another.
     #[error("{what}")]
     #[diagnostic(help("{instead}"))]

@@ -1,9 +1,9 @@
-//! A drive as an `.fmu` file: description, the library that the program carries, drive file.
+//! A drive as an `.fmu` file: description, embedded library, drive file.
 
 use std::path::Path;
 
 use drivescope_fmu::archive::{Archive, Platform};
-use drivescope_fmu::description::Version;
+use drivescope_fmu::description::{ModelDescription, Version};
 use drivescope_fmu::export::Model;
 use drivescope_fmu_blocks::{DRIVE_FILE, DriveModel, OPEN_LOOP_FILE};
 use drivescope_plant::drive::Drive;
@@ -11,23 +11,19 @@ use drivescope_plant::drive::Drive;
 use crate::failure::{Failure, told};
 use crate::interrupt;
 
-/// The shared library of exported drives, for the platform of this program (see `build.rs`).
+/// The shared library of this platform, built with the program (see `build.rs`).
 const LIBRARY: &[u8] = include_bytes!(env!("DRIVESCOPE_FMU_LIBRARY"));
 
-/// What was written.
-#[derive(Debug)]
-pub(crate) struct Written {
-    /// Folder of the platform inside the FMU.
-    pub(crate) folder: &'static str,
-    /// Variables of the FMU.
-    pub(crate) variables: usize,
-    /// Its continuous states.
-    pub(crate) states: usize,
-    /// Size of the file.
-    pub(crate) bytes: u64,
+/// The platform of this program, for which its FMUs are.
+///
+/// # Errors
+/// FMI has no name for it.
+pub(crate) fn platform() -> Result<Platform, Failure> {
+    Platform::host().ok_or(Failure::Platform)
 }
 
 /// Writes the FMU of a drive; `open_loop` makes u an input even if the drive has a controller.
+/// What the FMU says of itself.
 ///
 /// # Errors
 /// A platform that FMI does not name, or a file that cannot be written.
@@ -36,16 +32,12 @@ pub(crate) fn write(
     open_loop: bool,
     version: Version,
     path: &Path,
-) -> miette::Result<Written> {
-    let Some(platform) = Platform::host() else {
-        let what = "FMI has no name for this platform, so nothing could load the FMU".to_owned();
-        let instead = "export on Linux, Windows or macOS, on x86_64 or aarch64".to_owned();
-        return Err(Failure::Usage { what, instead }.into());
-    };
+) -> miette::Result<ModelDescription> {
+    let platform = platform()?;
     let text = drive.to_toml();
     let mut resources = vec![(DRIVE_FILE.to_owned(), text.as_bytes())];
     if open_loop {
-        resources.push((OPEN_LOOP_FILE.to_owned(), &b""[..]));
+        resources.push((OPEN_LOOP_FILE.to_owned(), b"u is an input\n".as_slice()));
     }
     let description = DriveModel::new(drive.clone(), open_loop).description();
     let archive = Archive {
@@ -56,12 +48,5 @@ pub(crate) fn write(
     };
     let _not_now = interrupt::writing();
     archive.write(version, path).map_err(told)?;
-    let size = std::fs::metadata(path);
-    let size = size.map_err(|source| Failure::Read { path: path.to_owned(), source })?;
-    Ok(Written {
-        folder: platform.folder(version),
-        variables: description.variables.len(),
-        states: description.states().len(),
-        bytes: size.len(),
-    })
+    Ok(description)
 }

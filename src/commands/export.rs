@@ -7,7 +7,7 @@ use drivescope_fmu::description::Version;
 use serde::Serialize;
 
 use super::Run;
-use crate::failure::Ending;
+use crate::failure::{Ending, Failure};
 use crate::session::Session;
 use crate::{drive_source, fmu_file};
 
@@ -46,10 +46,14 @@ impl Run for Export {
         let drive = drive_source::drive(&self.drive)?;
         session.check_writable(&[&self.output])?;
         let version = if self.fmi == 2 { Version::Two } else { Version::Three };
+        let platform = fmu_file::platform()?;
         let open_loop = self.open_loop || drive.controller.is_none();
-        let written = fmu_file::write(&drive, open_loop, version, &self.output)?;
+        let description = fmu_file::write(&drive, open_loop, version, &self.output)?;
+        let unread = |source| Failure::Read { path: self.output.clone(), source };
+        let bytes = std::fs::metadata(&self.output).map_err(unread)?.len();
         let name = drive.name;
-        let fmu_file::Written { folder, variables, states, bytes } = written;
+        let folder = platform.folder(version);
+        let (variables, states) = (description.variables.len(), description.states().len());
         let output = self.output.clone();
         let shape = if open_loop { "open loop, input u" } else { "closed loop, input reference" };
         let shown = format!(

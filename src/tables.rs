@@ -114,7 +114,7 @@ fn rates(study: &StudyResults) -> Table {
             percent(*study.r_fd.of(method), 2),
             percent(*study.paper.r_fd.of(method), 1),
             percent(study.beta, 0),
-            *study.healthy.alarms.of(method).to_string(),
+            study.healthy.alarms.of(method).to_string(),
         ]);
     }
     table.add_row([format!(

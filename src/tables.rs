@@ -2,12 +2,12 @@
 //!
 //! Plain text of at most 80 columns, without colours, so that it reads the same in a log.
 
-use comfy_table::{Cell, CellAlignment, Table, presets};
+use comfy_table::{Cell, CellAlignment, ContentLineStyle, LineStyle, Table, TableStyle};
 use drivescope_scenarios::results::{Method, StudyResults};
 
 use crate::report::words::{
-    count, difference, fault, greatest, number, p_value, paper_delay, paper_row, percent, rows_of,
-    si_units, torque, verdict,
+    count, difference, fault, given, greatest, number, p_value, paper_delay, paper_row, percent,
+    rows_of, si_units, torque, verdict,
 };
 
 /// What the study found, as text that ends in a line break: a table of detections a method, the
@@ -19,8 +19,13 @@ pub fn study(study: &StudyResults) -> String {
         let title = format!("Table 1, {}", method.label());
         text += &section(&title, &detection(study, method));
     }
-    text += "t_dt and delay in samples; in brackets: declared before the fault began\n";
-    text += &section("Healthy runs", &rates(study));
+    text += &format!(
+        "t_dt and delay in samples of {} ms; in brackets: declared before the fault began\n",
+        given(1e3 * study.drive.period_s)
+    );
+    let healthy = &study.healthy;
+    let title = format!("{}, {} samples", count(healthy.runs, "healthy run"), healthy.samples);
+    text += &section(&title, &rates(study));
     text += &section("Models and residual", &models(study));
     text += &section("Size of the symptom, S of (27)", &identification(study));
     text += &section("FMU against other runs, greatest relative difference", &fmu(study));
@@ -41,19 +46,22 @@ fn setting(study: &StudyResults) -> String {
     format!(
         "{} at {} {}, sampled every {} ms, seed {}\n\
          noise sd: reference {} {speed}, tachometer {} {speed}, current {} A, load {} {force}\n\
-         torque fault read as {}; faults act over samples {} to {}\n",
-        drive.name,
-        number(drive.set_point),
+         torque fault read as {}; faults act over samples {} to {}\n\
+         process model: {}\n",
+        // A name must not steer the terminal.
+        drive.name.replace(char::is_control, "?"),
+        given(drive.set_point),
         drive.tacho_unit,
-        number(1e3 * drive.period_s),
+        given(1e3 * drive.period_s),
         study.seed,
-        number(noise.reference),
-        number(noise.omega),
-        number(noise.i),
-        number(noise.torque),
+        given(noise.reference),
+        given(noise.omega),
+        given(noise.i),
+        given(noise.torque),
         torque(study.torque),
         study.fault_span.from,
         study.fault_span.to,
+        study.model.process_model,
     )
 }
 
@@ -61,11 +69,20 @@ fn section(title: &str, table: &Table) -> String {
     format!("\n{title}\n{table}\n")
 }
 
+/// Rules above and below, and one under the headings: rows need none.
+const RULES: TableStyle = TableStyle::new()
+    .top_border(RULE)
+    .header_lines(ContentLineStyle::none())
+    .header_separator(RULE)
+    .content_lines(ContentLineStyle::none())
+    .bottom_border(RULE);
+const RULE: LineStyle = LineStyle::new('─', '─', '─', '─');
+
 /// A table with these headings, the first `names` columns flush left, numbers flush right.
 fn table<const N: usize>(headings: [&str; N], names: usize) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
-    table.set_header(headings.map(|heading| Cell::new(heading)));
+    table.load_style(RULES);
+    table.set_header(headings.map(Cell::new));
     for (place, column) in table.column_iter_mut().enumerate() {
         let alignment = if place < names { CellAlignment::Left } else { CellAlignment::Right };
         column.set_cell_alignment(alignment);
@@ -111,26 +128,19 @@ fn rates(study: &StudyResults) -> Table {
     for method in Method::ALL {
         table.add_row([
             method.label().to_owned(),
-            percent(*study.r_fd.of(method), 2),
-            percent(*study.paper.r_fd.of(method), 1),
+            percent(study.r_fd.of(method), 2),
+            percent(study.paper.r_fd.of(method), 1),
             percent(study.beta, 0),
             study.healthy.alarms.of(method).to_string(),
         ]);
     }
-    table.add_row([format!(
-        "{} samples of {}",
-        study.healthy.samples,
-        count(study.healthy.runs, "run")
-    )]);
     table
 }
 
 fn models(study: &StudyResults) -> Table {
     let (model, unit) = (&study.model, &study.drive.tacho_unit);
-    let mut table = table(["", ""], 1);
-    table.set_header(["quantity", "value"]);
+    let mut table = table(["quantity", "value"], 2);
     let rows = [
-        ("process model", model.process_model.clone()),
         ("sd of its free-run error in training", format!("{} {unit}", number(model.training_sd))),
         (
             "residual on healthy design data, mean",
@@ -138,15 +148,9 @@ fn models(study: &StudyResults) -> Table {
         ),
         ("residual on healthy design data, sd", format!("{} {unit}", number(model.residual_sd))),
         ("error model: past outputs, past inputs", format!("{}, {}", model.n_a, model.n_b)),
-        (
-            "its SSE, one step, scaled signals",
-            format!(
-                "{} over {} samples (paper {} over 3000)",
-                number(model.error_model_sse),
-                model.error_model_samples,
-                number(study.paper.arx_sse)
-            ),
-        ),
+        ("its SSE, one step, scaled signals", number(model.error_model_sse)),
+        ("samples of that sum", model.error_model_samples.to_string()),
+        ("the paper's, over 3000 samples", number(study.paper.arx_sse)),
         ("v, sd of r - y_e", format!("{} {unit}", number(model.v))),
         (
             "constant thresholds",
@@ -192,4 +196,62 @@ fn fmu(study: &StudyResults) -> Table {
         }
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::testing::{fmpy, study as synthetic};
+
+    /// Columns of a plain terminal.
+    const WIDTH: usize = 80;
+
+    #[test]
+    fn tables_fit_a_plain_terminal() {
+        let mut found = synthetic();
+        found.fmu.fmpy = fmpy();
+        // What the drive and the models are called is not ours to shorten.
+        found.drive.name = "DR300".into();
+        for line in study(&found).lines().filter(|line| line.starts_with([' ', '\u{2500}'])) {
+            assert!(line.chars().count() <= WIDTH, "{line}");
+        }
+    }
+
+    #[test]
+    fn ours_stand_beside_the_papers() {
+        let mut found = synthetic();
+        found.detection[0].t_dt = None;
+        found.detection[0].delay = None;
+        found.detection[1].delay = None;
+        let text = study(&found);
+        let words = |start: &str| -> Vec<Vec<String>> {
+            let rows = text.lines().filter(|line| line.trim_start().starts_with(start));
+            rows.map(|row| row.split_whitespace().map(str::to_owned).collect()).collect()
+        };
+        let five = words("tacho +5 %");
+        assert_eq!(five[0][3..], ["f_1^1", "99.9", "97.9", "none", "4074", "-", "74"]);
+        assert_eq!(five[1][3..], ["f_1^1", "99.3", "98.1", "4054", "4072", "54", "72"]);
+        assert_eq!(five[2][3..], ["f_1^1", "9.00", "2.45"]);
+        assert_eq!(words("tacho -5 %")[0][6..], ["(4056)", "4055", "-", "55"]);
+        assert_eq!(words("flux -5 %")[1][6..], ["4055", "(3132)", "55", "-"]);
+        assert!(text.contains("10 of 12 faults detected by model error modelling, 0 false alarms"));
+        assert!(text.contains("fmpy was not run"));
+    }
+
+    #[test]
+    fn a_difference_that_is_no_number_is_not_hidden() {
+        let mut found = synthetic();
+        found.fmu.fmpy = fmpy();
+        found.fmu.fmpy[4].max_relative_difference = f64::NAN;
+        let text = study(&found);
+        let row = text.lines().find(|line| line.contains("FMI 2.0 CS")).unwrap();
+        assert!(row.contains("NaN"), "{row}");
+    }
+
+    #[test]
+    fn a_name_does_not_steer_the_terminal() {
+        let mut found = synthetic();
+        found.drive.name = "a\u{1b}[2Jb\n".into();
+        assert!(study(&found).starts_with("a?[2Jb? at 2000 rpm"));
+    }
 }

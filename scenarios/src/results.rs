@@ -179,12 +179,14 @@ impl<T> ByMethod<T> {
     pub fn from_fn(mut value: impl FnMut(Method) -> T) -> Self {
         Self { mem: value(Method::Mem), constant: value(Method::Constant) }
     }
+}
 
+impl<T: Copy> ByMethod<T> {
     /// The one of this method.
-    pub fn of(&self, method: Method) -> &T {
+    pub fn of(&self, method: Method) -> T {
         match method {
-            Method::Mem => &self.mem,
-            Method::Constant => &self.constant,
+            Method::Mem => self.mem,
+            Method::Constant => self.constant,
         }
     }
 }

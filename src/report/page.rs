@@ -74,6 +74,34 @@ pub(super) fn minus(text: &str) -> String {
     out
 }
 
+/// Text with its symbols typeset: `r_td` as r with a lowered td. A symbol is one letter,
+/// an underscore and what follows it of letters and digits.
+pub(super) fn math(text: &str) -> Markup {
+    let mut out = String::new();
+    // Up to here the text has been written.
+    let mut written = 0;
+    let mut before = ' ';
+    for (at, c) in text.char_indices() {
+        let rest = &text[at + c.len_utf8()..];
+        let index = rest.strip_prefix('_').map_or("", |rest| {
+            &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len())]
+        });
+        if c.is_ascii_alphabetic()
+            && !before.is_alphanumeric()
+            && before != '_'
+            && at >= written
+            && !index.is_empty()
+        {
+            let symbol = html! { (text[written..at]) (c) sub { (index) } };
+            out += &symbol.into_string();
+            written = at + 2 + index.len();
+        }
+        before = c;
+    }
+    out += &html! { (text[written..]) }.into_string();
+    PreEscaped(out)
+}
+
 /// The paper's label with raised and lowered digits: `f_1^2` as f₁².
 pub(super) fn label(label: &str) -> String {
     const LOWERED: [char; 10] = ['₀', '₁', '₂', '₃', '₄', '₅', '₆', '₇', '₈', '₉'];
@@ -97,6 +125,15 @@ pub(super) fn label(label: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn symbols_are_typeset_and_names_are_not() {
+        let text = math("r_td of <K_m>, file_name, a_, arx_2 K_e").into_string();
+        assert_eq!(
+            text,
+            "r<sub>td</sub> of &lt;K<sub>m</sub>&gt;, file_name, a_, arx_2 K<sub>e</sub>"
+        );
+    }
 
     #[test]
     fn signs_and_labels_are_typeset() {

@@ -40,6 +40,15 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// A number that was given, not measured: without the zeros that would claim precision.
+pub(crate) fn given(value: f64) -> String {
+    let text = number(value);
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
 /// A p value; one that is zero in floating point is only known to be small.
 pub(crate) fn p_value(p: f64) -> String {
     if p.is_nan() {
@@ -53,7 +62,7 @@ pub(crate) fn p_value(p: f64) -> String {
 
 /// A relative difference: equal bits are said.
 pub(crate) fn difference(relative: f64) -> String {
-    if relative == 0.0 { "0 (equal bits)".into() } else { format!("{relative:.1e}") }
+    if relative == 0.0 { "0 (equal)".into() } else { format!("{relative:.1e}") }
 }
 
 /// The unit of speed and of torque for T in this unit: only axes measure in m/s.
@@ -101,7 +110,7 @@ pub(crate) fn paper_delay(study: &StudyResults, row: &PaperRow) -> i64 {
 pub(crate) fn verdict(study: &StudyResults, method: Method) -> String {
     let rows = rows_of(&study.detection, method);
     let found = rows.iter().filter(|row| detected(row)).count();
-    let alarms = *study.healthy.alarms.of(method);
+    let alarms = study.healthy.alarms.of(method);
     let early: usize = rows.iter().map(|row| row.false_alarms).sum();
     let mut line = format!(
         "{found} of {} faults detected by {}, {} in {} healthy samples",
@@ -118,7 +127,7 @@ pub(crate) fn verdict(study: &StudyResults, method: Method) -> String {
 
 /// The greatest of these; not a number if one is not, for a maximum must not hide it.
 pub(crate) fn greatest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |most, v| if v.is_nan() || v > most { v } else { most })
+    values.into_iter().fold(0.0, |most: f64, v| if most.is_nan() || v <= most { most } else { v })
 }
 
 /// `1 run`, `2 runs`.
@@ -199,6 +208,9 @@ mod tests {
             assert_eq!(number(value), text);
         }
         assert_eq!(p_value(0.0), "< 1e-300");
+        assert_eq!(given(0.001), "0.001");
+        assert_eq!(given(2000.0), "2000");
+        assert_eq!(given(5.0), "5");
     }
 
     #[test]

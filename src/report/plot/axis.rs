@@ -104,7 +104,9 @@ fn tick_text(value: f64, step: f64) -> String {
     const MOST_DIGITS: f64 = 1e6;
     const LEAST_STEP: f64 = 1e-4;
     let value = if value.abs() < 1e-9 * step { 0.0 } else { value };
-    let text = if value != 0.0 && (value.abs() >= MOST_DIGITS || step < LEAST_STEP) {
+    let text = if value == 0.0 && step < LEAST_STEP {
+        "0".into()
+    } else if value != 0.0 && (value.abs() >= MOST_DIGITS || step < LEAST_STEP) {
         let digits = (value.abs().log10().floor() - step.log10().floor()).clamp(0.0, 6.0) as usize;
         format!("{value:.digits$e}")
     } else {

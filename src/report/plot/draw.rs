@@ -15,24 +15,18 @@ use std::fmt::Write;
 
 use super::axis::{Scale, span};
 use super::decimate::{envelope, extremes};
-use super::figure::{Figure, Layer, Panel, Strip};
+use super::figure::{Figure, Layer, Panel};
+use super::frame::{INNER, LEFT, RIGHT, STRIP, TEXT, heading, marks};
 use super::path::{area, polyline};
-use super::write::{WIDTH, escaped, plot, put, px, text, width};
+use super::write::{WIDTH, plot, put, px, text, width};
 
-const LEFT: f64 = 58.0;
-const RIGHT: f64 = 14.0;
 const HEADING: f64 = 24.0;
-const STRIP: f64 = 16.0;
 const FOOT: f64 = 36.0;
 const GAP: f64 = 4.0;
-/// Height of a text line.
-const TEXT: f64 = 12.0;
-/// Width of the plotting areas.
-const INNER: f64 = WIDTH - LEFT - RIGHT;
+/// Room for what spans and markers say, above the data of the first panel.
+const LABELS: f64 = 20.0;
 /// Width of a column of which only the extremes are kept: a pixel at the usual size.
 const COLUMN: f64 = 1.0;
-/// Least width of a mark in a strip that is still seen.
-const LEAST_MARK: f64 = 0.8;
 /// Pixels that a tick on an axis takes.
 const TICK_X: f64 = 90.0;
 const TICK_Y: f64 = 34.0;
@@ -89,8 +83,9 @@ impl Figure {
             .y
             .range
             .unwrap_or_else(|| span(panel.layers.iter().flat_map(|layer| layer.values(range))));
-        let y = Scale::new(ends, (height, 0.0));
-        let y_ticks = y.ticks(((height / TICK_Y) as usize).max(2));
+        let labelled = first && !(self.spans.is_empty() && self.markers.is_empty());
+        let y = Scale::new(ends, (height, if labelled { LABELS } else { 0.0 }));
+        let y_ticks = y_ticks(&y, height);
         put!(out, r#"<svg x="{LEFT}" y="{top}" width="{INNER}" height="{height}">"#);
         for shaded in &self.spans {
             let (from, to) = (x.at(shaded.from).max(0.0), x.at(shaded.to).min(INNER));
@@ -145,6 +140,15 @@ impl Figure {
     }
 }
 
+/// Ticks of a y axis: as many as its height has room for, but two at least, without which nobody
+/// could read off a value.
+fn y_ticks(y: &Scale, height: f64) -> Vec<(f64, String)> {
+    let wanted = ((height / TICK_Y) as usize).max(2);
+    // A step is at most five halves of what was wanted, so twice as many give two.
+    let enough = (wanted..2 * wanted + 2).map(|wanted| y.ticks(wanted)).find(|t| t.len() >= 2);
+    enough.unwrap_or_else(|| y.ticks(wanted))
+}
+
 fn draw(out: &mut String, layer: &Layer, x: &Scale, y: &Scale) {
     match layer {
         Layer::Line { points, ink, dash, .. } => {
@@ -169,69 +173,10 @@ fn draw(out: &mut String, layer: &Layer, x: &Scale, y: &Scale) {
     }
 }
 
-/// Name of the y axis at the left, the legend at the right.
-fn heading(out: &mut String, panel: &Panel, top: f64) {
-    const SAMPLE: f64 = 22.0;
-    let base = top - 7.0;
-    text(out, LEFT, base, "start", "heading", &panel.y.heading());
-    let mut right = WIDTH - RIGHT;
-    for layer in panel.layers.iter().rev().filter(|layer| !layer.label().is_empty()) {
-        let label = layer.label();
-        let left = right - width(label);
-        text(out, left, base, "start", "quiet", label);
-        let from = left - SAMPLE - 6.0;
-        let middle = base - 4.0;
-        match layer {
-            Layer::Line { ink, dash, .. } | Layer::Level { ink, dash, .. } => {
-                let (ink, dash) = (ink.class(), dash.class());
-                put!(out, r#"<path class="level {ink} {dash}" d="M{from} {middle}h{SAMPLE}"/>"#);
-            }
-            Layer::Band { ink, .. } => {
-                let (corner, class) = (middle - 5.0, ink.class());
-                put!(
-                    out,
-                    r#"<rect class="area edge {class}" x="{from}" y="{corner}" width="{SAMPLE}" height="10"/>"#
-                );
-            }
-        }
-        right = from - 18.0;
-    }
-}
-
-fn marks(out: &mut String, strip: &Strip, top: f64, x: &Scale) {
-    let middle = top + STRIP / 2.0 + 2.0;
-    let label = escaped(&strip.label);
-    put!(
-        out,
-        r#"<text x="{}" y="{}" text-anchor="end" class="inked {}">{label}</text>"#,
-        LEFT - 6.0,
-        middle + 4.0,
-        strip.ink.class()
-    );
-    let mut path = String::new();
-    let mut reached = f64::NEG_INFINITY;
-    for (from, to) in strip.runs() {
-        let (from, to) = (x.at(from).max(0.0), x.at(to).min(INNER));
-        // Marks narrower than a mark can be share one.
-        if from >= to || to <= reached {
-            continue;
-        }
-        let to = to.max(from + LEAST_MARK);
-        put!(path, "M{} {middle}H{}", px(LEFT + from), px(LEFT + to));
-        reached = to;
-    }
-    put!(
-        out,
-        r#"<path class="strip {}" stroke-width="{}" d="{path}"/>"#,
-        strip.ink.class(),
-        STRIP - 6.0
-    );
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::axis::Axis;
-    use super::super::figure::{Marker, Span};
+    use super::super::figure::{Marker, Span, Strip};
     use super::super::ink::{Dash, Ink};
     use super::*;
 
@@ -312,13 +257,9 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_touch_are_one_mark() {
-        let strip = Strip {
-            label: String::new(),
-            starts: vec![3.0, 4.0, 5.0, 9.0],
-            step: 1.0,
-            ink: Ink::Text,
-        };
-        assert_eq!(strip.runs(), [(3.0, 6.0), (9.0, 10.0)]);
+    fn a_value_can_be_read_off_every_axis() {
+        for (low, high) in [(1983.0, 2016.0), (-0.4, 0.9), (4.9, 5.6), (0.0, 3.1e-7)] {
+            assert!(y_ticks(&Scale::new((low, high), (54.0, 0.0)), 54.0).len() >= 2, "{low}");
+        }
     }
 }

@@ -152,3 +152,19 @@ impl Strip {
         runs
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_that_touch_are_one_mark() {
+        let strip = Strip {
+            label: String::new(),
+            starts: vec![3.0, 4.0, 5.0, 9.0],
+            step: 1.0,
+            ink: Ink::Text,
+        };
+        assert_eq!(strip.runs(), [(3.0, 6.0), (9.0, 10.0)]);
+    }
+}

@@ -16,6 +16,7 @@ pub mod axis;
 pub mod decimate;
 mod draw;
 mod figure;
+mod frame;
 mod ink;
 mod path;
 mod rows;

@@ -8,7 +8,7 @@ use super::decimate::Point;
 
 /// A polyline through pixel positions; a NaN lifts the pen. A point on its own is a dot, which
 /// round line caps make visible.
-pub fn polyline(points: impl IntoIterator<Item = Point>) -> String {
+pub(super) fn polyline(points: impl IntoIterator<Item = Point>) -> String {
     let mut path = String::new();
     let mut pen = Pen::Up;
     for (x, y) in points {
@@ -43,7 +43,7 @@ pub fn polyline(points: impl IntoIterator<Item = Point>) -> String {
 
 /// The area between two polylines, one closed shape a stretch without gaps; they have their
 /// points at the same places.
-pub fn area(lower: &[Point], upper: &[Point]) -> String {
+pub(super) fn area(lower: &[Point], upper: &[Point]) -> String {
     let gap = |k: usize| !(lower[k].1.is_finite() && upper[k].1.is_finite());
     let count = lower.len().min(upper.len());
     let mut path = String::new();

@@ -20,6 +20,8 @@ pub struct Rows {
     pub description: String,
     /// The axis of the values; bars need 0 on it.
     pub axis: Axis,
+    /// A place on the axis that is worth a line, and why.
+    pub reference: Option<(f64, String)>,
     /// What each row has a value of.
     pub series: Vec<Series>,
     /// Name of each row and its values, one a series.
@@ -35,6 +37,8 @@ pub struct Series {
     pub ink: Ink,
     /// Shape.
     pub mark: Mark,
+    /// Line of the row on which it is drawn, from 0: series may share one.
+    pub lane: usize,
 }
 
 /// How a value is drawn.
@@ -69,7 +73,7 @@ const FOOT: f64 = 36.0;
 const TEXT: f64 = 12.0;
 const LEGEND_MARK: f64 = 14.0;
 const TICK: f64 = 90.0;
-/// Height that one series takes of a row, and the room between rows.
+/// Height of a bar, of a line of a row, and of the room between rows.
 const BAR: f64 = 11.0;
 const LANE: f64 = 12.0;
 const BETWEEN: f64 = 10.0;
@@ -95,7 +99,8 @@ impl Rows {
         let left = self.rows.iter().map(|row| width(&row.0)).fold(60.0, f64::max) + 10.0;
         let inner = WIDTH - left - RIGHT;
         let x = Scale::new(self.axis.range.unwrap_or_else(|| self.span()), (left, left + inner));
-        let row_height = LANE * self.series.len() as f64 + BETWEEN;
+        let lanes = self.series.iter().map(|series| series.lane + 1).max().unwrap_or(1);
+        let row_height = LANE * lanes as f64 + BETWEEN;
         let bottom = HEADING + row_height * self.rows.len() as f64;
         let mut out = String::new();
         self.legend(&mut out, left);
@@ -105,13 +110,21 @@ impl Rows {
             put!(grid, "M{} {HEADING}V{bottom}", px(x.at(*value)));
             text(&mut out, x.at(*value), bottom + TEXT + 2.0, "middle", "quiet", label);
         }
+        for place in 1..self.rows.len() {
+            put!(grid, "M{left} {}h{inner}", HEADING + row_height * place as f64);
+        }
         put!(out, r#"<path class="grid" d="{grid}"/>"#);
+        if let Some((value, label)) = self.reference.as_ref().filter(|line| x.shows(line.0)) {
+            let at = px(x.at(*value));
+            put!(out, r#"<path class="level k-text d-dashed" d="M{at} {HEADING}V{bottom}"/>"#);
+            text(&mut out, at, bottom + 2.6 * TEXT, "middle", "", label);
+        }
         for (place, (name, values)) in self.rows.iter().enumerate() {
             let top = HEADING + row_height * place as f64 + BETWEEN / 2.0;
             let middle = top + (row_height - BETWEEN) / 2.0;
             text(&mut out, left - 8.0, middle + 4.0, "end", "", name);
-            for (lane, (series, value)) in self.series.iter().zip(values).enumerate() {
-                let y = top + LANE * (lane as f64 + 0.5);
+            for (series, value) in self.series.iter().zip(values) {
+                let y = top + LANE * (series.lane as f64 + 0.5);
                 draw(&mut out, series, value, y, &x, (left, left + inner));
             }
         }
@@ -138,7 +151,9 @@ impl Rows {
     fn legend(&self, out: &mut String, left: f64) {
         let mut at = left;
         for series in &self.series {
-            shape(out, series, at + LEGEND_MARK / 2.0, 10.0, at);
+            // A bar fills the place of its mark.
+            let x = at + if series.mark.is_bar() { LEGEND_MARK } else { LEGEND_MARK / 2.0 };
+            shape(out, series, x, 10.0, at);
             text(out, at + LEGEND_MARK + 6.0, 14.0, "start", "quiet", &series.label);
             at += LEGEND_MARK + 26.0 + width(&series.label);
         }
@@ -223,7 +238,8 @@ mod tests {
             title: "Rows".into(),
             description: "Of three kinds".into(),
             axis,
-            series: vec![Series { label: "ours & theirs".into(), ink: Ink::Blue, mark }],
+            reference: Some((50.0, "half & half".into())),
+            series: vec![Series { label: "ours & theirs".into(), ink: Ink::Blue, mark, lane: 0 }],
             rows: vec![
                 ("<a>".into(), vec![Value::Number(10.0)]),
                 ("b".into(), vec![Value::Number(-853.0)]),

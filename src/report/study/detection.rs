@@ -7,7 +7,7 @@ use drivescope_scenarios::results::{
 use maud::{Markup, html};
 
 use super::picture;
-use crate::report::page::{self, figure, label, minus, table};
+use crate::report::page::{self, figure, label, math, minus, table};
 use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
 use crate::report::words::{detected, fault, paper_delay, paper_row, percent, rows_of, torque};
 
@@ -22,14 +22,13 @@ pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
         &html! {
             (table_1(study, pictures))
             p.note {
-                "r_td: share of faulty samples outside the threshold. t_dt: sample of the "
-                "declaration. † declared before the fault began, a false alarm. Sizes are of the "
+                (math("r_td")) ": share of faulty samples outside the threshold. " (math("t_dt"))
+                ": sample of the declaration. † declared before the fault began, a false alarm. Sizes are of the "
                 "sensor or mechanism that fails; the label is the paper's."
             }
             (figure("delays", delays(study).svg(), "Delays to declaration", &html! {
-                "Delay from the fault's begin to its declaration. The rule itself takes "
-                (study.window) " samples: a mark near there means that the residual left its band "
-                "at once. Arrows carry the numbers of marks that lie off the axis; to the left are "
+                "Delay from the fault's begin to its declaration. A mark near the dashed line means "
+                "that the residual left its band at once. Arrows carry the numbers of marks that lie off the axis; to the left are "
                 "declarations made before the fault began."
             }))
         },
@@ -47,8 +46,8 @@ fn table_1(study: &StudyResults, pictures: &[Pictures]) -> Markup {
         }
         tr {
             @for _ in Method::ALL {
-                th.group.start colspan="2" scope="colgroup" { "r_td [%]" }
-                th.group.start colspan="2" scope="colgroup" { "t_dt [sample]" }
+                th.group.start colspan="2" scope="colgroup" { (math("r_td [%]")) }
+                th.group.start colspan="2" scope="colgroup" { (math("t_dt [sample]")) }
                 th.group.start colspan="2" scope="colgroup" { "delay [samples]" }
             }
         }
@@ -146,7 +145,7 @@ fn delays(study: &StudyResults) -> Rows {
     };
     let faults = rows_of(&study.detection, Method::Mem);
     let most = study.detection.iter().filter_map(|row| row.delay).max().unwrap_or(0) as f64;
-    let series = |label: &str, ink, mark| Series { label: label.into(), ink, mark };
+    let series = |label: &str, ink, mark, lane| Series { label: label.into(), ink, mark, lane };
     Rows {
         id: "delay-plot".into(),
         title: "Delay to declaration, each fault".into(),
@@ -154,11 +153,12 @@ fn delays(study: &StudyResults) -> Rows {
                       constant thresholds. The numbers are those of Table 1."
             .into(),
         axis: Axis::new("delay", "samples").from_to(0.0, (1.1 * most).max(LEAST_AXIS)),
+        reference: Some((study.window as f64, format!("the rule takes {} samples", study.window))),
         series: vec![
-            series("model error modelling, ours", Ink::Blue, Mark::Disc),
-            series("the same, paper", Ink::Blue, Mark::Circle),
-            series("constant thresholds, ours", Ink::Orange, Mark::Diamond),
-            series("the same, paper", Ink::Orange, Mark::HollowDiamond),
+            series("model error modelling, ours", Ink::Blue, Mark::Disc, 0),
+            series("the same, paper", Ink::Blue, Mark::Circle, 0),
+            series("constant thresholds, ours", Ink::Orange, Mark::Diamond, 1),
+            series("the same, paper", Ink::Orange, Mark::HollowDiamond, 1),
         ],
         rows: faults
             .iter()
@@ -180,7 +180,7 @@ pub(super) fn readings(study: &StudyResults) -> Markup {
         &html! {
             p {
                 "The paper raises and lowers \u{201c}motor torque\u{201d} without saying by what. "
-                "The tables above read it as " (torque(study.torque)) "."
+                "The tables above read it as " (math(torque(study.torque))) "."
             }
             @if study.readings.is_empty() {
                 p.note { "No other reading was run." }
@@ -202,7 +202,7 @@ fn readings_table(readings: &[ReadingRows]) -> Markup {
         tr {
             @for _ in Method::ALL {
                 th.start scope="col" { "detected" }
-                th scope="col" { "lowest r_td [%]" }
+                th scope="col" { (math("lowest r_td [%]")) }
                 th scope="col" { "longest delay [samples]" }
             }
         }
@@ -210,7 +210,7 @@ fn readings_table(readings: &[ReadingRows]) -> Markup {
     let body = html! {
         @for reading in readings {
             tr {
-                th scope="row" { (torque(reading.torque)) }
+                th scope="row" { (math(torque(reading.torque))) }
                 @for method in Method::ALL {
                     @let rows = rows_of(&reading.detection, method);
                     @let found = rows.iter().filter(|row| detected(row)).count();

@@ -29,7 +29,8 @@ pub(super) fn section(study: &StudyResults) -> Markup {
 }
 
 fn chart(rows: &[IdentificationRow]) -> Rows {
-    let series = |label: &str, mark| Series { label: label.into(), ink: Ink::Blue, mark };
+    let series =
+        |label: &str, mark, lane| Series { label: label.into(), ink: Ink::Blue, mark, lane };
     Rows {
         id: "sizes-plot".into(),
         title: "Size of the symptom S, each fault".into(),
@@ -37,7 +38,8 @@ fn chart(rows: &[IdentificationRow]) -> Rows {
                       table below."
             .into(),
         axis: Axis::new("S", "thresholds"),
-        series: vec![series("ours", Mark::Bar), series("paper", Mark::HollowBar)],
+        reference: None,
+        series: vec![series("ours", Mark::Bar, 0), series("paper", Mark::HollowBar, 1)],
         rows: rows
             .iter()
             .map(|row| {

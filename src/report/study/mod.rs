@@ -7,6 +7,7 @@ mod picture;
 mod residual;
 mod setting;
 mod summary;
+mod trace;
 
 use drivescope_scenarios::results::{Pictures, StudyResults};
 use maud::html;

@@ -5,12 +5,10 @@ use std::ops::Range;
 use drivescope_scenarios::results::{DetectionRow, Method, Pictures, StudyResults};
 use maud::{Markup, html};
 
-use crate::report::page::{self, figure, label, minus, table};
-use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Marker, Panel, Point, Span, Strip};
+use super::trace::drawing;
+use crate::report::page::{self, figure, label, math, minus, table};
 use crate::report::words::{fault, number, percent};
 
-const RESIDUAL_HEIGHT: f64 = 200.0;
-const SIGNAL_HEIGHT: f64 = 54.0;
 /// Rows of the data table of a run.
 const BLOCKS: usize = 20;
 
@@ -31,8 +29,8 @@ pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
         "Each run: residual and bands",
         &html! {
             p {
-                "The residual r = T \u{2212} y_m with its adaptive bands, around the time at which "
-                "the fault acts. Ticks below mark every sample outside the bands; a solid bar is "
+                "The residual " (math("r = T \u{2212} y_m")) " with its adaptive bands, around the time "
+                "at which the fault acts. Ticks below mark every sample outside the bands; a solid bar is "
                 "what the rule waits for. Constant thresholds are dashed."
             }
             @if pictures.is_empty() {
@@ -80,7 +78,7 @@ fn shown(study: &StudyResults, picture: &Pictures) -> Range<usize> {
 }
 
 /// Whether a sample lies outside the bands; where there is no band, it does not.
-fn outside(picture: &Pictures, k: usize) -> bool {
+pub(super) fn outside(picture: &Pictures, k: usize) -> bool {
     let at = |signal: &[f64]| signal.get(k).copied().unwrap_or(f64::NAN);
     let r = at(&picture.residual);
     r < at(&picture.lower) || r > at(&picture.upper)
@@ -91,84 +89,8 @@ fn share_outside(picture: &Pictures, samples: Range<usize>) -> f64 {
     samples.filter(|k| outside(picture, *k)).count() as f64 / count as f64
 }
 
-fn drawing(study: &StudyResults, picture: &Pictures, shown: &Range<usize>, id: &str) -> Figure {
-    let unit = &study.drive.tacho_unit;
-    let points = |signal: &[f64]| -> Vec<Point> {
-        shown.clone().filter_map(|k| Some((k as f64, *signal.get(k)?))).collect()
-    };
-    let band = shown
-        .clone()
-        .filter_map(|k| Some((k as f64, *picture.lower.get(k)?, *picture.upper.get(k)?)));
-    let level = |label: &str, y| Layer::Level {
-        label: label.into(),
-        y,
-        ink: Ink::Green,
-        dash: Dash::Dashed,
-    };
-    let line = |label: &str, signal: &[f64], ink| Layer::Line {
-        label: label.into(),
-        points: points(signal),
-        ink,
-        dash: Dash::Solid,
-    };
-    let signal = |name: &str, unit: &str, values: &[f64]| Panel {
-        height: SIGNAL_HEIGHT,
-        y: Axis::new(name, unit),
-        layers: vec![line("", values, Ink::Text)],
-        strip: None,
-    };
-    let span = study.fault_span;
-    let acts = picture.fault.as_ref().map(|_| Span {
-        from: span.from as f64,
-        to: span.to as f64,
-        label: "fault acts".into(),
-    });
-    let declared = picture.declared.map(|sample| Marker {
-        x: sample as f64,
-        label: format!("declared {sample}"),
-        ink: Ink::Vermilion,
-    });
-    Figure {
-        id: format!("{id}-plot"),
-        title: format!("Residual and bands, {}", name(picture)),
-        description: caption(study, picture, shown),
-        x: Axis::new("sample", format!("{} ms each", number(1e3 * study.drive.period_s)))
-            .from_to(shown.start as f64, shown.end as f64),
-        spans: acts.into_iter().collect(),
-        markers: declared.into_iter().collect(),
-        panels: vec![
-            Panel {
-                height: RESIDUAL_HEIGHT,
-                y: Axis::new("residual r", unit),
-                layers: vec![
-                    Layer::Band {
-                        label: "adaptive band".into(),
-                        points: band.collect(),
-                        ink: Ink::Blue,
-                    },
-                    line("residual", &picture.residual, Ink::Text),
-                    level("constant thresholds", study.model.constant.0),
-                    level("", study.model.constant.1),
-                ],
-                strip: Some(Strip {
-                    label: "outside".into(),
-                    starts: shown
-                        .clone()
-                        .filter(|k| outside(picture, *k))
-                        .map(|k| k as f64)
-                        .collect(),
-                    step: 1.0,
-                    ink: Ink::Vermilion,
-                }),
-            },
-            signal("tachometer T", unit, &picture.t),
-            signal("control signal C_m", "V", &picture.c_m),
-        ],
-    }
-}
-
 /// What to see, in words.
-fn caption(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> String {
+pub(super) fn caption(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> String {
     let Some(name) = &picture.fault else {
         let declared = match picture.declared {
             Some(sample) => format!("a fault was declared at sample {sample}: a false alarm"),
@@ -224,7 +146,7 @@ fn data(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> Marku
             th scope="col" { "mean upper band [" (unit) "]" }
             th scope="col" { "outside [%]" }
             th scope="col" { "mean T [" (unit) "]" }
-            th scope="col" { "mean C_m [V]" }
+            th scope="col" { (math("mean C_m [V]")) }
         }
     };
     let body = html! {

@@ -3,8 +3,8 @@
 use drivescope_scenarios::results::{Method, StudyResults};
 use maud::{Markup, html};
 
-use crate::report::page::{self, minus, table};
-use crate::report::words::{TEST_LEVEL, normality, number, p_value, percent, whiteness};
+use crate::report::page::{self, math, minus, table};
+use crate::report::words::{TEST_LEVEL, given, normality, number, p_value, percent, whiteness};
 
 /// The section.
 pub(super) fn section(study: &StudyResults) -> Markup {
@@ -19,7 +19,7 @@ fn alarms(study: &StudyResults) -> Markup {
     let head = html! {
         tr {
             th.name scope="col" { "Method" }
-            th scope="col" { "r_fd [%]" }
+            th scope="col" { (math("r_fd [%]")) }
             th.theirs scope="col" { "paper [%]" }
             th scope="col" { "designed [%]" }
             th scope="col" { "false alarms" }
@@ -30,11 +30,11 @@ fn alarms(study: &StudyResults) -> Markup {
         @for method in Method::ALL {
             @let rows = study.detection.iter().filter(|row| row.method == method);
             @let early: usize = rows.map(|row| row.false_alarms).sum();
-            @let alarms = *study.healthy.alarms.of(method);
+            @let alarms = study.healthy.alarms.of(method);
             tr {
                 th scope="row" { (method.label()) }
-                td { (percent(*study.r_fd.of(method), 2)) }
-                td.theirs { (percent(*study.paper.r_fd.of(method), 1)) }
+                td { (percent(study.r_fd.of(method), 2)) }
+                td.theirs { (percent(study.paper.r_fd.of(method), 1)) }
                 td { (percent(study.beta, 1)) }
                 td { span.alert[alarms > 0] { (alarms) } }
                 td { span.alert[early > 0] { (early) } }
@@ -44,7 +44,7 @@ fn alarms(study: &StudyResults) -> Markup {
     html! {
         (table("Healthy runs", &head, &body))
         p.note {
-            "r_fd: share of " (study.healthy.samples) " healthy samples outside the threshold. "
+            (math("r_fd")) ": share of " (study.healthy.samples) " healthy samples outside the threshold. "
             "False alarms: declarations in these samples; \u{201c}before a fault\u{201d}: in the "
             "healthy part of faulty runs."
         }
@@ -59,7 +59,7 @@ fn statistics(study: &StudyResults) -> Markup {
                 th scope="row" { (name) }
                 td { (minus(&number(value))) }
                 td.name { (unit) }
-                td.words { (note) }
+                td.words { (math(&note)) }
             }
         }
     };
@@ -100,7 +100,7 @@ fn assumptions(study: &StudyResults) -> Markup {
     let model = &study.model;
     let head = html! {
         tr {
-            th.name scope="col" { "Assumption on r \u{2212} y_e" }
+            th.name scope="col" { (math("Assumption on r \u{2212} y_e")) }
             th scope="col" { "p value" }
             th.name scope="col" { "Reading" }
         }
@@ -120,9 +120,9 @@ fn assumptions(study: &StudyResults) -> Markup {
     html! {
         (table("Do the assumptions of the bands (6), (7) hold?", &head, &body))
         p.note {
-            "Healthy data. A p value below " (number(TEST_LEVEL)) " rejects the assumption; many "
-            "samples reject it for deviations too small to matter, so the measured r_fd has the "
-            "last word."
+            "Healthy data. A p value below " (given(TEST_LEVEL)) " rejects the assumption; many "
+            "samples reject it for deviations too small to matter, so the measured " (math("r_fd"))
+            " has the last word."
         }
     }
 }

@@ -3,8 +3,8 @@
 use drivescope_scenarios::results::StudyResults;
 use maud::{Markup, html};
 
-use crate::report::page;
-use crate::report::words::{count, number, percent, si_units, torque};
+use crate::report::page::{self, math};
+use crate::report::words::{count, given, percent, si_units, torque};
 
 /// Revolutions a minute of 1 rad/s.
 const RPM: f64 = 30.0 / std::f64::consts::PI;
@@ -13,8 +13,8 @@ const RPM: f64 = 30.0 / std::f64::consts::PI;
 fn speed(value: f64, tacho_unit: &str) -> String {
     let (unit, _) = si_units(tacho_unit);
     match tacho_unit {
-        "rpm" => format!("{} {unit} ({} rpm)", number(value), number(value * RPM)),
-        _ => format!("{} {unit}", number(value)),
+        "rpm" => format!("{} {unit} ({} rpm)", given(value), given(value * RPM)),
+        _ => format!("{} {unit}", given(value)),
     }
 }
 
@@ -24,11 +24,11 @@ pub(super) fn section(study: &StudyResults) -> Markup {
     let unit = &drive.tacho_unit;
     let (_, force) = si_units(unit);
     let span = study.fault_span;
-    let time = |samples: usize| number(samples as f64 * drive.period_s);
+    let time = |samples: usize| given(samples as f64 * drive.period_s);
     let facts = [
         ("Drive", format!("{}, file {}", drive.name, drive.digest)),
-        ("Set point", format!("{} {unit}, closed loop", number(drive.set_point))),
-        ("Sampling time", format!("{} ms", number(1e3 * drive.period_s))),
+        ("Set point", format!("{} {unit}, closed loop", given(drive.set_point))),
+        ("Sampling time", format!("{} ms", given(1e3 * drive.period_s))),
         (
             "Faults act over",
             format!(
@@ -42,16 +42,16 @@ pub(super) fn section(study: &StudyResults) -> Markup {
         ("Torque fault read as", torque(study.torque).to_owned()),
         ("Noise sd, reference", speed(noise.reference, unit)),
         ("Noise sd, tachometer", speed(noise.omega, unit)),
-        ("Noise sd, current", format!("{} A", number(noise.i))),
+        ("Noise sd, current", format!("{} A", given(noise.i))),
         (
             "Noise sd, load",
             format!(
                 "{} {force}, correlated over {} ms",
-                number(noise.torque),
-                number(1e3 * noise.torque_time)
+                given(noise.torque),
+                given(1e3 * noise.torque_time)
             ),
         ),
-        ("Seed of all random numbers", study.seed.to_string()),
+        ("Seed", study.seed.to_string()),
         (
             "Confidence level",
             format!("beta = {} % outside the bands, two-sided", percent(study.beta, 0)),
@@ -78,11 +78,13 @@ pub(super) fn section(study: &StudyResults) -> Markup {
         "setting",
         "Experiment",
         &html! {
-            dl.facts { @for (name, value) in facts { dt { (name) } dd { (value) } } }
+            dl.facts { @for (name, value) in facts {
+                    div { dt { (name) } dd { (math(&value)) } }
+                } }
             p.note {
                 "Each run is a co-simulation of the exported FMU, not of the plant itself. What is "
-                "watched is the residual r = T \u{2212} y_m between the tachometer and a model "
-                "that sees the control signal alone."
+                "watched is the residual " (math("r = T \u{2212} y_m")) " between the tachometer "
+                "and a model that sees the control signal " (math("C_m")) " alone."
             }
         },
     )

@@ -4,7 +4,7 @@ use drivescope_scenarios::results::{DetectionRow, Method, Pictures, StudyResults
 use maud::{Markup, html};
 
 use super::picture;
-use crate::report::page::{minus, section};
+use crate::report::page::{math, minus, section};
 use crate::report::words::{detected, lead, number, percent, rows_of, verdict};
 
 /// The verdict and the four figures that carry it.
@@ -33,7 +33,7 @@ pub(super) fn headline(study: &StudyResults) -> Markup {
             }
             div { dt { "Delay to declaration" } dd { (delays(study, &rows)) } }
             div {
-                dt { "Healthy samples outside, r_fd" }
+                dt { (math("Healthy samples outside, r_fd")) }
                 dd {
                     (percent(study.r_fd.mem, 2)) " %"
                     span.sub {

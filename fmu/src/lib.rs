@@ -6,10 +6,10 @@
 
 #[cfg(feature = "export")]
 pub mod archive;
+#[cfg(feature = "import")]
+pub mod cosim;
 pub mod description;
 #[cfg(feature = "export")]
 pub mod export;
-#[cfg(feature = "import")]
-pub mod cosim;
 #[cfg(feature = "import")]
 pub mod import;

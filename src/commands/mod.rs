@@ -1,8 +1,10 @@
 //! The commands: one file each, and its line in the list below. Help, completions and the manual
 //! page derive from it.
 
+mod cosim;
 mod effects;
 mod export;
+mod fmu;
 mod init;
 mod recording_options;
 mod schema;
@@ -44,6 +46,8 @@ commands! {
     Simulate: simulate::Simulate,
     Init: init::Init,
     Export: export::Export,
+    Fmu: fmu::Fmu,
+    Cosim: cosim::Cosim,
     Effects: effects::Effects,
     Schema: schema::Schema,
     Completions: shell::Completions,

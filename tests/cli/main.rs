@@ -3,8 +3,10 @@
 
 mod drive_files;
 mod export;
+mod fmu;
 mod help;
 mod init;
+mod interrupt;
 mod simulate;
 
 use std::path::Path;

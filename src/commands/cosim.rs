@@ -1,0 +1,88 @@
+//! `cosim`: connected FMUs, stepped together.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use drivescope_fmu::cosim::{End, open};
+use drivescope_recording::{ReadOptions, Recording, read};
+use serde::Serialize;
+
+use super::Run;
+use crate::failure::{Ending, told};
+use crate::output;
+use crate::session::Session;
+
+/// Co-simulate connected FMUs and write a recording of their outputs.
+#[derive(Debug, Args)]
+pub(crate) struct Cosim {
+    /// System description: SSP (.ssp, .ssd) or .toml.
+    system: PathBuf,
+    /// Recording to write (.csv).
+    #[arg(short, long, value_name = "REC")]
+    output: PathBuf,
+}
+
+#[derive(Debug, Serialize)]
+struct Answer {
+    output: PathBuf,
+    samples: usize,
+    start: f64,
+    period: f64,
+    signals: Vec<String>,
+    /// Whether the stop time was reached, and what happened if not.
+    complete: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ended: Option<String>,
+    algebraic_loops: Vec<Vec<String>>,
+}
+
+fn recording(path: &Path) -> Result<Recording, Box<dyn std::error::Error + Send + Sync>> {
+    Ok(read(path, &ReadOptions::default())?.0)
+}
+
+/// Why the run ended early, if it did.
+fn early(end: &End) -> Option<String> {
+    match end {
+        End::Stop => None,
+        End::Terminated { component, time } => {
+            Some(format!("`{component}` asked to end the simulation at {time} s"))
+        }
+        End::Discarded { component, time, reached, .. } => Some(format!(
+            "`{component}` could not complete the step from {time} s: it reached {reached} s"
+        )),
+    }
+}
+
+impl Run for Cosim {
+    fn run(self, session: &Session) -> miette::Result<Ending> {
+        let document = open(&self.system).map_err(told)?;
+        session.check_writable(&[&self.output])?;
+        let mut system = document.build(&recording).map_err(told)?;
+        let outcome = system.run().map_err(told)?;
+        output::write_recording(&self.output, &outcome.recording)?;
+        let recording = &outcome.recording;
+        let (samples, period) = (recording.len(), recording.period_s);
+        let output = self.output.clone();
+        let mut text = format!("{samples} samples every {period} s: {}\n", output.display());
+        let ended = early(&outcome.end);
+        if let Some(ended) = &ended {
+            let _ = writeln!(text, "ended early: {ended}");
+        }
+        for outputs in &outcome.algebraic_loops {
+            let _ = writeln!(text, "algebraic loop, solved at the start: {}", outputs.join(", "));
+        }
+        let answer = Answer {
+            signals: recording.signals.iter().map(|signal| signal.header()).collect(),
+            output,
+            samples,
+            start: recording.start_s,
+            period,
+            complete: ended.is_none(),
+            ended,
+            algebraic_loops: outcome.algebraic_loops,
+        };
+        session.answer(&text, &answer)?;
+        Ok(Ending::Done)
+    }
+}

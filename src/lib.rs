@@ -15,10 +15,10 @@ mod fmu_file;
 mod interrupt;
 mod output;
 mod panics;
-mod report;
+pub mod report;
 mod session;
 mod simulation;
-mod tables;
+pub mod tables;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};

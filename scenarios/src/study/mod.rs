@@ -189,7 +189,7 @@ fn judge_run(
         }
     };
     let mut watch = diagnoser.watch()?;
-    let signals = cosimulated::closed_loop(fmu, &inputs, &mut watch)?;
+    let signals = cosimulated::closed_loop(fmu, &inputs, Some(&mut watch))?;
     let native = native::closed_loop(&experiment.drive, &inputs);
     let judgement = watch.judgement();
     let native = greatest_difference(&signals, &native);

@@ -1,7 +1,7 @@
 //! Whether the FMU computes what the drive computes, here and in another program.
 
 use drivescope_scenarios::results::{FaultName, FmuSummary, StudyResults};
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 
 use crate::report::page::{self, minus, table};
 use crate::report::words::{difference, fault};
@@ -25,6 +25,8 @@ pub(super) fn section(study: &StudyResults) -> Markup {
                 "each signal: "
                 strong { (minus(&difference(native))) } "."
             }
+            // The comparison with fmpy puts its table between these two.
+            (PreEscaped("<!-- fmpy -->"))
             @if fmu.fmpy.is_empty() {
                 p.note {
                     "fmpy was not run for this report. "
@@ -34,6 +36,7 @@ pub(super) fn section(study: &StudyResults) -> Markup {
             } @else {
                 (comparison(fmu))
             }
+            (PreEscaped("<!-- /fmpy -->"))
         },
     )
 }

@@ -168,7 +168,9 @@ pub(crate) fn lead(study: &StudyResults) -> String {
     let (with, without) = (study.model.v, study.model.residual_sd);
     let unit = &study.drive.tacho_unit;
     let narrower = 100.0 * (1.0 - with / without);
-    let change = if narrower >= 0.0 {
+    let change = if !narrower.is_finite() {
+        "not comparable with".into()
+    } else if narrower >= 0.0 {
         format!("{narrower:.0} % narrower than")
     } else {
         format!("{:.0} % wider than", -narrower)

@@ -204,8 +204,11 @@ fn draw(
     (left, right): (f64, f64),
 ) {
     let says = |out: &mut String, content: &str| {
-        let class = format!("inked {}", series.ink.class());
-        text(out, right - 4.0, y + 4.0, "end", &class, content);
+        text(out, right - 4.0, y + 4.0, "end", "", content);
+        // Whose it is; a bar has no shape apart from its length.
+        if !series.mark.is_bar() {
+            shape(out, series, right - 4.0 - width(content) - LEGEND_MARK, y, right);
+        }
     };
     match value {
         Value::Number(number) if !number.is_finite() => says(out, "not a number"),
@@ -253,8 +256,8 @@ mod tests {
         let svg = rows(Axis::new("delay", "samples").from_to(0.0, 100.0), Mark::Disc).svg();
         assert!(svg.contains("\u{2212}853"));
         assert!(svg.contains("not &lt;declared&gt;"));
-        // One disc in the legend and one in the chart.
-        assert_eq!(svg.matches("<circle").count(), 2);
+        // One disc in the legend, one in the chart, one before the words.
+        assert_eq!(svg.matches("<circle").count(), 3);
         let mut reader = quick_xml::Reader::from_str(&svg);
         while !matches!(reader.read_event().expect("well-formed"), quick_xml::events::Event::Eof) {}
     }

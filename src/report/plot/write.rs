@@ -59,7 +59,7 @@ pub(super) fn text(out: &mut String, x: f64, y: f64, anchor: &str, class: &str, 
 pub(super) fn plot(id: &str, title: &str, description: &str, height: f64, content: &str) -> String {
     let id = escaped(id);
     format!(
-        r#"<svg xmlns="http://www.w3.org/2000/svg" class="plot" viewBox="0 0 {WIDTH} {}" role="img" aria-labelledby="{id}-t {id}-d"><title id="{id}-t">{}</title><desc id="{id}-d">{}</desc>{content}</svg>"#,
+        r#"<svg class="plot" viewBox="0 0 {WIDTH} {}" role="img" aria-labelledby="{id}-t" aria-describedby="{id}-d"><title id="{id}-t">{}</title><desc id="{id}-d">{}</desc>{content}</svg>"#,
         px(height),
         escaped(title),
         escaped(description),

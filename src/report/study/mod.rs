@@ -76,6 +76,10 @@ mod tests {
             assert_eq!(page.select(&to).count(), 1, "one target for {target}");
         }
         assert!(!text.contains("url(") && !text.contains("@import"));
+        // The only address is the one in the drive's name, which is text.
+        let mut plain = study();
+        plain.drive.name.clear();
+        assert!(!study_html(&plain, &pictures()).contains("://"));
     }
 
     #[test]
@@ -124,6 +128,20 @@ mod tests {
     }
 
     #[test]
+    fn a_study_that_found_nothing_is_still_a_report() {
+        let mut study = study();
+        study.detection.clear();
+        study.readings.clear();
+        study.identification.clear();
+        study.paper.detection.clear();
+        study.model.residual_sd = 0.0;
+        let text = study_html(&study, &[]);
+        let page = Html::parse_document(&text);
+        assert!(page.errors.is_empty(), "{:?}", page.errors);
+        assert!(text.contains("0 of 0 faults detected") && !text.contains("NaN"));
+    }
+
+    #[test]
     fn numbers_that_are_none_do_not_reach_the_plots() {
         let mut pictures = pictures();
         pictures[0].lower.fill(f64::NAN);
@@ -133,6 +151,7 @@ mod tests {
             picture.t.clear();
         }
         let text = study_html(&study(), &pictures);
+        assert!(text.contains("The run ends before the fault begins"));
         for plot in text.split("<svg").skip(1).filter_map(|rest| rest.split("</svg>").next()) {
             assert!(!plot.contains("NaN") && !plot.contains("inf"), "{plot}");
         }

@@ -51,15 +51,26 @@ fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Markup {
             a href={ "#" (id) } { (capital(&name(picture))) }
             @if let Some(name) = &picture.fault { " \u{2002}" (label(&name.label)) }
         }
+        @if shown.is_empty() {
+            p.note { "The run ends before the fault begins: there is nothing to show." }
+        } @else {
+            (traces(study, picture, &shown, &id))
+        }
+    }
+}
+
+/// The drawing and its numbers.
+fn traces(study: &StudyResults, picture: &Pictures, shown: &Range<usize>, id: &str) -> Markup {
+    html! {
         (figure(
-            &id,
-            drawing(study, picture, &shown, &id).svg(),
+            id,
+            drawing(study, picture, shown, id).svg(),
             &format!("Residual, {}", name(picture)),
-            &html! { (caption(study, picture, &shown)) },
+            &html! { (caption(study, picture, shown)) },
         ))
         details {
-            summary { "Data of this picture, in blocks of " (block(&shown)) " samples" }
-            (data(study, picture, &shown))
+            summary { "Data of this picture, in blocks of " (block(shown)) " samples" }
+            (data(study, picture, shown))
         }
     }
 }

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::picture;
 use crate::report::page::{math, minus, section};
-use crate::report::words::{detected, lead, number, percent, rows_of, verdict};
+use crate::report::words::{detected, given, lead, percent, rows_of, verdict};
 
 /// The verdict and the four figures that carry it.
 pub(super) fn headline(study: &StudyResults) -> Markup {
@@ -52,11 +52,12 @@ fn delays(study: &StudyResults, rows: &[&DetectionRow]) -> Markup {
     let (Some(least), Some(most)) = (delays.first(), delays.last()) else {
         return html! { "none declared" };
     };
-    let median = delays[delays.len() / 2];
+    let middle = [delays[(delays.len() - 1) / 2], delays[delays.len() / 2]];
+    let median = (middle[0] + middle[1]) as f64 / 2.0;
     html! {
-        (number(1e3 * study.drive.period_s * median as f64)) " ms"
+        (given(1e3 * study.drive.period_s * median)) " ms"
         span.sub {
-            "median, " (median) " samples; " (least) " to " (most) " (the rule itself takes "
+            "median, " (median) " samples; range " (least) " to " (most) " (the rule itself takes "
             (study.window) ")"
         }
     }
@@ -102,8 +103,8 @@ pub(super) fn reading(study: &StudyResults) -> Markup {
                 li {
                     "They depend on the assumed noise (see "
                     a href="#setting" { "Experiment" }
-                    "), which the paper does not state. With less noise every fault is found "
-                    "sooner; with more, the smallest are found late or not at all."
+                    "), which the paper does not state. With more noise the smallest faults are "
+                    "found late or not at all; with less, smaller ones than these are found."
                 }
                 li {
                     "Adaptive bands lead over constant thresholds by what the process model lacks: "
@@ -113,7 +114,7 @@ pub(super) fn reading(study: &StudyResults) -> Markup {
                     "The share of healthy samples outside the bands is designed: "
                     (percent(study.beta, 0)) " %. It is right when it is met (here "
                     (percent(ours, 2)) " %), not when it is small. The paper's "
-                    (percent(paper, 1)) " % means that its bands were wider than its confidence "
+                    (percent(paper, 1)) " % suggests bands wider than its confidence "
                     "level asks for."
                 }
                 li {

@@ -17,7 +17,12 @@ import shutil
 import sys
 
 from export_checks.derivatives import check_derivatives
-from export_checks.edges import check_null_instance, check_storm, check_without_resources, storm
+from export_checks.edges import (
+    check_null_instance,
+    check_storm,
+    check_without_resources,
+    storm,
+)
 from export_checks.fmu import Fmu, Results, check
 from export_checks.runs import check_discrete_inputs, check_runs
 from export_checks.states import check_states
@@ -28,7 +33,9 @@ from fmpy.validation import validate_fmu
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("fmus", nargs="+", metavar="FMU")
-    parser.add_argument("--tolerance", type=float, default=1e-6, help="CS against ME, relative")
+    parser.add_argument(
+        "--tolerance", type=float, default=1e-6, help="CS against ME, relative"
+    )
     parser.add_argument("--skip-stress", action="store_true", help="no random calls")
     parser.add_argument("--storm", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()

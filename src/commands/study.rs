@@ -93,7 +93,9 @@ impl Run for Study {
 impl Study {
     /// Writes results, report and runs.
     fn write(&self, outcome: &Outcome) -> miette::Result<()> {
-        let text = |path: &Path, text: &str| output::write_file(path, |out| out.write_all(text.as_bytes()));
+        let text = |path: &Path, text: &str| {
+            output::write_file(path, |out| out.write_all(text.as_bytes()))
+        };
         for run in &outcome.runs {
             let name = run.fault.name.file_name();
             let path = |kind: &str| self.out.join("runs").join(format!("{name}.{kind}.csv"));

@@ -54,6 +54,8 @@ def check_states(fmu):
             changed = fmu.get(instance, reals).tobytes() != before
             instance.setFMUState(state)
             restored = fmu.get(instance, reals).tobytes() == before
-            check("Model Exchange: time, mode and inputs restored", changed and restored)
+            check(
+                "Model Exchange: time, mode and inputs restored", changed and restored
+            )
             fmu.iterate(instance)
             instance.freeFMUState(state)

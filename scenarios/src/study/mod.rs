@@ -27,8 +27,8 @@ use thiserror::Error;
 use crate::experiment::{Experiment, ExperimentError, Stream};
 use crate::faults::{Fault, SPAN, twelve};
 use crate::results::{
-    ByMethod, DetectionRow, DriveSummary, FaultSpan, FmuSummary, HealthySummary, Method, NoiseSummary,
-    Pictures, ReadingRows, StudyResults, TorqueReading,
+    ByMethod, DetectionRow, DriveSummary, FaultSpan, FmuSummary, HealthySummary, Method,
+    NoiseSummary, Pictures, ReadingRows, StudyResults, TorqueReading,
 };
 use crate::{cosimulated, native};
 use design::Diagnoser;

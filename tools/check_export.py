@@ -33,9 +33,7 @@ from fmpy.validation import validate_fmu
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("fmus", nargs="+", metavar="FMU")
-    parser.add_argument(
-        "--tolerance", type=float, default=1e-6, help="CS against ME, relative"
-    )
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="CS against ME, relative")
     parser.add_argument("--skip-stress", action="store_true", help="no random calls")
     parser.add_argument("--storm", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()

@@ -32,9 +32,7 @@ def chromium(*arguments):
             f"--user-data-dir={profile}",
             *arguments,
         ]
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=SECONDS, check=True
-        )
+        done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=True)
     return done.stdout, done.stderr
 
 
@@ -52,17 +50,13 @@ def main():
     outside = re.findall(r'(?:src|href)="(?:https?:)?//[^"]*', page)
     wrong += [f"it loads from outside: {link}" for link in outside]
     with tempfile.TemporaryDirectory() as folder:
-        picture = Path(
-            sys.argv[2] if len(sys.argv) > 2 else Path(folder) / "report.png"
-        )
+        picture = Path(sys.argv[2] if len(sys.argv) > 2 else Path(folder) / "report.png")
         chromium(f"--screenshot={picture}", "--window-size=1280,3000", report.as_uri())
         if picture.stat().st_size < 20_000:
             wrong.append("its screenshot is nearly empty")
     for problem in wrong:
         print(f"{report.name}: {problem}")
-    print(
-        f"{report.name}: {plots} plots, {report.stat().st_size} bytes, {len(wrong)} problems"
-    )
+    print(f"{report.name}: {plots} plots, {report.stat().st_size} bytes, {len(wrong)} problems")
     sys.exit(1 if wrong else 0)
 
 

@@ -1,8 +1,9 @@
 //! `study`: the whole experiment of the reference paper, through the exported FMU.
 //!
 //! Files of the folder: `study.json`, `report.html`; the FMUs `closed_loop_fmi2.fmu`,
-//! `closed_loop_fmi3.fmu`, `open_loop_fmi2.fmu`; and for every fault `runs/NAME.inputs.csv` and
-//! `runs/NAME.signals.csv`, from which any simulator can repeat the run.
+//! `closed_loop_fmi3.fmu`, `open_loop_fmi2.fmu`; and for every fault, a healthy run and
+//! one of stick-slip `runs/NAME.inputs.csv` and `runs/NAME.signals.csv`, from which any simulator
+//! can repeat the run.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -97,7 +98,7 @@ impl Study {
             output::write_file(path, |out| out.write_all(text.as_bytes()))
         };
         for run in &outcome.runs {
-            let name = run.fault.name.file_name();
+            let name = &run.name;
             let path = |kind: &str| self.out.join("runs").join(format!("{name}.{kind}.csv"));
             output::write_recording(&path("inputs"), &run.inputs)?;
             output::write_recording(&path("signals"), &run.signals)?;

@@ -25,9 +25,7 @@ def check_derivatives(fmu):
     unknowns = [u.variable.valueReference for u in rows]
     states = [u.variable.derivative.valueReference for u in fmu.description.derivatives]
     inputs = fmu.references(
-        lambda v: (
-            v.causality == "input" and v.variability == "continuous" and v.type in REAL
-        )
+        lambda v: v.causality == "input" and v.variability == "continuous" and v.type in REAL
     )
     worst = adjoint_error = 0.0
     undeclared = set()
@@ -59,9 +57,7 @@ def check_derivatives(fmu):
                 size = max(nominals[known] if known < nx else 1.0, 1e-9) * DIFFERENCE
                 expected = (values(known, size) - values(known, -size)) / (2 * size)
                 values(known, 0.0)
-                found = np.array(
-                    instance.getDirectionalDerivative(unknowns, [reference], [1.0])
-                )
+                found = np.array(instance.getDirectionalDerivative(unknowns, [reference], [1.0]))
                 columns.append(found)
                 scale = np.maximum(1.0, np.abs(expected))
                 worst = max(worst, np.max(np.abs(found - expected) / scale))
@@ -74,9 +70,7 @@ def check_derivatives(fmu):
             both = np.array(
                 instance.getDirectionalDerivative(unknowns, states + inputs, list(seed))
             )
-            worst = max(
-                worst, np.max(np.abs(both - jacobian @ seed) / np.maximum(1, abs(both)))
-            )
+            worst = max(worst, np.max(np.abs(both - jacobian @ seed) / np.maximum(1, abs(both))))
             if not fmu.two:
                 weights = np.sin(np.arange(len(unknowns)) + 1.0)
                 found = instance.getAdjointDerivative(

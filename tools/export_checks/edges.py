@@ -24,9 +24,7 @@ def check_null_instance(fmu):
                 if function.restype is not c_int or "Instantiate" in name:
                     continue
                 n += 1
-                arguments = [
-                    argument(random.Random(0), t, None) for t in function.argtypes[1:]
-                ]
+                arguments = [argument(random.Random(0), t, None) for t in function.argtypes[1:]]
                 if function(None, *arguments) != ERROR:
                     wrong.append(name)
             getattr(instance.dll, fmu.prefix + "FreeInstance")(None)
@@ -123,16 +121,10 @@ def argument(rng, kind, references):
             return None
         inner = kind._type_
         if inner is c_char_p:
-            values = [
-                rng.choice([b"logAll", b"logEvents", b"nonsense"]) for _ in range(64)
-            ]
+            values = [rng.choice([b"logAll", b"logEvents", b"nonsense"]) for _ in range(64)]
         elif inner is c_double:
             values = [rng.choice([0.0, 1.0, 0.3, -2.0, math.nan]) for _ in range(64)]
-        elif (
-            inner is c_void_p
-            or hasattr(inner, "_fields_")
-            or hasattr(inner, "contents")
-        ):
+        elif inner is c_void_p or hasattr(inner, "_fields_") or hasattr(inner, "contents"):
             return cast((inner * 64)(), POINTER(inner))
         else:
             values = [rng.choice(references or [0]) & 0x7F for _ in range(64)]
@@ -156,9 +148,7 @@ def storm(fmu, calls=20_000):
                 ]
                 for _ in range(calls // 20 // len(fmu.kinds)):
                     function = rng.choice(functions)
-                    arguments = [
-                        argument(rng, t, references) for t in function.argtypes[1:]
-                    ]
+                    arguments = [argument(rng, t, references) for t in function.argtypes[1:]]
                     status = function(instance.component, *arguments)
                     assert OK <= status <= FATAL, status
 

@@ -30,11 +30,7 @@ def check_runs(fmu, tolerance):
         cs, me = results.values()
         worst = 0.0
         for v in fmu.variables:
-            if (
-                v.causality == "output"
-                and v.type in REAL
-                and v.variability == "continuous"
-            ):
+            if v.causality == "output" and v.type in REAL and v.variability == "continuous":
                 scale = max(np.max(np.abs(cs[v.name])), 1e-300)
                 worst = max(worst, np.max(np.abs(cs[v.name] - me[v.name])) / scale)
         check("Co-Simulation equals Model Exchange", worst <= tolerance, f"{worst:.2e}")
@@ -78,15 +74,9 @@ def check_discrete_inputs(fmu, tolerance):
             runs.append(run)
         worst = 0.0
         for v in fmu.variables:
-            if (
-                v.causality == "output"
-                and v.type in REAL
-                and v.variability == "continuous"
-            ):
+            if v.causality == "output" and v.type in REAL and v.variability == "continuous":
                 cs, me = (run[v.name][4::5] for run in runs)
-                worst = max(
-                    worst, np.max(np.abs(cs - me)) / max(np.max(np.abs(cs)), 1e-300)
-                )
+                worst = max(worst, np.max(np.abs(cs - me)) / max(np.max(np.abs(cs)), 1e-300))
         check(
             f"discrete inputs{name}: the interfaces agree",
             worst <= tolerance,

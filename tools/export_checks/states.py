@@ -54,8 +54,6 @@ def check_states(fmu):
             changed = fmu.get(instance, reals).tobytes() != before
             instance.setFMUState(state)
             restored = fmu.get(instance, reals).tobytes() == before
-            check(
-                "Model Exchange: time, mode and inputs restored", changed and restored
-            )
+            check("Model Exchange: time, mode and inputs restored", changed and restored)
             fmu.iterate(instance)
             instance.freeFMUState(state)

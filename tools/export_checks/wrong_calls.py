@@ -9,18 +9,17 @@ from .fmu import DISCARD, ERROR, FATAL, OK, REAL, check
 def wrong_calls(fmu, instance):
     """(what, call, expected status) in a Co-Simulation instance; order matters."""
     c = instance.component
-    call = lambda name, *arguments: fmu.call(instance, name, c, *arguments)
+
+    def call(name, *arguments):
+        return fmu.call(instance, name, c, *arguments)
+
     real = "Real" if fmu.two else "Float64"
     output = fmu.references(
-        lambda v: (
-            v.causality == "output" and v.initial == "calculated" and v.type in REAL
-        )
+        lambda v: v.causality == "output" and v.initial == "calculated" and v.type in REAL
     )
     inputs = fmu.references(lambda v: v.causality == "input" and v.type in REAL)
     fixed = fmu.references(
-        lambda v: (
-            v.causality == "parameter" and v.variability == "fixed" and v.type in REAL
-        )
+        lambda v: v.causality == "parameter" and v.variability == "fixed" and v.type in REAL
     )
     parameter = fmu.references(lambda v: v.causality == "parameter" and v.type in REAL)
     constant = fmu.references(lambda v: v.variability == "constant" and v.type in REAL)
@@ -34,11 +33,12 @@ def wrong_calls(fmu, instance):
         return call(verb + kind, array, n, buffer, *([] if fmu.two else [n]))
 
     flags = (
-        ()
-        if fmu.two
-        else (byref(c_bool()), byref(c_bool()), byref(c_bool()), byref(c_double()))
+        () if fmu.two else (byref(c_bool()), byref(c_bool()), byref(c_bool()), byref(c_double()))
     )
-    step = lambda t, h: call("DoStep", t, h, 1, *flags)
+
+    def step(t, h):
+        return call("DoStep", t, h, 1, *flags)
+
     state = c_void_p(987654321)
     spelled = (
         ("FMUstate", "SerializedFMUstateSize", "DeSerializeFMUstate")
@@ -87,16 +87,12 @@ def wrong_calls(fmu, instance):
     )
     yield (
         "NULL references",
-        lambda: call(
-            "Get" + real, None, 1, (c_double * 1)(), *([] if fmu.two else [1])
-        ),
+        lambda: call("Get" + real, None, 1, (c_double * 1)(), *([] if fmu.two else [1])),
         ERROR,
     )
     yield (
         "NULL values",
-        lambda: call(
-            "Get" + real, (uint32 * 1)(*output[:1]), 1, None, *([] if fmu.two else [1])
-        ),
+        lambda: call("Get" + real, (uint32 * 1)(*output[:1]), 1, None, *([] if fmu.two else [1])),
         ERROR,
     )
     yield (
@@ -107,9 +103,7 @@ def wrong_calls(fmu, instance):
     if not fmu.two:
         yield (
             "array of the wrong length",
-            lambda: call(
-                "GetFloat64", (uint32 * 1)(*output[:1]), 1, (c_double * 2)(), 2
-            ),
+            lambda: call("GetFloat64", (uint32 * 1)(*output[:1]), 1, (c_double * 2)(), 2),
             ERROR,
         )
         yield (

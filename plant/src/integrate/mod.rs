@@ -34,14 +34,14 @@ use step::{Armature, Stages};
 pub use block::Block;
 
 /// Sub-step times fastest rate. A free oscillation is off by x^4 / 120 a radian at order four:
-/// 5e-8, which an armature that rings over several radians with all of its current sums to 2e-7.
-const RADIANS_A_STEP: f64 = 0.05;
+/// 1e-8, which an armature that rings over several radians with all of its current sums to 4e-8.
+const RADIANS_A_STEP: f64 = 0.033;
 /// Sub-step over armature time constant. The decay itself is exact; what is left is the quadrature
 /// of the torque of a current that dies away, x^4 / 2880 of it. Against an independent program
-/// over stick-slip runs (`tests/core/independent.rs`) the greatest error is 4e-8 of a variable's
-/// range, and 2e-7 where the shaft creeps at break-away and errors grow 40-fold; at 0.25 it is
-/// 4 times as large, at 1 it is 7e-5.
-const ARMATURE_A_STEP: f64 = 0.18;
+/// over stick-slip runs (`tests/core/independent.rs`) 0.18 leaves 4e-8 of a variable's range, and
+/// 2e-7 where the shaft creeps at break-away and errors grow 40-fold; this leaves a fifth of it,
+/// which Model Exchange in another simulator can tell (1e-7).
+const ARMATURE_A_STEP: f64 = 0.12;
 /// A drive that needs more sub-steps than this over one interval is stepped with this many.
 const MOST_SUBSTEPS: usize = 100_000;
 

@@ -84,6 +84,10 @@ pub struct Variable {
 
 /// Any value.
 const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+/// Nominal current, A, and nominal speeds and positions: rad/s and rad, m/s and m.
+const SMALL_CURRENT: f64 = 0.1;
+const SLOW_ROTARY: f64 = 1.0;
+const SLOW_LINEAR: f64 = 0.01;
 /// A fault of -100 % is total; more would turn a gain round.
 const TOTAL_LOSS: f64 = -1.0;
 
@@ -237,10 +241,16 @@ fn outputs(list: &mut Vec<Variable>, drive: &Drive, controlled: bool) {
 fn states(list: &mut Vec<Variable>, drive: &Drive, controlled: bool) {
     let speed = name_for_motion(drive.motion, "omega");
     let position = name_for_motion(drive.motion, "theta");
+    // An importer takes its absolute tolerance from the nominal values: they are those of slow
+    // motion, or sticking and breaking away would drown in it.
+    let slow = match drive.motion {
+        Motion::Rotary => SLOW_ROTARY,
+        Motion::Linear => SLOW_LINEAR,
+    };
     let mut names = vec![
-        ("armature.i".to_owned(), "A", "armature current", 1.0),
-        (format!("shaft.{speed}"), "rad/s", "speed of the motor shaft", 100.0),
-        (format!("shaft.{position}"), "rad", "position of the motor shaft", 100.0),
+        ("armature.i".to_owned(), "A", "armature current", SMALL_CURRENT),
+        (format!("shaft.{speed}"), "rad/s", "speed of the motor shaft", slow),
+        (format!("shaft.{position}"), "rad", "position of the motor shaft", slow),
     ];
     for effect in &drive.effects {
         let own = Entry::find(&effect.kind).map_or(&[][..], |entry| entry.states);

@@ -4,16 +4,11 @@ use std::path::Path;
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::file::DriveFileError;
+use drivescope_scenarios::drives::BUILT_IN;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
 use crate::failure::Failure;
-
-/// The drives that ship with the program: name and text of the drive file.
-const BUILT_IN: [(&str, &str); 2] = [
-    ("dr300", include_str!("../scenarios/drives/dr300.toml")),
-    ("emps", include_str!("../scenarios/drives/emps.toml")),
-];
 
 /// A drive file that is wrong, with the text around the place.
 #[derive(Debug, Error, Diagnostic)]

@@ -15,8 +15,10 @@ mod fmu_file;
 mod interrupt;
 mod output;
 mod panics;
+pub mod report;
 mod session;
 mod simulation;
+pub mod tables;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};

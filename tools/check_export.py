@@ -17,7 +17,12 @@ import shutil
 import sys
 
 from export_checks.derivatives import check_derivatives
-from export_checks.edges import check_null_instance, check_storm, check_without_resources, storm
+from export_checks.edges import (
+    check_null_instance,
+    check_storm,
+    check_without_resources,
+    storm,
+)
 from export_checks.fmu import Fmu, Results, check
 from export_checks.runs import check_discrete_inputs, check_runs
 from export_checks.states import check_states

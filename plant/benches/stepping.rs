@@ -19,7 +19,7 @@ use drivescope_plant::effects::registry::{Kind, REGISTRY};
 use drivescope_plant::integrate::{Block, Integrator, State};
 use drivescope_plant::model::{Applied, Model, Part};
 
-use support::{PERIOD, TOP_SPEED, closed_loop, dr300, dr300_friction, drive, ours, part};
+use support::{PERIOD, closed_loop, dr300, dr300_friction, drive, ours, part};
 
 /// Sub-steps of a sample in the benchmarks of a sub-step.
 const SUBSTEPS: usize = 20;
@@ -74,7 +74,8 @@ fn lanes<const N: usize>(model: &Model<f64, 1>) -> impl FnMut(usize) + use<N> {
 
 /// Stick-slip over a slow sine.
 fn stick_slip() -> impl FnMut(usize) {
-    let scenario = support::stick_slip().swap_remove(0);
+    let mut scenarios = support::stick_slip().into_iter();
+    let scenario = scenarios.find(|s| s.name == "slow sine").expect("it is one of them");
     let mut advance = ours(dr300());
     let mut k = 0;
     move |samples| {
@@ -139,7 +140,7 @@ fn ratios() {
     println!("32 lanes with four effects: {gain:.1} times the scalar throughput (bar: 4)");
 
     const SAMPLES: usize = 5000;
-    let dopri5 = || oracle::plain_dopri5(oracle::DR300, PERIOD);
+    let dopri5 = || oracle::run_by(oracle::Solver::Plain, oracle::DR300, PERIOD);
     let [own, other] = by_turns(
         15,
         || drop(black_box(closed_loop(SAMPLES, ours(dr300())))),

@@ -59,6 +59,9 @@ const REACHABLE: f64 = 0.75;
 const EXCITATION: [(f64, f64); 3] = [(1.7, 0.0), (1.1, -PI / 7.0), (0.3, PI / 3.0)];
 /// Amplitude of each sine: 3 V of the paper's 10 V.
 const EXCITATION_SHARE: f64 = 0.3;
+/// Slow reversals: amplitude as a share of the set point, and frequency, Hz.
+const SLOW_SHARE: f64 = 0.02;
+const SLOW_HZ: f64 = 0.2;
 /// The paper's control range, V: taken where the drive names none.
 const USUAL_LIMIT: f64 = 10.0;
 
@@ -113,6 +116,16 @@ impl Experiment {
             signals.push(self.input(&name, (0..samples).map(acts).collect()));
         }
         self.recording(signals)
+    }
+
+    /// Inputs of a closed-loop run that reverses slowly through rest, without noise: the shaft
+    /// sticks and breaks away at every reversal.
+    pub fn slow_reversals(&self, samples: usize) -> Recording {
+        let reference = (0..samples).map(|k| {
+            let t = k as f64 * self.period_s;
+            SLOW_SHARE * self.set_point * (2.0 * PI * SLOW_HZ * t).sin()
+        });
+        self.recording(vec![self.input("reference", reference.collect())])
     }
 
     /// Inputs of an open-loop run under the excitation (25), and the control signal C_m that

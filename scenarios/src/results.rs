@@ -15,6 +15,10 @@ pub struct StudyResults {
     pub torque: TorqueReading,
     /// Confidence level beta of the bands (two-sided).
     pub beta: f64,
+    /// When each fault acts.
+    pub fault_span: FaultSpan,
+    /// Samples in a row outside the threshold that declare a fault.
+    pub window: usize,
     /// One row a fault and method.
     pub detection: Vec<DetectionRow>,
     /// The rows of the other readings.
@@ -61,6 +65,15 @@ pub struct NoiseSummary {
     pub torque: f64,
     /// Its correlation time, s.
     pub torque_time: f64,
+}
+
+/// The samples over which a fault acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FaultSpan {
+    /// The first.
+    pub from: usize,
+    /// The first after it.
+    pub to: usize,
 }
 
 /// What "motor torque increased by a share" means (the paper does not say).
@@ -166,12 +179,14 @@ impl<T> ByMethod<T> {
     pub fn from_fn(mut value: impl FnMut(Method) -> T) -> Self {
         Self { mem: value(Method::Mem), constant: value(Method::Constant) }
     }
+}
 
-    /// The value of a method.
-    pub fn get(&self, method: Method) -> &T {
+impl<T: Copy> ByMethod<T> {
+    /// The one of this method.
+    pub fn of(&self, method: Method) -> T {
         match method {
-            Method::Mem => &self.mem,
-            Method::Constant => &self.constant,
+            Method::Mem => self.mem,
+            Method::Constant => self.constant,
         }
     }
 }
@@ -281,7 +296,8 @@ pub struct PaperRow {
     pub t_dt: usize,
 }
 
-/// Traces of one run for the pictures of the report: one value a sample.
+/// Traces of one run for the pictures of the report: one value a sample, from sample 0.
+/// A value that is not finite was not computed (the run-up of a band).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pictures {
     /// The fault; none for a healthy run.

@@ -10,6 +10,7 @@ mod recording_options;
 mod schema;
 mod shell;
 mod simulate;
+mod study;
 
 use clap::{Args, Subcommand};
 
@@ -41,6 +42,7 @@ macro_rules! commands {
 }
 
 commands! {
+    Study: study::Study,
     Simulate: simulate::Simulate,
     Init: init::Init,
     Export: export::Export,

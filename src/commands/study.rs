@@ -1,8 +1,9 @@
 //! `study`: the whole experiment of the reference paper, through the exported FMU.
 //!
 //! Files of the folder: `study.json`, `report.html`; the FMUs `closed_loop_fmi2.fmu`,
-//! `closed_loop_fmi3.fmu`, `open_loop_fmi2.fmu`; and for every fault `runs/NAME.inputs.csv` and
-//! `runs/NAME.signals.csv`, from which any simulator can repeat the run.
+//! `closed_loop_fmi3.fmu`, `open_loop_fmi2.fmu`; and for every fault, a healthy run and
+//! one of stick-slip `runs/NAME.inputs.csv` and `runs/NAME.signals.csv`, from which any simulator
+//! can repeat the run.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,10 +13,9 @@ use drivescope_fmu::description::Version;
 use drivescope_scenarios::results::TorqueReading;
 use drivescope_scenarios::study::{Progress, Study as Outcome, StudyOptions, study};
 use indicatif::ProgressBar;
-use miette::IntoDiagnostic;
 
 use super::Run;
-use crate::failure::{Ending, Failure};
+use crate::failure::{Ending, Failure, told};
 use crate::session::Session;
 use crate::{drive_source, fmu_file, interrupt, output};
 
@@ -82,7 +82,7 @@ impl Run for Study {
         let outcome = study(&options, (&closed, &open), &|step| show(&bar, step));
         bar.finish_and_clear();
         interrupt::check()?;
-        let outcome = outcome.into_diagnostic()?;
+        let outcome = outcome.map_err(told)?;
 
         self.write(&outcome)?;
         session.remark(format_args!("report: {}", at("report.html").display()));
@@ -94,9 +94,11 @@ impl Run for Study {
 impl Study {
     /// Writes results, report and runs.
     fn write(&self, outcome: &Outcome) -> miette::Result<()> {
-        let text = |path: &Path, text: &str| output::write_file(path, |out| out.write_all(text.as_bytes()));
+        let text = |path: &Path, text: &str| {
+            output::write_file(path, |out| out.write_all(text.as_bytes()))
+        };
         for run in &outcome.runs {
-            let name = run.fault.name.file_name();
+            let name = &run.name;
             let path = |kind: &str| self.out.join("runs").join(format!("{name}.{kind}.csv"));
             output::write_recording(&path("inputs"), &run.inputs)?;
             output::write_recording(&path("signals"), &run.signals)?;

@@ -78,8 +78,14 @@ def check_derivatives(fmu):
                 )
                 adjoint_error = np.max(np.abs(np.array(found) - weights @ jacobian))
     check(
-        "directional derivatives equal differences", worst <= DERIVATIVE_TOLERANCE, f"{worst:.1e}"
+        "directional derivatives equal differences",
+        worst <= DERIVATIVE_TOLERANCE,
+        f"{worst:.1e}",
     )
     if not fmu.two:
-        check("adjoint derivatives equal J' w", adjoint_error <= 1e-9, f"{adjoint_error:.1e}")
+        check(
+            "adjoint derivatives equal J' w",
+            adjoint_error <= 1e-9,
+            f"{adjoint_error:.1e}",
+        )
     check("dependencies are claimed", not undeclared, undeclared or "")

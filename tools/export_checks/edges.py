@@ -161,6 +161,10 @@ def check_storm(fmu):
             command, capture_output=True, text=True, timeout=5 * TIMEOUT, check=False
         )
         passed, detail = done.returncode == 0, done.stderr[-500:]
-        check("random calls abort nothing", passed, "" if passed else (done.returncode, detail))
+        check(
+            "random calls abort nothing",
+            passed,
+            "" if passed else (done.returncode, detail),
+        )
     except subprocess.TimeoutExpired:
         check("random calls abort nothing", False, "no end")

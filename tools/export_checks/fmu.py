@@ -64,7 +64,11 @@ class Fmu:
             messages.append((status, category.decode(), text.decode()))
 
         fmu = instantiate_fmu(
-            str(folder or self.folder), self.description, kind, debug_logging=logging, logger=log
+            str(folder or self.folder),
+            self.description,
+            kind,
+            debug_logging=logging,
+            logger=log,
         )
         fmu.messages = messages
         try:

@@ -77,4 +77,8 @@ def check_discrete_inputs(fmu, tolerance):
             if v.causality == "output" and v.type in REAL and v.variability == "continuous":
                 cs, me = (run[v.name][4::5] for run in runs)
                 worst = max(worst, np.max(np.abs(cs - me)) / max(np.max(np.abs(cs)), 1e-300))
-        check(f"discrete inputs{name}: the interfaces agree", worst <= tolerance, f"{worst:.2e}")
+        check(
+            f"discrete inputs{name}: the interfaces agree",
+            worst <= tolerance,
+            f"{worst:.2e}",
+        )

@@ -9,7 +9,10 @@ from .fmu import DISCARD, ERROR, FATAL, OK, REAL, check
 def wrong_calls(fmu, instance):
     """(what, call, expected status) in a Co-Simulation instance; order matters."""
     c = instance.component
-    call = lambda name, *arguments: fmu.call(instance, name, c, *arguments)
+
+    def call(name, *arguments):
+        return fmu.call(instance, name, c, *arguments)
+
     real = "Real" if fmu.two else "Float64"
     output = fmu.references(
         lambda v: v.causality == "output" and v.initial == "calculated" and v.type in REAL
@@ -32,7 +35,10 @@ def wrong_calls(fmu, instance):
     flags = (
         () if fmu.two else (byref(c_bool()), byref(c_bool()), byref(c_bool()), byref(c_double()))
     )
-    step = lambda t, h: call("DoStep", t, h, 1, *flags)
+
+    def step(t, h):
+        return call("DoStep", t, h, 1, *flags)
+
     state = c_void_p(987654321)
     spelled = (
         ("FMUstate", "SerializedFMUstateSize", "DeSerializeFMUstate")
@@ -44,7 +50,11 @@ def wrong_calls(fmu, instance):
 
     yield "step before initialization", lambda: step(start, h), ERROR
     if fmu.two:
-        yield "initialization without experiment", lambda: call("EnterInitializationMode"), ERROR
+        yield (
+            "initialization without experiment",
+            lambda: call("EnterInitializationMode"),
+            ERROR,
+        )
         yield "get before initialization", lambda: access("Get", output[:1], [0]), ERROR
         yield (
             "experiment that starts at NaN",
@@ -54,7 +64,11 @@ def wrong_calls(fmu, instance):
     yield "terminate before initialization", lambda: call("Terminate"), ERROR
     yield "exit of a mode not entered", lambda: call("ExitInitializationMode"), ERROR
     if parameter:
-        yield "parameter that is NaN", lambda: access("Set", parameter[:1], [math.nan]), ERROR
+        yield (
+            "parameter that is NaN",
+            lambda: access("Set", parameter[:1], [math.nan]),
+            ERROR,
+        )
     yield "initialization", lambda: fmu.initialize(instance, "CoSimulation") or OK, OK
     yield (
         "second experiment",
@@ -66,7 +80,11 @@ def wrong_calls(fmu, instance):
         ERROR,
     )
     yield "unknown value reference", lambda: access("Get", [4_000_000_000], [0]), ERROR
-    yield "value of the wrong type", lambda: access("Get", output[:1], [0], "Boolean"), ERROR
+    yield (
+        "value of the wrong type",
+        lambda: access("Get", output[:1], [0], "Boolean"),
+        ERROR,
+    )
     yield (
         "NULL references",
         lambda: call("Get" + real, None, 1, (c_double * 1)(), *([] if fmu.two else [1])),
@@ -88,7 +106,11 @@ def wrong_calls(fmu, instance):
             lambda: call("GetFloat64", (uint32 * 1)(*output[:1]), 1, (c_double * 2)(), 2),
             ERROR,
         )
-        yield "clock", lambda: call("GetClock", (uint32 * 1)(*output[:1]), 1, (c_bool * 1)()), ERROR
+        yield (
+            "clock",
+            lambda: call("GetClock", (uint32 * 1)(*output[:1]), 1, (c_bool * 1)()),
+            ERROR,
+        )
         yield "event mode", lambda: call("EnterEventMode"), ERROR
         yield "configuration mode", lambda: call("EnterConfigurationMode"), ERROR
     if output:
@@ -103,7 +125,11 @@ def wrong_calls(fmu, instance):
         )
     if inputs:
         for value in (math.nan, math.inf):
-            yield f"input {value}", lambda value=value: access("Set", inputs[:1], [value]), ERROR
+            yield (
+                f"input {value}",
+                lambda value=value: access("Set", inputs[:1], [value]),
+                ERROR,
+            )
         yield "input", lambda: access("Set", inputs[:1], [0.0]), OK
     for what, t, size in (
         ("step of size 0", start, 0.0),
@@ -115,8 +141,16 @@ def wrong_calls(fmu, instance):
     ):
         yield what, lambda t=t, size=size: step(t, size), ERROR
     yield "set of a foreign state", lambda: call("Set" + spelled[0], state), ERROR
-    yield "free of a foreign state", lambda: call("Free" + spelled[0], byref(state)), ERROR
-    yield "size of a foreign state", lambda: call(spelled[1], state, byref(c_size_t())), ERROR
+    yield (
+        "free of a foreign state",
+        lambda: call("Free" + spelled[0], byref(state)),
+        ERROR,
+    )
+    yield (
+        "size of a foreign state",
+        lambda: call(spelled[1], state, byref(c_size_t())),
+        ERROR,
+    )
     yield (
         "bytes that are no state",
         lambda: call(spelled[2], (byte * 9)(), 9, byref(c_void_p())),
@@ -133,7 +167,11 @@ def wrong_calls(fmu, instance):
         ERROR,
     )
     if fmu.two:
-        yield "status of no pending step", lambda: call("GetStatus", 0, byref(c_int())), DISCARD
+        yield (
+            "status of no pending step",
+            lambda: call("GetStatus", 0, byref(c_int())),
+            DISCARD,
+        )
         yield (
             "input derivatives",
             lambda: call("SetRealInputDerivatives", None, 0, None, None),
@@ -145,7 +183,11 @@ def wrong_calls(fmu, instance):
     yield "step after terminate", lambda: step(start + h, h), ERROR
     yield "get after terminate", lambda: access("Get", output[:1], [0]), OK
     yield "reset", lambda: call("Reset"), OK
-    yield "run after reset", lambda: fmu.initialize(instance, "CoSimulation") or step(start, h), OK
+    yield (
+        "run after reset",
+        lambda: fmu.initialize(instance, "CoSimulation") or step(start, h),
+        OK,
+    )
     boom = fmu.references(lambda v: v.name == "panics")
     if boom:
         yield "panic armed", lambda: access("Set", boom, [1], "Boolean"), OK

@@ -16,6 +16,7 @@
 //! of the trained parameters (see `theta`). Signals are standardised.
 
 mod ars;
+mod layers;
 mod run;
 mod select;
 mod sensitivity;

@@ -1,151 +1,10 @@
-//! The network in free run, sample by sample.
+//! The network in free run, sample by sample, in the units of its signals.
 
 use std::sync::Arc;
 
-use drivescope_numerics::elementary::tanh;
-
-use super::theta::Layers;
-use super::{Network, Structure};
+use super::Network;
+use super::layers::{State, Sweep, Weights};
 use crate::signal_model::SignalModel;
-
-/// The numbers of a network side by side, for standardised signals.
-#[derive(Debug, Clone)]
-pub(super) struct Weights {
-    pub(super) structure: Structure,
-    pub(super) w: Vec<f64>,
-    pub(super) a: Vec<f64>,
-    pub(super) b: Vec<f64>,
-    pub(super) b_0: Vec<f64>,
-    pub(super) g_1: Vec<f64>,
-    pub(super) g_2: Vec<f64>,
-    /// v2 rows of v1 + n: [W2 | Wu].
-    pub(super) fir: Vec<f64>,
-    pub(super) c: Vec<f64>,
-}
-
-impl Weights {
-    pub(super) fn of_layers(layers: Layers) -> Self {
-        let mut weights = Self::empty(layers.structure);
-        for neuron in layers.neurons() {
-            weights.push(neuron.w, &neuron.denominator(), neuron.b);
-            weights.b_0.push(neuron.b_0);
-            weights.g_1.push(neuron.g_1);
-            weights.g_2.push(neuron.g_2);
-        }
-        weights.fir = layers.fir.to_vec();
-        weights.c = layers.c.to_vec();
-        weights
-    }
-
-    fn of_network(network: &Network, structure: Structure) -> Self {
-        let mut weights = Self::empty(structure);
-        for neuron in &network.iir {
-            weights.push(&neuron.w, &neuron.a, &neuron.b);
-            weights.b_0.push(neuron.b_0);
-            weights.g_1.push(neuron.g_1);
-            weights.g_2.push(neuron.g_2);
-        }
-        weights.fir =
-            network.fir.iter().flat_map(|row| row.w_2.iter().chain(&row.w_u)).copied().collect();
-        weights.c = network.c.concat();
-        weights
-    }
-
-    fn empty(structure: Structure) -> Self {
-        let none = Vec::new;
-        Self {
-            structure,
-            w: none(),
-            a: none(),
-            b: none(),
-            b_0: none(),
-            g_1: none(),
-            g_2: none(),
-            fir: none(),
-            c: none(),
-        }
-    }
-
-    fn push(&mut self, w: &[f64], a: &[f64], b: &[f64]) {
-        self.w.extend_from_slice(w);
-        self.a.extend_from_slice(a);
-        self.b.extend_from_slice(b);
-    }
-}
-
-/// State of a run over standardised signals, and what the last step computed on its way.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct State {
-    /// x1: per IIR neuron its filter's last r values, newest first.
-    pub(super) x1: Vec<f64>,
-    /// x2: per FIR neuron its last r values, newest first.
-    pub(super) x2: Vec<f64>,
-    /// [sigma; u] of the last step.
-    pub(super) fed: Vec<f64>,
-    /// B1 x1 + D1 u - g1 of the last step, per IIR neuron.
-    pub(super) activation: Vec<f64>,
-    /// W1 u of the last step, per IIR neuron.
-    pub(super) drive: Vec<f64>,
-    /// y, standardised.
-    pub(super) y: Vec<f64>,
-}
-
-impl State {
-    pub(super) fn at_rest(structure: Structure) -> Self {
-        let Structure { inputs, outputs, v1, v2, order } = structure;
-        Self {
-            x1: vec![0.0; v1 * order],
-            x2: vec![0.0; v2 * order],
-            fed: vec![0.0; v1 + inputs],
-            activation: vec![0.0; v1],
-            drive: vec![0.0; v1],
-            y: vec![0.0; outputs],
-        }
-    }
-
-    /// y of this sample by (5), then the states of the next by (1).
-    #[inline]
-    pub(super) fn step(&mut self, weights: &Weights, u: impl IntoIterator<Item = f64>) {
-        let Structure { inputs, v1, order, .. } = weights.structure;
-        for (y, row) in self.y.iter_mut().zip(weights.c.chunks_exact(self.x2.len())) {
-            *y = sum_of_products(row, &self.x2);
-        }
-        for (fed, u) in self.fed[v1..].iter_mut().zip(u) {
-            *fed = u;
-        }
-        let u = &self.fed[v1..];
-        let filters = self.x1.chunks_exact_mut(order).zip(weights.a.chunks_exact(order));
-        let inputs_of = weights.w.chunks_exact(inputs).zip(weights.b.chunks_exact(order));
-        for (i, ((x, a), (w, b))) in filters.zip(inputs_of).enumerate() {
-            let drive = sum_of_products(w, u);
-            let activation = weights.b_0[i] * drive + sum_of_products(b, x) - weights.g_1[i];
-            let next = drive - sum_of_products(a, x);
-            shift_in(x, next);
-            self.drive[i] = drive;
-            self.activation[i] = activation;
-        }
-        for i in 0..v1 {
-            self.fed[i] = tanh(weights.g_2[i] * self.activation[i]);
-        }
-        let rows = weights.fir.chunks_exact(v1 + inputs);
-        for (x, row) in self.x2.chunks_exact_mut(order).zip(rows) {
-            shift_in(x, sum_of_products(row, &self.fed));
-        }
-    }
-}
-
-#[inline]
-pub(super) fn shift_in(delays: &mut [f64], newest: f64) {
-    for l in (1..delays.len()).rev() {
-        delays[l] = delays[l - 1];
-    }
-    delays[0] = newest;
-}
-
-#[inline]
-pub(super) fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
 
 /// A network in free run, in the units of its signals.
 #[derive(Debug, Clone)]
@@ -153,6 +12,8 @@ pub struct NetworkRun {
     network: Arc<Network>,
     weights: Arc<Weights>,
     state: State,
+    sweep: Sweep,
+    input: Vec<f64>,
     output: Vec<f64>,
 }
 
@@ -163,6 +24,8 @@ impl NetworkRun {
             network: Arc::clone(network),
             weights: Arc::new(Weights::of_network(network, structure)),
             state: State::at_rest(structure),
+            sweep: Sweep::new(structure, 1),
+            input: vec![0.0; structure.inputs],
             output: vec![0.0; structure.outputs],
         }
     }
@@ -184,7 +47,11 @@ impl SignalModel for NetworkRun {
     #[inline]
     fn step(&mut self, u: &[f64]) -> &[f64] {
         let scales = self.network.input_scales.iter();
-        self.state.step(&self.weights, u.iter().zip(scales).map(|(u, s)| s.standardise(*u)));
+        for ((input, u), scale) in self.input.iter_mut().zip(u).zip(scales) {
+            *input = scale.standardise(*u);
+        }
+        self.sweep.run(&mut self.state, &self.weights, &self.input);
+        self.state.feed(&self.weights, self.sweep.at(0).sigma, &self.input);
         let scales = self.network.output_scales.iter();
         for ((output, y), scale) in self.output.iter_mut().zip(&self.state.y).zip(scales) {
             *output = scale.restore(*y);
@@ -197,7 +64,9 @@ impl SignalModel for NetworkRun {
 mod tests {
     use super::*;
     use crate::data::Column;
+    use crate::network::Structure;
     use crate::network::Theta;
+    use crate::network::layers::SWEEP;
     use crate::scale::Scale;
     use crate::signal_model::free_run;
     use crate::testing::noise;
@@ -283,6 +152,19 @@ mod tests {
         copy.reset();
         let again: Vec<f64> = u.iter().map(|u| copy.step(&[*u])[0]).collect();
         assert_eq!(first, again);
+    }
+
+    #[test]
+    fn a_sweep_equals_the_stream_bit_for_bit() {
+        let structure = Structure { inputs: 2, outputs: 2, v1: 3, v2: 2, order: 2 };
+        let mut draws = noise(1000, 9).into_iter();
+        let theta = Theta::draw(structure, || draws.next().unwrap());
+        let unit = Scale { mean: 0.0, deviation: 1.0 };
+        let network = Arc::new(theta.network(vec![unit; 2], vec![unit; 2]));
+        let inputs = noise(2 * (2 * SWEEP + 7), 10);
+        let mut run = network.run();
+        let stream: Vec<f64> = inputs.chunks_exact(2).flat_map(|u| run.step(u).to_vec()).collect();
+        assert_eq!(theta.simulate(&inputs), stream);
     }
 
     #[test]

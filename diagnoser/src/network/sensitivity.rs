@@ -9,12 +9,11 @@
 use drivescope_numerics::Linearisation;
 use nalgebra::DMatrix;
 
-use super::run::{State, Weights, shift_in, sum_of_products};
+use super::layers::{
+    FirstLayer, SWEEP, State, Sweep, Weights, shift_in, simulate, sum_of_products,
+};
 use super::theta::Layers;
 use super::{Structure, Theta};
-
-/// Samples whose derivatives are gathered at once: a block of 50 parameters fits the cache.
-const BLOCK: usize = 256;
 
 /// The free run together with its derivatives.
 struct Tangent {
@@ -22,10 +21,11 @@ struct Tangent {
     state: State,
     /// Per IIR neuron (2 r - 1) rows of r: what z(k-1), z(k-2).. add to d activation / d theta_j.
     delays_to_theta: Vec<f64>,
-    /// Per output and delay, v1 factors: the collapsed weight of sigma_i(k-l) in y_o(k).
+    /// Per output and delay one factor a parameter of layer one: the collapsed weight of
+    /// sigma_i(k-l) in y_o(k), repeated for every parameter of neuron i.
     collapsed: Vec<f64>,
-    /// x1 before the step.
-    before: Vec<f64>,
+    /// The first layer over the next samples.
+    sweep: Sweep,
     /// z, newest first: 2 r - 1 delays per IIR neuron.
     z: Vec<f64>,
     /// d xi / d w_j, newest first: r delays per IIR neuron and input.
@@ -55,12 +55,13 @@ impl Tangent {
             }
         }
         let columns = v1 + inputs;
-        let mut collapsed = Vec::with_capacity(outputs * order * v1);
+        let mut collapsed = Vec::with_capacity(outputs * order * v1 * structure.iir_parameters());
         for row in weights.c.chunks_exact(v2 * order) {
             for delay in 0..order {
                 for i in 0..v1 {
                     let through = |j: usize| row[j * order + delay] * weights.fir[j * columns + i];
-                    collapsed.push((0..v2).map(through).sum());
+                    let weight: f64 = (0..v2).map(through).sum();
+                    collapsed.extend(std::iter::repeat_n(weight, structure.iir_parameters()));
                 }
             }
         }
@@ -69,7 +70,7 @@ impl Tangent {
             state: State::at_rest(structure),
             delays_to_theta,
             collapsed,
-            before: vec![0.0; v1 * order],
+            sweep: Sweep::new(structure, SWEEP),
             z: vec![0.0; v1 * span],
             eta: vec![0.0; v1 * inputs * order],
             d_sigma: vec![vec![0.0; first_layer]; order],
@@ -78,62 +79,75 @@ impl Tangent {
         }
     }
 
-    /// Advances by one sample; writes d y_o(k) / d parameters into one slice an output.
-    #[inline]
-    fn step<'a>(&mut self, u: &[f64], into: impl Iterator<Item = &'a mut [f64]>) {
-        self.output_derivatives(into);
-        self.before.copy_from_slice(&self.state.x1);
-        self.state.step(&self.weights, u.iter().copied());
-        self.remember(u);
+    /// Advances over rows of inputs, no more than [`SWEEP`]; writes d y_o(k) / d parameters into
+    /// one column an output and sample, zero before or written by this, and shows every y(k).
+    fn run(&mut self, rows: &[f64], columns: &mut [f64], mut show: impl FnMut(&[f64])) {
+        let structure = self.weights.structure;
+        let per_sample = structure.outputs * structure.parameters();
+        self.sweep.run(&mut self.state, &self.weights, rows);
+        for k in 0..rows.len() / structure.inputs {
+            let u = &rows[k * structure.inputs..][..structure.inputs];
+            self.output_derivatives(&mut columns[k * per_sample..][..per_sample]);
+            self.state.feed(&self.weights, self.sweep.at(k).sigma, u);
+            show(&self.state.y);
+            // The same code twice: with sizes that the compiler knows its short loops vanish.
+            match (structure.inputs, structure.order) {
+                (1, 1) => self.remember(k, u, 1, 1),
+                (inputs, order) => self.remember(k, u, inputs, order),
+            }
+        }
     }
 
     /// Derivatives of y(k), which depends on samples before k alone.
     #[inline]
-    fn output_derivatives<'a>(&self, into: impl Iterator<Item = &'a mut [f64]>) {
+    fn output_derivatives(&self, columns: &mut [f64]) {
         let structure = self.weights.structure;
         let Structure { inputs, v1, v2, order, .. } = structure;
-        let (own, columns) = (structure.iir_parameters(), v1 + inputs);
-        for (o, column) in into.enumerate() {
-            let (layer_one, rest) = column.split_at_mut(v1 * own);
-            let (fir, c) = rest.split_at_mut(v2 * columns);
+        let (first, fed) = (v1 * structure.iir_parameters(), v1 + inputs);
+        let parameters = structure.parameters();
+        for o in 0..structure.outputs {
+            let column = &mut columns[o * parameters..][..parameters];
+            let (layer_one, rest) = column.split_at_mut(first);
+            let (fir, c) = rest.split_at_mut(v2 * fed);
             let taps = &self.weights.c[o * v2 * order..][..v2 * order];
             for delay in 0..order {
-                let factors = &self.collapsed[(o * order + delay) * v1..][..v1];
-                let neurons =
-                    layer_one.chunks_exact_mut(own).zip(self.d_sigma[delay].chunks_exact(own));
-                for ((slice, d_sigma), factor) in neurons.zip(factors) {
-                    scaled_into(slice, *factor, d_sigma, delay > 0);
-                }
-                for (slice, taps) in fir.chunks_exact_mut(columns).zip(taps.chunks_exact(order)) {
-                    scaled_into(slice, taps[delay], &self.fed[delay], delay > 0);
+                let factors = &self.collapsed[(o * order + delay) * first..][..first];
+                let terms = factors.iter().zip(&self.d_sigma[delay]).map(|(f, d)| f * d);
+                put(layer_one, terms, delay > 0);
+                for j in 0..v2 {
+                    let tap = taps[j * order + delay];
+                    let terms = self.fed[delay].iter().map(|fed| tap * fed);
+                    put(&mut fir[j * fed..][..fed], terms, delay > 0);
                 }
             }
-            c.fill(0.0);
-            c[o * v2 * order..][..v2 * order].copy_from_slice(&self.state.x2);
+            // The rows of the other outputs stay zero, as they were handed over.
+            let row = c[o * v2 * order..][..v2 * order].iter_mut();
+            row.zip(&self.state.x2).for_each(|(c, x)| *c = *x);
         }
     }
 
     /// Derivatives of sigma(k), kept for the next r outputs.
-    #[inline]
-    fn remember(&mut self, u: &[f64]) {
+    #[inline(always)]
+    fn remember(&mut self, k: usize, u: &[f64], inputs: usize, order: usize) {
+        let FirstLayer { drive, activation, sigma, x1 } = self.sweep.at(k);
         let weights = &self.weights;
-        let structure = weights.structure;
-        let Structure { inputs, order, .. } = structure;
-        let (own, span) = (structure.iir_parameters(), 2 * order - 1);
+        let (own, span) = (inputs + 2 * order + 3, 2 * order - 1);
         self.d_sigma.rotate_right(1);
         self.fed.rotate_right(1);
-        self.fed[0].copy_from_slice(&self.state.fed);
-        for (i, d_sigma) in self.d_sigma[0].chunks_exact_mut(own).enumerate() {
+        let fed = self.fed[0].iter_mut().zip(sigma.iter().chain(u));
+        fed.for_each(|(fed, value)| *fed = *value);
+        for i in 0..sigma.len() {
+            let d_sigma = &mut self.d_sigma[0][i * own..][..own];
             let (a, b) = (&weights.a[i * order..][..order], &weights.b[i * order..][..order]);
-            let xi = &self.before[i * order..][..order];
-            let sigma = self.state.fed[i];
+            let xi = &x1[i * order..][..order];
+            let sigma = sigma[i];
             let slope = 1.0 - sigma * sigma;
             let gain = slope * weights.g_2[i];
             let (to_w, rest) = d_sigma.split_at_mut(inputs);
             let (to_theta, rest) = rest.split_at_mut(order);
             let (to_b, last) = rest.split_at_mut(order);
-            let etas = self.eta[i * inputs * order..][..inputs * order].chunks_exact_mut(order);
-            for ((to_w, eta), u) in to_w.iter_mut().zip(etas).zip(u) {
+            for (j, (to_w, u)) in to_w.iter_mut().zip(u).enumerate() {
+                let eta = &mut self.eta[(i * inputs + j) * order..][..order];
                 *to_w = gain * (weights.b_0[i] * u + sum_of_products(b, eta));
                 let next = u - sum_of_products(a, eta);
                 shift_in(eta, next);
@@ -149,21 +163,20 @@ impl Tangent {
             for (to_b, xi) in to_b.iter_mut().zip(xi) {
                 *to_b = gain * xi;
             }
-            last[0] = gain * self.state.drive[i];
+            last[0] = gain * drive[i];
             last[1] = -gain;
-            last[2] = slope * self.state.activation[i];
+            last[2] = slope * activation[i];
         }
     }
 }
 
-/// slice = factor x values, or slice += factor x values.
+/// slice = terms, or slice += terms.
 #[inline]
-fn scaled_into(slice: &mut [f64], factor: f64, values: &[f64], add: bool) {
-    let pairs = slice.iter_mut().zip(values);
+fn put(slice: &mut [f64], terms: impl Iterator<Item = f64>, add: bool) {
     if add {
-        pairs.for_each(|(s, v)| *s += factor * v);
+        slice.iter_mut().zip(terms).for_each(|(s, term)| *s += term);
     } else {
-        pairs.for_each(|(s, v)| *s = factor * v);
+        slice.iter_mut().zip(terms).for_each(|(s, term)| *s = term);
     }
 }
 
@@ -171,78 +184,68 @@ impl Theta {
     /// Outputs over standardised inputs (row after row): one row of outputs a sample.
     pub fn simulate(&self, inputs: &[f64]) -> Vec<f64> {
         let weights = Weights::of_layers(Layers::of(self.structure, &self.values));
-        let mut state = State::at_rest(self.structure);
-        let mut outputs =
-            Vec::with_capacity(inputs.len() / self.structure.inputs * self.structure.outputs);
-        for u in inputs.chunks_exact(self.structure.inputs) {
-            state.step(&weights, u.iter().copied());
-            outputs.extend_from_slice(&state.y);
-        }
+        let samples = inputs.len() / self.structure.inputs;
+        let mut outputs = Vec::with_capacity(samples * self.structure.outputs);
+        simulate(&weights, inputs, |y| outputs.extend_from_slice(y));
         outputs
     }
 
     /// Derivatives of the same outputs: parameters x (samples x outputs).
     pub fn jacobian(&self, inputs: &[f64]) -> DMatrix<f64> {
         let Structure { inputs: n, outputs: m, .. } = self.structure;
-        let p = self.structure.parameters();
-        let mut columns = vec![0.0; p * m * (inputs.len() / n)];
+        let (p, samples) = (self.structure.parameters(), inputs.len() / n);
+        let mut columns = vec![0.0; p * m * samples];
         let mut tangent = Tangent::new(self.structure, &self.values);
-        for (u, columns) in inputs.chunks_exact(n).zip(columns.chunks_exact_mut(p * m)) {
-            tangent.step(u, columns.chunks_exact_mut(p));
+        let blocks = inputs.chunks(SWEEP * n).zip(columns.chunks_mut(SWEEP * p * m));
+        for (rows, columns) in blocks {
+            tangent.run(rows, columns, |_| ());
         }
-        DMatrix::from_vec(p, m * (inputs.len() / n), columns)
+        DMatrix::from_vec(p, m * samples, columns)
     }
 }
 
-/// Sum of squared free-run errors, from sample `run_up` on.
-pub(super) fn sse(
-    structure: Structure,
-    values: &[f64],
-    inputs: &[f64],
-    outputs: &[f64],
-    run_up: usize,
-) -> f64 {
+/// Standardised inputs and measured outputs, row after row, of which the first `run_up` rows only
+/// settle the state.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    pub(super) inputs: &'a [f64],
+    pub(super) outputs: &'a [f64],
+    pub(super) run_up: usize,
+}
+
+/// Sum of squared free-run errors.
+pub(super) fn sse(structure: Structure, values: &[f64], rows: Rows) -> f64 {
     let weights = Weights::of_layers(Layers::of(structure, values));
-    let mut state = State::at_rest(structure);
-    let rows = inputs.chunks_exact(structure.inputs).zip(outputs.chunks_exact(structure.outputs));
+    let mut measured = rows.outputs.chunks_exact(structure.outputs).enumerate();
     let mut sum = 0.0;
-    for (k, (u, measured)) in rows.enumerate() {
-        state.step(&weights, u.iter().copied());
-        if k >= run_up {
-            sum += state.y.iter().zip(measured).map(|(y, m)| (y - m) * (y - m)).sum::<f64>();
+    simulate(&weights, rows.inputs, |y| {
+        if let Some((_, measured)) = measured.next().filter(|(k, _)| *k >= rows.run_up) {
+            sum += y.iter().zip(measured).map(|(y, m)| (y - m) * (y - m)).sum::<f64>();
         }
-    }
+    });
     sum
 }
 
-/// The same with J^T J and J^T r, gathered block by block.
-pub(super) fn linearise(
-    structure: Structure,
-    values: &[f64],
-    inputs: &[f64],
-    outputs: &[f64],
-    run_up: usize,
-) -> Linearisation {
+/// The same with J^T J and J^T r, gathered sweep by sweep.
+pub(super) fn linearise(structure: Structure, values: &[f64], rows: Rows) -> Linearisation {
     let (p, m) = (values.len(), structure.outputs);
     let mut gathered = Linearisation::new(p);
     let mut tangent = Tangent::new(structure, values);
-    let mut columns = vec![0.0; p * m * BLOCK];
-    let mut residuals = Vec::with_capacity(m * BLOCK);
-    let rows = inputs.chunks_exact(structure.inputs).zip(outputs.chunks_exact(m));
-    for (k, (u, measured)) in rows.enumerate() {
-        let at = residuals.len() * p;
-        tangent.step(u, columns[at..][..p * m].chunks_exact_mut(p));
-        if k >= run_up {
-            residuals.extend(tangent.state.y.iter().zip(measured).map(|(y, m)| y - m));
-        }
-        if residuals.len() == m * BLOCK {
-            gathered.add(&DMatrix::from_column_slice(p, m * BLOCK, &columns), &residuals);
-            residuals.clear();
-        }
-    }
-    if !residuals.is_empty() {
-        let filled = &columns[..p * residuals.len()];
-        gathered.add(&DMatrix::from_column_slice(p, residuals.len(), filled), &residuals);
+    let mut columns = vec![0.0; p * m * SWEEP];
+    let mut errors = Vec::with_capacity(m * SWEEP);
+    let blocks = rows.inputs.chunks(SWEEP * structure.inputs);
+    for (block, (inputs, outputs)) in blocks.zip(rows.outputs.chunks(SWEEP * m)).enumerate() {
+        errors.clear();
+        let mut measured = outputs.chunks_exact(m);
+        tangent.run(inputs, &mut columns, |y| {
+            if let Some(measured) = measured.next() {
+                errors.extend(y.iter().zip(measured).map(|(y, m)| y - m));
+            }
+        });
+        let settling = m * rows.run_up.saturating_sub(block * SWEEP).min(errors.len() / m);
+        let counted = &columns[p * settling..p * errors.len()];
+        let sensitivities = DMatrix::from_column_slice(p, errors.len() - settling, counted);
+        gathered.add(&sensitivities, &errors[settling..]);
     }
     gathered
 }
@@ -294,9 +297,10 @@ mod tests {
     fn gathered_blocks_equal_the_whole_jacobian() {
         let structure = Structure { outputs: 2, ..Structure::PAPER };
         let (theta, run_up) = (drawn(structure, 4), 30);
-        let samples = 2 * BLOCK + 100;
+        let samples = 2 * SWEEP + 10;
         let (inputs, measured) = (noise(samples, 5), noise(2 * samples, 6));
-        let gathered = linearise(structure, &theta.values, &inputs, &measured, run_up);
+        let rows = Rows { inputs: &inputs, outputs: &measured, run_up };
+        let gathered = linearise(structure, &theta.values, rows);
         let jacobian =
             theta.jacobian(&inputs).columns(2 * run_up, 2 * (samples - run_up)).into_owned();
         let residuals: Vec<f64> =
@@ -307,7 +311,7 @@ mod tests {
         assert!((&gathered.hessian - &whole.hessian).norm() < 1e-12 * scale);
         assert!((&gathered.gradient - &whole.gradient).norm() < 1e-12 * whole.gradient.norm());
         assert!((gathered.sse / whole.sse - 1.0).abs() < 1e-12);
-        let plain = sse(structure, &theta.values, &inputs, &measured, run_up);
+        let plain = sse(structure, &theta.values, rows);
         assert!((plain / whole.sse - 1.0).abs() < 1e-12);
     }
 }

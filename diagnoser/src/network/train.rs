@@ -12,7 +12,7 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::sensitivity::{linearise, sse};
+use super::sensitivity::{Rows, linearise, sse};
 use super::{Network, Structure, Theta, ars};
 use crate::data::{Column, Data, DataError};
 use crate::scale::Scale;
@@ -116,17 +116,21 @@ pub struct Trained {
 }
 
 /// Standardised signals, row after row.
-struct Rows {
+struct Standardised {
     inputs: Vec<f64>,
     outputs: Vec<f64>,
 }
 
-impl Rows {
+impl Standardised {
     fn new(data: &Data, input_scales: &[Scale], output_scales: &[Scale]) -> Self {
         Self {
             inputs: interleaved(data.inputs(), input_scales),
             outputs: interleaved(data.outputs(), output_scales),
         }
+    }
+
+    fn rows(&self, run_up: usize) -> Rows<'_> {
+        Rows { inputs: &self.inputs, outputs: &self.outputs, run_up }
     }
 }
 
@@ -139,17 +143,16 @@ fn interleaved(columns: &[Column], scales: &[Scale]) -> Vec<f64> {
 /// The free-run error as a sum of squares to be made small.
 struct FreeRunError<'a> {
     structure: Structure,
-    rows: &'a Rows,
-    run_up: usize,
+    rows: Rows<'a>,
 }
 
 impl Residuals for FreeRunError<'_> {
     fn sse(&self, values: &[f64]) -> f64 {
-        sse(self.structure, values, &self.rows.inputs, &self.rows.outputs, self.run_up)
+        sse(self.structure, values, self.rows)
     }
 
     fn linearise(&self, values: &[f64]) -> Linearisation {
-        linearise(self.structure, values, &self.rows.inputs, &self.rows.outputs, self.run_up)
+        linearise(self.structure, values, self.rows)
     }
 }
 
@@ -178,10 +181,10 @@ pub fn train(
     let scales = |columns: &[Column]| columns.iter().map(|c| Scale::of(c.values)).collect();
     let (input_scales, output_scales): (Vec<_>, Vec<_>) =
         (scales(estimation.inputs()), scales(estimation.outputs()));
-    let estimation = Rows::new(estimation, &input_scales, &output_scales);
-    let validation = Rows::new(validation, &input_scales, &output_scales);
-    let error = FreeRunError { structure, rows: &estimation, run_up };
-    let judge = FreeRunError { structure, rows: &validation, run_up };
+    let estimation = Standardised::new(estimation, &input_scales, &output_scales);
+    let validation = Standardised::new(validation, &input_scales, &output_scales);
+    let error = FreeRunError { structure, rows: estimation.rows(run_up) };
+    let judge = FreeRunError { structure, rows: validation.rows(run_up) };
 
     let ends: Vec<(Vec<f64>, f64, f64)> = (0..starts)
         .into_par_iter()
@@ -208,7 +211,7 @@ pub fn train(
         .filter(|(_, (_, sse, held_out))| sse.is_finite() && held_out.is_finite());
     let best = judged.min_by(|(_, a), (_, b)| a.2.total_cmp(&b.2)).map(|(index, _)| index);
     let Some(best) = best else { return Err(TrainingError::NoFiniteStart { starts }) };
-    let counted = |rows: &Rows| rows.outputs.len() - run_up * structure.outputs;
+    let counted = |signals: &Standardised| signals.outputs.len() - run_up * structure.outputs;
     let (n_estimation, n_validation) = (counted(&estimation), counted(&validation));
     let rows = ends.iter().map(|(_, sse, held_out)| StartRow {
         estimation: (sse / n_estimation as f64).sqrt(),

@@ -66,10 +66,16 @@ pub enum Phase {
 pub enum Failure {
     /// An FMU did.
     #[error(transparent)]
-    Fmu(#[from] import::Error),
+    Fmu(Box<import::Error>),
     /// Another participant did, for a reason of its own.
     #[error(transparent)]
     Participant(#[from] Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl From<import::Error> for Failure {
+    fn from(error: import::Error) -> Failure {
+        Failure::Fmu(Box::new(error))
+    }
 }
 
 /// A participant of a co-simulation.

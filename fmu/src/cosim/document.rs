@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use crate::import::{Conversion, ExperimentProblem, Fmu, InstanceOptions, Kind, Value};
 
-use super::error::{Error, Problem};
+use super::error::{Error, Problem, ReadError};
 use super::fmu_component::FmuComponent;
 use super::system::{Algorithm, Experiment, System};
 use super::{ssp, text_form};
@@ -111,7 +111,7 @@ impl Document {
     /// with line and column.
     pub fn build(
         &self,
-        read: &dyn Fn(&Path) -> Result<Recording, Box<dyn std::error::Error + Send + Sync>>,
+        read: &dyn Fn(&Path) -> Result<Recording, ReadError>,
     ) -> Result<System<'static>, Error> {
         let mut fmus: Vec<(PathBuf, Fmu)> = Vec::new();
         let mut opened = Vec::new();

@@ -6,6 +6,9 @@ use crate::import;
 
 use super::component::{Failure, PortKind};
 
+/// What a reader of recordings may fail with.
+pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
+
 /// An error of a system.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -170,7 +173,7 @@ pub enum Error {
         /// The component.
         component: String,
         /// Why.
-        source: import::Error,
+        source: Box<import::Error>,
     },
     /// A recording of the system cannot be read.
     #[error("recording `{}`: {source}", path.display())]
@@ -178,7 +181,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: Box<dyn std::error::Error + Send + Sync>,
+        source: ReadError,
     },
     /// A file name that no system description has.
     #[error("{}: not a system description; give a .toml, .ssd or .ssp file", path.display())]

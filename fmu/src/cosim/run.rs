@@ -148,17 +148,16 @@ impl System<'_> {
                     let component = member.name.clone();
                     end.get_or_insert(End::Terminated { component, time: time + h });
                 }
-                Err(Failure::Fmu(import::Error::Discard { reached, .. })) => {
+                Err(failure) => {
                     let component = member.name.clone();
+                    let Some(reached) = discarded(&failure) else {
+                        return Err(Error::Component { component, time, failure });
+                    };
                     let rolled_back = self.experiment.rollback;
                     if rolled_back {
                         self.restore(time)?;
                     }
                     return Ok(Some(End::Discarded { component, time, reached, rolled_back }));
-                }
-                Err(failure) => {
-                    let component = member.name.clone();
-                    return Err(Error::Component { component, time, failure });
                 }
             }
         }
@@ -303,6 +302,17 @@ impl System<'_> {
         };
         let unit = port.unit.as_ref().map_or("1".to_owned(), |unit| unit.name.clone());
         Signal { name: format!("{}.{}", member.name, port.name), unit, values }
+    }
+}
+
+/// The time that a component reached in a step that it discarded, s.
+fn discarded(failure: &Failure) -> Option<f64> {
+    match failure {
+        Failure::Fmu(error) => match **error {
+            import::Error::Discard { reached, .. } => Some(reached),
+            _ => None,
+        },
+        Failure::Participant(_) => None,
     }
 }
 

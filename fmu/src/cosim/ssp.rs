@@ -20,7 +20,7 @@ type Parsed<T> = Result<T, XmlProblem>;
 pub(super) fn read_package(path: &Path) -> Result<Document, Error> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let folder = unpack(path, &name, Limits::default())
-        .map_err(|source| Error::Fmu { component: name, source })?;
+        .map_err(|source| Error::Fmu { component: name, source: Box::new(source) })?;
     let mut document = read(&folder.path().join("SystemStructure.ssd"))?;
     document.package = Some(folder);
     Ok(document)

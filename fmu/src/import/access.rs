@@ -2,9 +2,9 @@
 //! a type, so a group is sorted by type once, and each transfer is then one C call a type.
 
 use super::description::{Description, FmiVersion, Type, Variable};
-use super::error::VariableProblem;
 use super::handle::Handle;
 use super::native::{Boolean2, Native};
+use super::problem::VariableProblem;
 use super::status::Status;
 
 /// Scalar numeric variables that are transferred together; made by

@@ -10,7 +10,8 @@ use tempfile::TempDir;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use super::error::{Error, UnsafeEntry};
+use super::error::Error;
+use super::problem::UnsafeEntry;
 
 /// What an FMU may unpack to. The largest FMUs in use hold a few hundred megabytes of resources.
 #[derive(Debug, Clone, Copy)]
@@ -219,8 +220,8 @@ mod tests {
     fn damage_is_found_and_named() {
         let text: Vec<u8> = (0..20_000_u32).flat_map(|k| (k * k).to_le_bytes()).collect();
         let mut bytes = archive(&[("modelDescription.xml", &text)]);
-        for at in 2000..2050 {
-            bytes[at] ^= 0x55;
+        for byte in &mut bytes[2000..2050] {
+            *byte ^= 0x55;
         }
         let error = unpack_bytes(&bytes, Limits::default()).unwrap_err();
         assert!(matches!(&error, Error::Entry { entry, .. } if entry == "modelDescription.xml"));

@@ -1,6 +1,6 @@
 //! The communication points of a run: `t_k = start + k h`.
 
-use super::error::ExperimentProblem;
+use super::problem::ExperimentProblem;
 
 /// Steps that fit between two times.
 pub(crate) fn steps(start: f64, stop: f64, step: f64) -> Result<usize, ExperimentProblem> {

@@ -40,10 +40,12 @@ mod native;
 mod parse;
 mod parse_structure;
 mod parse_variables;
+mod problem;
 mod python;
 mod rules;
 mod rules_structure;
 mod run;
+mod solver;
 mod state;
 mod status;
 mod units;
@@ -58,14 +60,15 @@ pub use description::{
     Capabilities, Causality, DefaultExperiment, Description, Dimension, FmiVersion, Initial, Kind,
     Place, Structure, Type, TypeDefinition, Unknown, Variability, Variable,
 };
-pub use error::{
-    Error, ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem, XmlProblem,
-};
+pub use error::Error;
 pub(crate) use experiment::steps;
 pub use fmu::{Fmu, InstanceOptions};
 pub(crate) use held::{Held, from_recorded};
 pub use instance::{Instance, Progress};
 pub use logging::Message;
+pub use problem::{
+    ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem, XmlProblem,
+};
 pub use run::{RunOptions, run};
 pub use state::State;
 pub use status::Status;

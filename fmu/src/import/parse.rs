@@ -4,9 +4,10 @@
 use roxmltree::Node;
 
 use super::description::*;
-use super::error::{Error, XmlProblem};
+use super::error::Error;
 use super::parse_structure;
 use super::parse_variables;
+use super::problem::XmlProblem;
 use super::units::{BaseUnit, Unit};
 use super::xml::{self, child, children, problem, required, text, value};
 

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use roxmltree::Node;
 
 use super::description::*;
-use super::error::XmlProblem;
+use super::problem::XmlProblem;
 use super::xml::{Places, Value, child, children, problem, value};
 
 type Parsed<T> = Result<T, XmlProblem>;

@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::description::*;
-use super::error::XmlProblem;
+use super::problem::XmlProblem;
 use super::xml::{Places, Value, child, children, problem, required, text, value};
 
 type Parsed<T> = Result<T, XmlProblem>;

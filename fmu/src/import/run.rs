@@ -5,11 +5,12 @@ use std::sync::Arc;
 use drivescope_recording::{Recording, Signal};
 
 use super::description::{Causality, Kind, Variable};
-use super::error::{Error, ExperimentProblem, VariableProblem};
+use super::error::Error;
 use super::experiment::steps;
 use super::fmu::{Fmu, InstanceOptions};
 use super::held::{Held, from_recorded};
 use super::instance::Progress;
+use super::problem::{ExperimentProblem, VariableProblem};
 use super::values::Value;
 
 /// Steps of a run for which nobody states a step size.

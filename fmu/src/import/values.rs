@@ -4,8 +4,9 @@ use std::ffi::CString;
 
 use super::access::{Failure, Group};
 use super::description::{Causality, Type, Variability, Variable};
-use super::error::{Error, VariableProblem};
+use super::error::Error;
 use super::instance::{Instance, Mode};
+use super::problem::VariableProblem;
 
 /// A value of one variable.
 #[derive(Debug, Clone, PartialEq)]

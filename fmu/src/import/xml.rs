@@ -3,7 +3,7 @@
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::description::Place;
-use super::error::XmlProblem;
+use super::problem::XmlProblem;
 
 /// Depth of elements that FMU and SSP documents never come near.
 const DEPTH: usize = 200;

@@ -2,6 +2,8 @@
 
 use drivescope_numerics::Real;
 
+use crate::model::Motors;
+
 /// A parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
@@ -119,30 +121,70 @@ macro_rules! lanes {
 
 pub(crate) use lanes;
 
-lanes! {
-    /// What an effect sees of the drive at an instant; SI units.
-    View / Views {
-        /// Armature current, A (the commanded signal `u` where the drive is force-driven).
-        i,
-        /// Speed of the motor shaft, rad/s or m/s.
-        omega,
-        /// Position of the motor shaft, rad or m.
-        theta,
-        /// Sign of the motion, 0 where the shaft sticks: it changes at located events only, so a
-        /// law that is kinked at zero speed writes |omega| as direction omega.
-        direction,
-        /// Armature voltage or commanded force signal.
-        u,
-        /// Motor torque or force before effects: K_m i, or K_m u where force-driven, N m or N.
-        drive,
-        /// External load, N m or N.
-        load,
-        /// Copper loss at the cold resistance: R i^2, W.
-        copper,
-        /// Total inertia J, kg m^2 or kg.
-        inertia,
-        /// Time, s.
-        time,
+/// What an effect sees of the drive at an instant; SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View<R> {
+    /// Armature current, A (the commanded signal `u` where the drive is force-driven).
+    pub i: R,
+    /// Speed of the motor shaft, rad/s or m/s.
+    pub omega: R,
+    /// Position of the motor shaft, rad or m.
+    pub theta: R,
+    /// Sign of the motion, 0 where the shaft sticks: it changes at located events only, so a
+    /// law that is kinked at zero speed writes |omega| as direction omega.
+    pub direction: R,
+    /// Armature voltage or commanded force signal.
+    pub u: R,
+    /// Motor torque or force before effects: K_m i, or K_m u where force-driven, N m or N.
+    pub drive: R,
+    /// External load, N m or N.
+    pub load: R,
+    /// Copper loss at the cold resistance: R i^2, W.
+    pub copper: R,
+    /// Total inertia J, kg m^2 or kg.
+    pub inertia: R,
+    /// Time, s.
+    pub time: R,
+}
+
+/// [`View`] of `N` lanes: references to what is there, for copies would cost as much as a law.
+#[derive(Debug, Clone, Copy)]
+pub struct Views<'a, R, const N: usize> {
+    /// Parameters of the motors.
+    pub motors: &'a Motors<R, N>,
+    /// Currents (commanded signals).
+    pub i: &'a [R; N],
+    /// Speeds.
+    pub omega: &'a [R; N],
+    /// Positions.
+    pub theta: &'a [R; N],
+    /// Signs of the motion.
+    pub direction: &'a [f64; N],
+    /// Voltages (commanded signals).
+    pub u: &'a [R; N],
+    /// Loads.
+    pub load: &'a [R; N],
+    /// Time.
+    pub time: f64,
+}
+
+impl<R: Real, const N: usize> Views<'_, R, N> {
+    /// One lane; what the law does not look at is not computed once this is inlined.
+    #[inline(always)]
+    pub fn lane(&self, l: usize) -> View<R> {
+        let i = self.i[l];
+        View {
+            i,
+            omega: self.omega[l],
+            theta: self.theta[l],
+            direction: R::constant(self.direction[l]),
+            u: self.u[l],
+            drive: self.motors.k_m[l] * i,
+            load: self.load[l],
+            copper: self.motors.r[l] * i * i,
+            inertia: self.motors.j[l],
+            time: R::constant(self.time),
+        }
     }
 }
 

@@ -57,7 +57,7 @@ macro_rules! registry {
             /// Adds the effect's share to the balances, lane by lane.
             #[inline(always)]
             pub(crate) fn share<R: Real, const N: usize>(
-                self, laws: &[custom::Law], p: &[[R; N]], x: &[[R; N]], at: &Views<R, N>, sum: &mut Sums<R, N>,
+                self, laws: &[custom::Law], p: &[[R; N]], x: &[[R; N]], at: &Views<'_, R, N>, sum: &mut Sums<R, N>,
             ) {
                 match self.kind {
                     $(Kind::$effect => share_lanes(super::$module::$effect, &p[self.p..], &x[self.x..], at, sum),)+
@@ -68,7 +68,7 @@ macro_rules! registry {
             /// Derivatives of the effect's own states, lane by lane.
             #[inline(always)]
             pub(crate) fn rate<R: Real, const N: usize>(
-                self, p: &[[R; N]], x: &[[R; N]], at: &Views<R, N>, sum: &Sums<R, N>, dx: &mut [[R; N]],
+                self, p: &[[R; N]], x: &[[R; N]], at: &Views<'_, R, N>, sum: &Sums<R, N>, dx: &mut [[R; N]],
             ) {
                 match self.kind {
                     $(Kind::$effect => rate_lanes(super::$module::$effect, &p[self.p..], &x[self.x..], at, sum, &mut dx[self.x..]),)+
@@ -79,7 +79,7 @@ macro_rules! registry {
             /// Decay rates of the effect's own states, lane by lane.
             #[inline(always)]
             pub(crate) fn decay<R: Real, const N: usize>(
-                self, p: &[[R; N]], x: &[[R; N]], at: &Views<R, N>, sum: &Sums<R, N>, lambda: &mut [[R; N]],
+                self, p: &[[R; N]], x: &[[R; N]], at: &Views<'_, R, N>, sum: &Sums<R, N>, lambda: &mut [[R; N]],
             ) {
                 match self.kind {
                     $(Kind::$effect => decay_lanes(super::$module::$effect, &p[self.p..], &x[self.x..], at, sum, &mut lambda[self.x..]),)+
@@ -90,7 +90,7 @@ macro_rules! registry {
             /// Distorts what the sensors show, lane by lane.
             #[inline(always)]
             pub(crate) fn sense<R: Real, const N: usize>(
-                self, laws: &[custom::Law], p: &[[R; N]], x: &[[R; N]], at: &Views<R, N>, y: &mut OutputLanes<R, N>,
+                self, laws: &[custom::Law], p: &[[R; N]], x: &[[R; N]], at: &Views<'_, R, N>, y: &mut OutputLanes<R, N>,
             ) {
                 match self.kind {
                     $(Kind::$effect => sense_lanes(super::$module::$effect, &p[self.p..], &x[self.x..], at, y),)+
@@ -145,11 +145,16 @@ impl Entry {
     }
 }
 
-/// The first `K` arrays of a flat array, one lane of each.
+/// The first `K` arrays of a flat array, one lane of each (a loop: the closure of
+/// `array::from_fn` is not always inlined into the lanes).
 #[inline(always)]
-fn gather<R: Copy, const K: usize, const N: usize>(flat: &[[R; N]], l: usize) -> [R; K] {
+fn gather<R: Real, const K: usize, const N: usize>(flat: &[[R; N]], l: usize) -> [R; K] {
     let head: &[[R; N]; K] = flat.first_chunk().expect("placed within the flat array");
-    from_fn(|k| head[k][l])
+    let mut values = [R::zero(); K];
+    for k in 0..K {
+        values[k] = head[k][l];
+    }
+    values
 }
 
 /// Overwrites one lane of the first `K` arrays.
@@ -166,7 +171,7 @@ fn share_lanes<E: Effect<P, X>, R: Real, const P: usize, const X: usize, const N
     _: E,
     p: &[[R; N]],
     x: &[[R; N]],
-    at: &Views<R, N>,
+    at: &Views<'_, R, N>,
     sum: &mut Sums<R, N>,
 ) {
     for l in 0..N {
@@ -181,7 +186,7 @@ fn rate_lanes<E: Effect<P, X>, R: Real, const P: usize, const X: usize, const N:
     _: E,
     p: &[[R; N]],
     x: &[[R; N]],
-    at: &Views<R, N>,
+    at: &Views<'_, R, N>,
     sum: &Sums<R, N>,
     dx: &mut [[R; N]],
 ) {
@@ -198,7 +203,7 @@ fn decay_lanes<E: Effect<P, X>, R: Real, const P: usize, const X: usize, const N
     _: E,
     p: &[[R; N]],
     x: &[[R; N]],
-    at: &Views<R, N>,
+    at: &Views<'_, R, N>,
     sum: &Sums<R, N>,
     lambda: &mut [[R; N]],
 ) {
@@ -215,7 +220,7 @@ fn sense_lanes<E: Effect<P, X>, R: Real, const P: usize, const X: usize, const N
     _: E,
     p: &[[R; N]],
     x: &[[R; N]],
-    at: &Views<R, N>,
+    at: &Views<'_, R, N>,
     y: &mut OutputLanes<R, N>,
 ) {
     if !E::INFO.senses {

@@ -189,7 +189,7 @@ impl<R: Real, const N: usize> Affine<R, N> {
         }
         let first = self.sign * x[SPEED][l].value() - fall * self.seconds;
         let last = self.sign * next[SPEED][l].value();
-        first > self.beyond[l] && last > self.beyond[l]
+        (first > self.beyond[l]) & (last > self.beyond[l])
     }
 
     /// The state a step later.

@@ -7,7 +7,7 @@
 
 use drivescope_numerics::Real;
 
-use super::step::{Armature, Stages, step};
+use super::step::{Armature, Stages, may_dip, step};
 use crate::model::{Applied, Model, SPEED, field, rest};
 
 /// More changes of the sign than this within a sub-step: the sign is held for the rest of it,
@@ -90,7 +90,9 @@ fn may_change<R: Real>(
         return true;
     }
     if sign != 0.0 {
-        return room.may_dip(0, sign, (sign * start[SPEED][0].value(), last), h);
+        let first = sign * start[SPEED][0].value();
+        let [falls, rises] = room.accelerations().map(|slope| sign * slope[0].value() * h);
+        return may_dip((first, last), (falls, rises));
     }
     if !model.restless() {
         return false;

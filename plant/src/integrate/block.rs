@@ -3,7 +3,7 @@
 use drivescope_numerics::Real;
 
 use super::dispatch::{Work, widest};
-use super::step::{Stages, step};
+use super::step::{Stages, may_dip, step};
 use super::{Integrator, Pace, Plan, State};
 use crate::model::{Applied, Model, OWN, SPEED};
 
@@ -146,12 +146,13 @@ impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
             let held = Applied { time, ..*applied };
             let before = state.x[SPEED];
             step(model, &mut state.x, &held, &state.sign, h, &plan.armature, room);
+            let (after, [start, end]) = (&state.x[SPEED], room.accelerations());
             for l in 0..N {
                 let sign = state.sign[l];
-                let (first, last) = (before[l].value(), state.x[SPEED][l].value());
-                let ends = sign * last < 0.0;
-                let dips = room.may_dip(l, sign, (sign * first, sign * last), h.value());
-                let event = model.directed() & (ends | dips);
+                let (first, last) = (before[l].value(), after[l].value());
+                let [falls, rises] = [start, end].map(|slope| sign * slope[l].value() * h.value());
+                let dips = may_dip((sign * first, sign * last), (falls, rises));
+                let event = model.directed() & ((sign * last < 0.0) | dips);
                 redo[l] |= event | plan.grain.too_coarse(l, first, last);
             }
         }

@@ -37,17 +37,15 @@ fn phi<R: Real>(z: R) -> (R, [R; 3]) {
         series = series * z + R::constant(1.0 / factorial);
         factorial /= f64::from(k + 3);
     }
-    let by_series = {
-        let phi_2 = series * z + R::constant(0.5);
-        [phi_2 * z + R::one(), phi_2, series]
-    };
     let small = z.value().abs() < SERIES_BELOW;
     let divisor = R::select(small, R::one(), z);
     let phi_1 = (e - R::one()) / divisor;
     let phi_2 = (phi_1 - R::one()) / divisor;
     let phi_3 = (phi_2 - R::constant(0.5)) / divisor;
-    let direct = [phi_1, phi_2, phi_3];
-    (e, std::array::from_fn(|k| R::select(small, by_series[k], direct[k])))
+    let series_2 = series * z + R::constant(0.5);
+    let series_1 = series_2 * z + R::one();
+    let chosen = |by_series, direct| R::select(small, by_series, direct);
+    (e, [chosen(series_1, phi_1), chosen(series_2, phi_2), chosen(series, phi_3)])
 }
 
 impl<R: Real, const N: usize> Exponential<R, N> {

@@ -3,7 +3,7 @@
 use drivescope_numerics::Real;
 
 use super::exponential::Exponential;
-use crate::model::{Applied, CURRENT, Model, OWN, SPEED, field};
+use crate::model::{Applied, CURRENT, Model, OWN, SPEED, field_at};
 
 /// Room for the stages of a step; allocated once, reused by every step.
 #[derive(Debug, Clone)]
@@ -30,16 +30,10 @@ impl<R: Real, const N: usize> Stages<R, N> {
         }
     }
 
-    /// Whether the speed of lane `l` may have dipped below zero inside the step just made over
-    /// `h`, from `first` to `last` (speeds in the direction of motion): a curve that is bent
-    /// upwards stays above its two end tangents, and so above where they meet.
+    /// Accelerations at the start and at the end of the step just made.
     #[inline(always)]
-    pub(super) fn may_dip(&self, l: usize, sign: f64, (first, last): (f64, f64), h: f64) -> bool {
-        let falls = sign * self.slopes[0][SPEED][l].value() * h;
-        let rises = sign * self.slopes[3][SPEED][l].value() * h;
-        // Meet at t: first + falls t = last - rises (1 - t), for falls < 0 < rises.
-        let meeting = first * rises - falls * (last - rises);
-        (falls < 0.0) & (rises > 0.0) & (meeting < 0.0)
+    pub(super) fn accelerations(&self) -> [&[R; N]; 2] {
+        [&self.slopes[0][SPEED], &self.slopes[3][SPEED]]
     }
 
     /// The state about the middle of the step just made.
@@ -68,6 +62,81 @@ impl<R: Real, const N: usize> Armature<R, N> {
     }
 }
 
+/// Whether a speed that goes from `first` to `last` (in the direction of motion) may dip below
+/// zero in between, `falls` and `rises` its slopes at the two ends times the step: a curve that
+/// is bent upwards stays above its two end tangents, and so above where they meet.
+#[inline(always)]
+pub(super) fn may_dip((first, last): (f64, f64), (falls, rises): (f64, f64)) -> bool {
+    // Meet at t: first + falls t = last - rises (1 - t), for falls < 0 < rises.
+    let meeting = first * rises - falls * (last - rises);
+    (falls < 0.0) & (rises > 0.0) & (meeting < 0.0)
+}
+
+/// x + h slope, every lane. Here and below whole rows are passed, so that the compiler knows
+/// that they do not overlap.
+#[inline(always)]
+fn forward<R: Real, const N: usize>(to: &mut [R; N], x: &[R; N], h: R, slope: &[R; N]) {
+    for l in 0..N {
+        to[l] = x[l] + h * slope[l];
+    }
+}
+
+/// The same for a decaying state; `slope` becomes x' + lambda at at the stage `at`.
+#[inline(always)]
+fn decayed<R: Real, const N: usize>(
+    to: &mut [R; N],
+    x: &[R; N],
+    c: &Exponential<R, N>,
+    slope: &mut [R; N],
+    (lambda, at): (&[R; N], &[R; N]),
+) {
+    for l in 0..N {
+        slope[l] += lambda[l] * at[l];
+        to[l] = c.half[l] * x[l] + c.stage[l] * slope[l];
+    }
+}
+
+/// The last stage of a decaying state, which starts from the middle one.
+#[inline(always)]
+fn decayed_last<R: Real, const N: usize>(
+    to: &mut [R; N],
+    middle: &[R; N],
+    c: &Exponential<R, N>,
+    (first, slope): (&[R; N], &mut [R; N]),
+    lambda: &[R; N],
+) {
+    for l in 0..N {
+        slope[l] += lambda[l] * to[l];
+        to[l] = c.half[l] * middle[l] + c.stage[l] * (slope[l].scaled(2.0) - first[l]);
+    }
+}
+
+/// The step of a state from its four slopes.
+#[inline(always)]
+fn close<R: Real, const N: usize>(x: &mut [R; N], h: R, slopes: [&[R; N]; 4]) {
+    let [n0, na, nb, nc] = slopes;
+    let (sixth, third) = (h.scaled(1.0 / 6.0), h.scaled(1.0 / 3.0));
+    for l in 0..N {
+        x[l] += sixth * (n0[l] + nc[l]) + third * (na[l] + nb[l]);
+    }
+}
+
+/// The step of a decaying state; `last` is the stage at which the last slope was taken.
+#[inline(always)]
+fn close_decayed<R: Real, const N: usize>(
+    x: &mut [R; N],
+    c: &Exponential<R, N>,
+    slopes: [&[R; N]; 4],
+    (lambda, last): (&[R; N], &[R; N]),
+) {
+    let [n0, na, nb, nc] = slopes;
+    for l in 0..N {
+        let end = nc[l] + lambda[l] * last[l];
+        let outer = c.first[l] * n0[l] + c.last[l] * end;
+        x[l] = c.whole[l] * x[l] + outer + c.middle[l] * (na[l] + nb[l]);
+    }
+}
+
 /// Advances the state `x` by `h`. `armature` was made for the same model and step.
 #[inline(always)]
 pub(super) fn step<R: Real, const N: usize>(
@@ -82,9 +151,9 @@ pub(super) fn step<R: Real, const N: usize>(
     let Stages { slopes: [n0, na, nb, nc], stage, middle, lambda, stiff } = room;
     let half = h.scaled(0.5);
     let seconds = h.value();
-    let at = |share: f64| Applied { time: applied.time + share * seconds, ..*applied };
+    let at = |share: f64| applied.time + share * seconds;
     lambda[CURRENT] = armature.rate;
-    field(model, x, applied, sign, n0, Some(lambda));
+    field_at(model, x, applied, at(0.0), sign, n0, Some(lambda));
     for j in OWN..x.len() {
         if model.is_stiff(j) {
             stiff[j] = Some(Exponential::new(&lambda[j], h));
@@ -97,59 +166,44 @@ pub(super) fn step<R: Real, const N: usize>(
 
     for j in 0..x.len() {
         match coefficients(j) {
-            None => (0..N).for_each(|l| middle[j][l] = x[j][l] + half * n0[j][l]),
-            Some(c) => {
-                for l in 0..N {
-                    n0[j][l] += lambda[j][l] * x[j][l];
-                    middle[j][l] = c.half[l] * x[j][l] + c.stage[l] * n0[j][l];
-                }
-            }
+            None => forward(&mut middle[j], &x[j], half, &n0[j]),
+            Some(c) => decayed(&mut middle[j], &x[j], c, &mut n0[j], (&lambda[j], &x[j])),
         }
     }
-    field(model, middle, &at(0.5), sign, na, None);
+    field_at(model, middle, applied, at(0.5), sign, na, None);
     for j in 0..x.len() {
         match coefficients(j) {
-            None => (0..N).for_each(|l| stage[j][l] = x[j][l] + half * na[j][l]),
-            Some(c) => {
-                for l in 0..N {
-                    na[j][l] += lambda[j][l] * middle[j][l];
-                    stage[j][l] = c.half[l] * x[j][l] + c.stage[l] * na[j][l];
-                }
-            }
+            None => forward(&mut stage[j], &x[j], half, &na[j]),
+            Some(c) => decayed(&mut stage[j], &x[j], c, &mut na[j], (&lambda[j], &middle[j])),
         }
     }
-    field(model, stage, &at(0.5), sign, nb, None);
+    field_at(model, stage, applied, at(0.5), sign, nb, None);
     for j in 0..x.len() {
         match coefficients(j) {
-            None => (0..N).for_each(|l| stage[j][l] = x[j][l] + h * nb[j][l]),
-            Some(c) => {
-                for l in 0..N {
-                    nb[j][l] += lambda[j][l] * stage[j][l];
-                    let slope = nb[j][l].scaled(2.0) - n0[j][l];
-                    stage[j][l] = c.half[l] * middle[j][l] + c.stage[l] * slope;
-                }
-            }
+            None => forward(&mut stage[j], &x[j], h, &nb[j]),
+            Some(c) => decayed_last(&mut stage[j], &middle[j], c, (&n0[j], &mut nb[j]), &lambda[j]),
         }
     }
-    field(model, stage, &at(1.0), sign, nc, None);
-    let sixth = h.scaled(1.0 / 6.0);
-    let third = h.scaled(1.0 / 3.0);
+    field_at(model, stage, applied, at(1.0), sign, nc, None);
     for j in 0..x.len() {
+        let slopes = [&n0[j], &na[j], &nb[j], &nc[j]];
         match coefficients(j) {
-            None => {
-                for l in 0..N {
-                    let inner = third * (na[j][l] + nb[j][l]);
-                    x[j][l] += sixth * (n0[j][l] + nc[j][l]) + inner;
-                }
-            }
-            Some(c) => {
-                for l in 0..N {
-                    nc[j][l] += lambda[j][l] * stage[j][l];
-                    let inner = c.middle[l] * (na[j][l] + nb[j][l]);
-                    let outer = c.first[l] * n0[j][l] + c.last[l] * nc[j][l];
-                    x[j][l] = c.whole[l] * x[j][l] + outer + inner;
-                }
-            }
+            None => close(&mut x[j], h, slopes),
+            Some(c) => close_decayed(&mut x[j], c, slopes, (&lambda[j], &stage[j])),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dip_is_suspected_where_the_end_tangents_meet_below_zero() {
+        // 0.1 - t + t^2 has its minimum -0.15 at 0.5, its tangents meet at -0.4.
+        assert!(may_dip((0.1, 0.1), (-1.0, 1.0)));
+        assert!(!may_dip((0.6, 0.6), (-1.0, 1.0)));
+        assert!(!may_dip((0.1, 1.1), (0.5, 1.5)), "rising throughout");
+        assert!(!may_dip((1.1, 0.1), (-1.5, -0.5)), "falling throughout");
     }
 }

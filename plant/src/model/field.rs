@@ -7,57 +7,24 @@
 //! the shaft slips, 0 while it sticks. For a given s the field is smooth, also across
 //! omega = 0: the automaton of [`crate::integrate`] changes s at located events.
 
-use std::array::from_fn;
-
 use drivescope_numerics::Real;
 
 use super::{Applied, CURRENT, Model, OWN, POSITION, SPEED};
 use crate::effects::law::{Sum, Sums, Views};
 
-/// What the effects see, lane by lane.
+/// What the effects see at `time`, lane by lane.
 #[inline(always)]
-pub(super) fn views<R: Real, const N: usize>(
-    model: &Model<R, N>,
-    x: &[[R; N]],
-    applied: &Applied<R, N>,
-    sign: &[f64; N],
-) -> Views<R, N> {
-    let u = match &model.control {
-        Some(_) => from_fn(|l| model.controlled(x, applied, l).map_or(applied.u[l], |c| c.u)),
-        None => applied.u,
-    };
-    views_under(model, x, applied, sign, u)
-}
-
-/// What the effects see under that input.
-#[inline(always)]
-pub(super) fn views_under<R: Real, const N: usize>(
-    model: &Model<R, N>,
-    x: &[[R; N]],
-    applied: &Applied<R, N>,
-    sign: &[f64; N],
-    u: [R; N],
-) -> Views<R, N> {
-    let motors = &model.motors;
-    let zero = [R::zero(); N];
-    let i = if model.force { u } else { x[CURRENT] };
-    let mut at = Views {
-        i,
-        omega: x[SPEED],
-        theta: x[POSITION],
-        direction: sign.map(R::constant),
-        u,
-        drive: zero,
-        load: applied.load,
-        copper: zero,
-        inertia: motors.j,
-        time: [R::constant(applied.time); N],
-    };
-    for l in 0..N {
-        at.drive[l] = motors.k_m[l] * i[l];
-        at.copper[l] = motors.r[l] * i[l] * i[l];
-    }
-    at
+pub(super) fn views<'a, R: Real, const N: usize>(
+    model: &'a Model<R, N>,
+    x: &'a [[R; N]],
+    applied: &'a Applied<R, N>,
+    time: f64,
+    direction: &'a [f64; N],
+) -> Views<'a, R, N> {
+    let i = if model.force { &applied.u } else { &x[CURRENT] };
+    let (omega, theta) = (&x[SPEED], &x[POSITION]);
+    let (motors, u, load) = (&model.motors, &applied.u, &applied.load);
+    Views { motors, i, omega, theta, direction, u, load, time }
 }
 
 /// What the effects add up to, without the acceleration, which closes the balances.
@@ -65,7 +32,7 @@ pub(super) fn views_under<R: Real, const N: usize>(
 fn sums<R: Real, const N: usize>(
     model: &Model<R, N>,
     x: &[[R; N]],
-    at: &Views<R, N>,
+    at: &Views<'_, R, N>,
 ) -> Sums<R, N> {
     let motors = &model.motors;
     let zero = R::zero();
@@ -81,7 +48,7 @@ fn sums<R: Real, const N: usize>(
         load: zero,
         acceleration: zero,
     });
-    sum.load = at.load;
+    sum.load = *at.load;
     for l in 0..N {
         sum.inverse_inertia[l] = R::one() / motors.j[l];
     }
@@ -99,12 +66,12 @@ fn sums<R: Real, const N: usize>(
 #[inline(always)]
 fn net<R: Real, const N: usize>(
     model: &Model<R, N>,
-    at: &Views<R, N>,
+    at: &Views<'_, R, N>,
     sum: &Sums<R, N>,
     l: usize,
 ) -> R {
     let viscous = model.motors.b_m[l] * model.motors.friction[l] * at.omega[l];
-    at.drive[l] * sum.flux[l] - viscous - sum.torque[l] - sum.load[l]
+    model.motors.k_m[l] * at.i[l] * sum.flux[l] - viscous - sum.torque[l] - sum.load[l]
 }
 
 /// Time derivatives `dx` of the state `x`, and the decay rates of its stiff own states where
@@ -118,7 +85,30 @@ pub fn field<R: Real, const N: usize>(
     dx: &mut [[R; N]],
     lambda: Option<&mut [[R; N]]>,
 ) {
-    let at = views(model, x, applied, sign);
+    field_at(model, x, applied, applied.time, sign, dx, lambda);
+}
+
+/// The same at another time, the inputs held.
+#[inline(always)]
+pub(crate) fn field_at<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    applied: &Applied<R, N>,
+    time: f64,
+    sign: &[f64; N],
+    dx: &mut [[R; N]],
+    lambda: Option<&mut [[R; N]]>,
+) {
+    let controlled;
+    let applied = match &model.control {
+        None => applied,
+        Some(_) => {
+            integrate_error(model, x, applied, dx);
+            controlled = model.under_control(x, applied);
+            &controlled
+        }
+    };
+    let at = views(model, x, applied, time, sign);
     let mut sum = sums(model, x, &at);
     let motors = &model.motors;
     for l in 0..N {
@@ -136,13 +126,6 @@ pub fn field<R: Real, const N: usize>(
         dx[SPEED][l] = sum.acceleration[l];
         dx[POSITION][l] = at.omega[l];
     }
-    if model.control.is_some() {
-        let integral = OWN + model.own_states;
-        for l in 0..N {
-            let rate = model.controlled(x, applied, l).map(|signals| signals.integral_rate);
-            dx[integral][l] = rate.unwrap_or(R::zero());
-        }
-    }
     if model.own_states == 0 {
         return;
     }
@@ -153,6 +136,20 @@ pub fn field<R: Real, const N: usize>(
         for part in &model.placed {
             part.decay(&model.p, &x[OWN..], &at, &sum, &mut lambda[OWN..]);
         }
+    }
+}
+
+/// Rates of the continuous controllers' integrators.
+#[inline(always)]
+fn integrate_error<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    applied: &Applied<R, N>,
+    dx: &mut [[R; N]],
+) {
+    for l in 0..N {
+        let rate = model.controlled(x, applied, l).map(|signals| signals.integral_rate);
+        dx[OWN + model.own_states][l] = rate.unwrap_or(R::zero());
     }
 }
 
@@ -188,7 +185,8 @@ impl<R: Real> Rest<R> {
 
 /// The torques at the state `x`, whose speed is zero.
 pub fn rest<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], applied: &Applied<R, 1>) -> Rest<R> {
-    let at = views(model, x, applied, &[0.0]);
+    let applied = &model.under_control(x, applied);
+    let at = views(model, x, applied, applied.time, &[0.0]);
     let sum = sums(model, x, &at);
     Rest { net: net(model, &at, &sum, 0), forward: sum.forward[0], backward: sum.backward[0] }
 }

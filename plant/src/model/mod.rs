@@ -14,6 +14,7 @@ use crate::effects::law::{Info, OutputLanes};
 use crate::effects::registry::{Kind, Placed, REGISTRY};
 
 pub use control::{Control, Controlled, Controls};
+pub(crate) use field::field_at;
 pub use field::{Rest, field, rest};
 pub use motor::{Motor, Motors};
 
@@ -162,6 +163,14 @@ impl<R: Real, const N: usize> Model<R, N> {
         }
     }
 
+    /// What acts on the motor: where a continuous controller closes the loop, its u in place of
+    /// the command.
+    #[inline(always)]
+    fn under_control(&self, x: &[[R; N]], applied: &Applied<R, N>) -> Applied<R, N> {
+        let u = |l: usize| self.controlled(x, applied, l).map_or(applied.u[l], |now| now.u);
+        Applied { u: std::array::from_fn(u), ..*applied }
+    }
+
     /// The signals of the continuous controller of lane `l`, if there is one.
     pub fn controlled(
         &self,
@@ -208,7 +217,7 @@ impl<R: Real, const N: usize> Model<R, N> {
         let i = if !self.force {
             x[CURRENT]
         } else if self.control.is_some() {
-            field::views(self, x, applied, &[0.0; N]).u
+            self.under_control(x, applied).u
         } else {
             applied.u
         };
@@ -224,7 +233,7 @@ impl<R: Real, const N: usize> Model<R, N> {
         applied: &Applied<R, N>,
     ) -> OutputLanes<R, N> {
         if self.distorts_sensors() {
-            let at = field::views_under(self, x, applied, &[0.0; N], applied.u);
+            let at = field::views(self, x, applied, applied.time, &[0.0; N]);
             for part in &self.placed {
                 part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
             }

@@ -2,7 +2,7 @@
 
 use drivescope_plant::effects::registry::Kind;
 
-use crate::oracle::{self, DR300, Truth};
+use crate::oracle::{self, DR300, Solver, Truth};
 use crate::support::{
     OpenLoop, PERIOD, Run, closed_loop, dr300, dr300_friction, drive, noise, ours, ours_over, part,
     relative_difference, stick_slip,
@@ -42,6 +42,11 @@ fn a_closed_loop_run_from_rest_agrees() {
     let expected = closed_loop(5000, oracle::reference(DR300, PERIOD));
     assert!(found[4999][1] > 200.0, "it runs at speed");
     agree("closed loop", &found, &expected);
+    // The speed that `benches/stepping.rs` compares is not bought with accuracy.
+    let plain = closed_loop(5000, oracle::run_by(Solver::Plain, DR300, PERIOD));
+    let [own, other] = [&found, &plain].map(|run| greatest(relative_difference(run, &expected)));
+    println!("closed loop: ours {own:.1e}, Dopri5 at 1e-6 {other:.1e}");
+    assert!(own <= other, "{own:e} against {other:e}");
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn perturbed(case: &Case, number: usize) -> Model<f64, 1> {
 fn inputs(number: usize, k: usize) -> (f64, f64) {
     let time = k as f64 * H;
     let phase = number as f64 * 0.2;
-    let u = if number % 3 == 0 { 15.0 } else { 3.0 * (TAU * 4.0 * time + phase).sin() };
+    let u = if number.is_multiple_of(3) { 15.0 } else { 3.0 * (TAU * 4.0 * time + phase).sin() };
     (u, 0.002 * (TAU * 3.0 * time + phase).cos())
 }
 

@@ -1,6 +1,7 @@
 //! The drive once more, written independently over `ode_solvers`: its own right-hand side, its
 //! own search for events.
 //!
+//! [`Solver::Fine`] is the reference, [`Solver::Plain`] the competitor of the benchmark.
 //! Output is sparse: the dense output of `ode_solvers` is wrong at the end point when its
 //! increment equals the interval.
 
@@ -96,7 +97,7 @@ impl Phase {
     }
 
     /// The motion after an instant at which the shaft rests.
-    fn from_rest(&self, y: &Y) -> Motion {
+    fn motion_off_rest(&self, y: &Y) -> Motion {
         let pull = self.pull(y);
         match pull.abs() > self.dry(0.0) {
             false => Motion::Stuck,
@@ -119,47 +120,72 @@ impl System<f64, Y> for Phase {
     }
 }
 
-/// Every step of a fine integration over `span`.
-fn path(phase: Phase, y: Y, span: f64) -> (Vec<f64>, Vec<Y>) {
-    let mut solver = Dop853::from_param(
-        phase,
-        0.0,
-        span,
-        span,
-        y,
-        TOLERANCE,
-        TOLERANCE,
-        0.9,
-        0.0,
-        0.333,
-        6.0,
-        LONGEST,
-        0.0,
-        1_000_000,
-        1_000_000,
-        OutputType::Sparse,
-    );
-    solver.integrate().expect("a smooth phase integrates");
-    let (t, y) = solver.results().get();
-    (t.clone(), y.clone())
+/// Which program integrates a phase.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Solver {
+    /// Dop853 at 1e-10 in steps of at most [`LONGEST`]: the reference.
+    Fine,
+    /// Dopri5 at 1e-6 in steps of its own choice: what a user of `ode_solvers` would run.
+    Plain,
 }
 
-fn end(phase: Phase, y: Y, span: f64) -> Y {
-    path(phase, y, span).1.last().copied().unwrap_or(y)
+/// Every step of the integration over `span`.
+fn path(solver: Solver, phase: Phase, y: Y, span: f64) -> (Vec<f64>, Vec<Y>) {
+    match solver {
+        Solver::Fine => {
+            let mut fine = Dop853::from_param(
+                phase,
+                0.0,
+                span,
+                span,
+                y,
+                TOLERANCE,
+                TOLERANCE,
+                0.9,
+                0.0,
+                0.333,
+                6.0,
+                LONGEST,
+                0.0,
+                1_000_000,
+                1_000_000,
+                OutputType::Sparse,
+            );
+            fine.integrate().expect("a smooth phase integrates");
+            let (t, y) = fine.results().get();
+            (t.clone(), y.clone())
+        }
+        Solver::Plain => {
+            let mut plain = Dopri5::new(phase, 0.0, span, span, y, 1e-6, 1e-6);
+            plain.set_output(OutputType::Sparse);
+            plain.integrate().expect("a smooth phase integrates");
+            let (t, y) = plain.results().get();
+            (t.clone(), y.clone())
+        }
+    }
+}
+
+fn end(solver: Solver, phase: Phase, y: Y, span: f64) -> Y {
+    path(solver, phase, y, span).1.last().copied().unwrap_or(y)
+}
+
+/// [`run_by`] the fine solver.
+pub(crate) fn reference(truth: Truth, h: f64) -> impl FnMut(f64, f64) -> [f64; 3] {
+    run_by(Solver::Fine, truth, h)
 }
 
 /// The drive from rest as a function from inputs, held over `h`, to states.
-pub(crate) fn reference(truth: Truth, h: f64) -> impl FnMut(f64, f64) -> [f64; 3] {
+pub(crate) fn run_by(solver: Solver, truth: Truth, h: f64) -> impl FnMut(f64, f64) -> [f64; 3] {
     let mut y = Y::zeros();
     let mut motion = Motion::Stuck;
     move |u, load| {
         let mut phase = Phase { truth, u, load, motion };
         let mut left = h;
         if phase.motion == Motion::Stuck {
-            phase.motion = phase.from_rest(&y);
+            phase.motion = phase.motion_off_rest(&y);
         }
         while left > 0.0 {
-            let (times, states) = path(phase, y, left);
+            let (times, states) = path(solver, phase, y, left);
             let Some(after) = states.iter().position(|y| phase.lasts(y) < -CLEAR) else {
                 y = states[states.len() - 1];
                 break;
@@ -169,18 +195,18 @@ pub(crate) fn reference(truth: Truth, h: f64) -> impl FnMut(f64, f64) -> [f64; 3
             let (mut low, mut high) = (0.0, times[after] - start);
             while high - low > 1e-16 {
                 let middle = 0.5 * (low + high);
-                if phase.lasts(&end(phase, from, middle)) > 0.0 {
+                if phase.lasts(&end(solver, phase, from, middle)) > 0.0 {
                     low = middle;
                 } else {
                     high = middle;
                 }
             }
-            y = end(phase, from, high);
+            y = end(solver, phase, from, high);
             left -= start + high;
             let slipped = phase.motion != Motion::Stuck;
             y[1] = 0.0;
             phase.motion = if slipped {
-                phase.from_rest(&y)
+                phase.motion_off_rest(&y)
             } else if phase.pull(&y) > 0.0 {
                 Motion::Forward
             } else {
@@ -188,25 +214,6 @@ pub(crate) fn reference(truth: Truth, h: f64) -> impl FnMut(f64, f64) -> [f64; 3
             };
         }
         motion = phase.motion;
-        [y[0], y[1], y[2]]
-    }
-}
-
-/// The drive as one right-hand side with a sign, in the hands of Dopri5 at a relative tolerance
-/// of 1e-6: what a user without this crate would run.
-pub(crate) fn plain_dopri5(truth: Truth, h: f64) -> impl FnMut(f64, f64) -> [f64; 3] {
-    let mut y = Y::zeros();
-    move |u, load| {
-        let mut phase = Phase { truth, u, load, motion: Motion::Forward };
-        if y[1] == 0.0 {
-            phase.motion = phase.from_rest(&y);
-        } else if y[1] < 0.0 {
-            phase.motion = Motion::Backward;
-        }
-        let mut solver = Dopri5::new(phase, 0.0, h, h, y, 1e-6, 1e-6);
-        solver.set_output(OutputType::Sparse);
-        solver.integrate().expect("a smooth phase integrates");
-        y = solver.y_out().last().copied().unwrap_or(y);
         [y[0], y[1], y[2]]
     }
 }

@@ -78,7 +78,7 @@ impl Diagnoser {
         let confidence = Confidence::new(beta)?;
         let healthy = |k: u64| -> Result<Recording, StudyError> {
             let inputs = experiment.closed_loop(SAMPLES, Stream::Design(k), None);
-            Ok(cosimulated::closed_loop(closed, &inputs, &mut ())?)
+            Ok(cosimulated::closed_loop(closed, &inputs, None::<&mut Watch>)?)
         };
         let (design, test) = (healthy(0)?, healthy(1)?);
         let run = |signals: &Recording| -> Result<Vec<f64>, StudyError> {

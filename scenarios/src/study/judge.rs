@@ -47,19 +47,26 @@ pub(super) struct Judgement {
 }
 
 impl Judgement {
+    fn trace(&self, method: Method) -> &Trace {
+        match method {
+            Method::Mem => &self.traces.mem,
+            Method::Constant => &self.traces.constant,
+        }
+    }
+
     /// Share of samples outside the threshold after the run-up.
     pub(super) fn false_rate(&self, method: Method) -> f64 {
-        rate(self.traces.get(method), RUN_UP..SAMPLES)
+        rate(self.trace(method), RUN_UP..SAMPLES)
     }
 
     /// Faults declared within a span: a declaration that stands counts once.
     pub(super) fn alarms(&self, method: Method, span: Range<usize>) -> usize {
-        self.traces.get(method).declarations().iter().filter(|at| span.contains(at)).count()
+        self.trace(method).declarations().iter().filter(|at| span.contains(at)).count()
     }
 
     /// The row of the detection table.
     pub(super) fn row(&self, method: Method, fault: &Fault) -> DetectionRow {
-        let trace = self.traces.get(method);
+        let trace = self.trace(method);
         let declared = trace.declarations().into_iter().find(|at| *at >= fault.from);
         DetectionRow {
             fault: fault.name.clone(),

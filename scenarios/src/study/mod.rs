@@ -27,8 +27,8 @@ use thiserror::Error;
 use crate::experiment::{Experiment, ExperimentError, Stream};
 use crate::faults::{Fault, SPAN, twelve};
 use crate::results::{
-    ByMethod, DetectionRow, DriveSummary, FmuSummary, HealthySummary, Method, NoiseSummary,
-    Pictures, ReadingRows, StudyResults, TorqueReading,
+    ByMethod, DetectionRow, DriveSummary, FaultSpan, FmuSummary, HealthySummary, Method,
+    NoiseSummary, Pictures, ReadingRows, StudyResults, TorqueReading,
 };
 use crate::{cosimulated, native};
 use design::Diagnoser;
@@ -38,6 +38,8 @@ use judge::Judgement;
 pub const SAMPLES: usize = SPAN.end;
 /// Samples at the start of a closed-loop run that are not judged: the start from rest.
 pub const RUN_UP: usize = 1000;
+/// Samples of the run of slow reversals.
+const SLOW_SAMPLES: usize = 2000;
 /// Healthy runs that false alarms are counted on.
 const HEALTHY_RUNS: u64 = 20;
 
@@ -93,15 +95,16 @@ pub struct Study {
     pub results: StudyResults,
     /// Traces for the report: a healthy run, then the twelve faults.
     pub pictures: Vec<Pictures>,
-    /// Inputs and signals of the twelve runs, for a comparison with other simulators.
-    pub runs: Vec<FaultRun>,
+    /// Inputs and signals of runs for a comparison with other simulators: a healthy one, the
+    /// twelve faults, and slow reversals in which the shaft sticks and slips.
+    pub runs: Vec<RepeatableRun>,
 }
 
-/// One faulty run, as another simulator can repeat it.
+/// One run, as another simulator can repeat it.
 #[derive(Debug)]
-pub struct FaultRun {
-    /// The fault.
-    pub fault: Fault,
+pub struct RepeatableRun {
+    /// Name for files: `healthy`, `stick_slip` or that of the fault.
+    pub name: String,
     /// Inputs, a row a sample.
     pub inputs: Recording,
     /// What the FMU gave.
@@ -147,7 +150,14 @@ pub fn study(
             judged
         })
         .collect::<Result<_, _>>()?;
-    Ok(summarise(options, &experiment, &diagnoser, judged))
+    let mut study = summarise(options, &experiment, &diagnoser, judged);
+    let inputs = experiment.slow_reversals(SLOW_SAMPLES);
+    let signals = cosimulated::closed_loop(&closed, &inputs, None::<&mut judge::Watch>)?;
+    let native = native::closed_loop(&experiment.drive, &inputs);
+    let difference = &mut study.results.fmu.max_relative_difference_native;
+    *difference = difference.max(greatest_difference(&signals, &native));
+    study.runs.push(RepeatableRun { name: "stick_slip".to_owned(), inputs, signals });
+    Ok(study)
 }
 
 /// A run to judge.
@@ -176,6 +186,12 @@ struct Judged {
     native: f64,
 }
 
+impl Judged {
+    fn repeatable(self, name: String) -> RepeatableRun {
+        RepeatableRun { name, inputs: self.inputs, signals: self.signals }
+    }
+}
+
 fn judge_run(
     experiment: &Experiment,
     fmu: &Fmu,
@@ -189,7 +205,7 @@ fn judge_run(
         }
     };
     let mut watch = diagnoser.watch()?;
-    let signals = cosimulated::closed_loop(fmu, &inputs, &mut watch)?;
+    let signals = cosimulated::closed_loop(fmu, &inputs, Some(&mut watch))?;
     let native = native::closed_loop(&experiment.drive, &inputs);
     let judgement = watch.judgement();
     let native = greatest_difference(&signals, &native);
@@ -266,6 +282,8 @@ fn summarise(
         },
         torque: options.torque,
         beta: options.beta,
+        fault_span: FaultSpan { from: SPAN.start, to: SPAN.end },
+        window: design::WINDOW,
         detection: rows(options.torque),
         readings: others.map(|torque| ReadingRows { torque, detection: rows(torque) }).collect(),
         healthy: HealthySummary {
@@ -290,10 +308,14 @@ fn summarise(
     let mut runs = Vec::new();
     for judged in judged {
         match judged.run {
-            Run::Healthy(0) => pictures.push(judged.judgement.picture(None, &judged.signals)),
-            Run::Faulty(reading, fault, _) if reading == options.torque => {
-                pictures.push(judged.judgement.picture(Some(&fault), &judged.signals));
-                runs.push(FaultRun { fault, inputs: judged.inputs, signals: judged.signals });
+            Run::Healthy(0) => {
+                pictures.push(judged.judgement.picture(None, &judged.signals));
+                runs.push(judged.repeatable("healthy".to_owned()));
+            }
+            Run::Faulty(reading, ref fault, _) if reading == options.torque => {
+                pictures.push(judged.judgement.picture(Some(fault), &judged.signals));
+                let name = fault.name.file_name();
+                runs.push(judged.repeatable(name));
             }
             _ => {}
         }

@@ -2,9 +2,11 @@
 
 use crate::results::{ByMethod, Method, PaperFigures, PaperRow};
 
-/// Table 1: label, then r_td in per cent and t_dt by model error modelling and by constant
-/// thresholds.
-const TABLE_1: [(&str, (f64, usize), (f64, usize)); 12] = [
+/// Label, then r_td in per cent and t_dt by model error modelling and by constant thresholds.
+type Row = (&'static str, (f64, usize), (f64, usize));
+
+/// Table 1.
+const TABLE_1: [Row; 12] = [
     ("f_1^1", (97.9, 4074), (98.1, 4072)),
     ("f_2^1", (99.6, 4055), (99.4, 4067)),
     ("f_3^1", (98.8, 4077), (98.8, 4064)),

@@ -1,6 +1,6 @@
 //! A law that the user types in the drive file, for example `torque = "-c * omega * abs(omega)"`.
 //!
-//! The text is parsed once ([`parse`]) into a tape of operations for a stack ([`tape`]): no
+//! The text is parsed once (`parse.rs`) into a tape of operations for a stack (`tape.rs`): no
 //! code is executed, size and depth are limited, and the same tape runs over `f64`, duals and
 //! lanes, natively and inside an exported FMU. Signs: a torque is added to the motor torque, a
 //! voltage to the applied voltage, heat to the winding; `omega` and `i` are what the sensor
@@ -14,7 +14,8 @@ use drivescope_numerics::Real;
 pub use parse::LawError;
 use tape::Tape;
 
-use super::law::{OutputLanes, Sums, View, Views};
+use super::law::{OutputLanes, Sums, Views};
+use crate::model::{Motor, Motors};
 
 /// What a typed law gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,19 +65,20 @@ impl Expression {
 
     /// The value at time `t`, s.
     pub fn at(&self, t: f64) -> f64 {
-        let zero = View {
-            i: 0.0,
-            omega: 0.0,
-            theta: 0.0,
-            direction: 0.0,
-            u: 0.0,
-            drive: 0.0,
-            load: 0.0,
-            copper: 0.0,
-            inertia: 0.0,
+        // An expression reads no variable of the drive.
+        let motor = Motor { r: 0.0, l: 0.0, k_e: 0.0, k_m: 0.0, j: 0.0, b_m: 0.0, friction: 0.0 };
+        let none = [0.0];
+        let at = Views {
+            motors: &Motors::splat(motor),
+            i: &none,
+            omega: &none,
+            theta: &none,
+            direction: &none,
+            u: &none,
+            load: &none,
             time: t,
         };
-        self.0.run(&[], &Views::<f64, 1>::splat(zero))[0]
+        self.0.run::<f64, 1>(&[], &at)[0]
     }
 }
 
@@ -104,7 +106,7 @@ impl Law {
     pub(super) fn share<R: Real, const N: usize>(
         &self,
         p: &[[R; N]],
-        at: &Views<R, N>,
+        at: &Views<'_, R, N>,
         sum: &mut Sums<R, N>,
     ) {
         if self.senses() {
@@ -125,7 +127,7 @@ impl Law {
     pub(super) fn sense<R: Real, const N: usize>(
         &self,
         p: &[[R; N]],
-        at: &Views<R, N>,
+        at: &Views<'_, R, N>,
         y: &mut OutputLanes<R, N>,
     ) {
         match self.target {

@@ -343,25 +343,26 @@ impl Parser<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::law::{View, Views};
+    use crate::effects::law::Views;
+    use crate::model::{Motor, Motors};
     use drivescope_numerics::{Dual, Real};
 
     fn value<R: Real>(text: &str, c: R, omega: R) -> R {
         let tape = parse(text, &["c".to_owned()], &DRIVE).expect("the law is right");
         let zero = R::zero();
-        let view = View {
-            i: R::constant(2.0),
-            omega,
-            theta: zero,
-            direction: R::one(),
-            u: zero,
-            drive: zero,
-            load: zero,
-            copper: zero,
-            inertia: zero,
-            time: zero,
+        let motor =
+            Motor { r: zero, l: zero, k_e: zero, k_m: zero, j: zero, b_m: zero, friction: zero };
+        let at = Views {
+            motors: &Motors::<R, 1>::splat(motor),
+            i: &[R::constant(2.0)],
+            omega: &[omega],
+            theta: &[zero],
+            direction: &[1.0],
+            u: &[zero],
+            load: &[zero],
+            time: 0.0,
         };
-        tape.run(&[[c]], &Views::<R, 1>::splat(view))[0]
+        tape.run(&[[c]], &at)[0]
     }
 
     #[test]

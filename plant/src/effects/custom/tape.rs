@@ -47,26 +47,33 @@ impl Function {
         ("tanh", Self::Tanh),
     ];
 
+    /// The function of every lane; the choice stands outside the loop.
     #[inline(always)]
-    fn of<R: Real>(self, x: R) -> R {
+    fn apply<R: Real, const N: usize>(self, x: &mut [R; N]) {
         match self {
-            Self::Abs => x.abs(),
-            Self::Sign => {
-                let below = R::select(x.value() < 0.0, R::constant(-1.0), R::zero());
-                R::select(x.value() > 0.0, R::one(), below)
-            }
-            Self::Exp => x.exp(),
-            Self::Ln => x.ln(),
-            Self::Sqrt => x.sqrt(),
-            Self::Sin => x.sin(),
-            Self::Cos => x.cos(),
-            Self::Tan => {
-                let (sin, cos) = x.sin_cos();
-                sin / cos
-            }
-            Self::Tanh => x.tanh(),
+            Self::Abs => map(x, R::abs),
+            Self::Sign => map(x, sign),
+            Self::Exp => map(x, R::exp),
+            Self::Ln => map(x, R::ln),
+            Self::Sqrt => map(x, R::sqrt),
+            Self::Sin => map(x, R::sin),
+            Self::Cos => map(x, R::cos),
+            Self::Tan => map(x, tan),
+            Self::Tanh => map(x, R::tanh),
         }
     }
+}
+
+#[inline(always)]
+fn sign<R: Real>(x: R) -> R {
+    let below = R::select(x.value() < 0.0, R::constant(-1.0), R::zero());
+    R::select(x.value() > 0.0, R::one(), below)
+}
+
+#[inline(always)]
+fn tan<R: Real>(x: R) -> R {
+    let (sin, cos) = x.sin_cos();
+    sin / cos
 }
 
 /// An operation: it takes its arguments off the stack and leaves its result there.
@@ -114,7 +121,11 @@ fn whole_power<R: Real>(x: R, exponent: u32) -> R {
 impl Tape {
     /// Runs the tape. The parser has checked that the stack neither overflows nor runs dry.
     #[inline(always)]
-    pub(super) fn run<R: Real, const N: usize>(&self, p: &[[R; N]], at: &Views<R, N>) -> [R; N] {
+    pub(super) fn run<R: Real, const N: usize>(
+        &self,
+        p: &[[R; N]],
+        at: &Views<'_, R, N>,
+    ) -> [R; N] {
         let mut stack = [[R::zero(); N]; DEEPEST];
         let mut top = 0;
         for operation in &self.0 {
@@ -125,11 +136,11 @@ impl Tape {
                 }
                 Operation::Variable(variable) => {
                     stack[top] = match variable {
-                        Variable::Current => at.i,
-                        Variable::Speed => at.omega,
-                        Variable::Position => at.theta,
-                        Variable::Input => at.u,
-                        Variable::Time => at.time,
+                        Variable::Current => *at.i,
+                        Variable::Speed => *at.omega,
+                        Variable::Position => *at.theta,
+                        Variable::Input => *at.u,
+                        Variable::Time => [R::constant(at.time); N],
                     };
                     top += 1;
                 }
@@ -138,7 +149,7 @@ impl Tape {
                     top += 1;
                 }
                 Operation::Negate => map(&mut stack[top - 1], |x| -x),
-                Operation::Apply(function) => map(&mut stack[top - 1], |x| function.of(x)),
+                Operation::Apply(function) => function.apply(&mut stack[top - 1]),
                 Operation::WholePower(n) => map(&mut stack[top - 1], |x| whole_power(x, n)),
                 two_arguments => {
                     top -= 1;

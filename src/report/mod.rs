@@ -1,0 +1,13 @@
+//! Reports: one HTML file that explains itself, offline, in any browser, on paper.
+//!
+//! A report is self-contained: styles and pictures are inline, nothing is loaded and no script
+//! runs (its content security policy forbids both). [`plot`] draws; [`study_html`] says what a study found.
+
+mod page;
+pub mod plot;
+mod study;
+#[cfg(test)]
+pub(crate) mod testing;
+pub(crate) mod words;
+
+pub use study::study_html;

@@ -1,0 +1,144 @@
+//! The frame of a report, and the pieces that its sections share.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::plot::STYLE;
+
+/// Nothing is loaded, nothing runs, nothing is sent.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
+                      base-uri 'none'; form-action 'none'";
+
+/// A whole page.
+pub(super) fn page(title: &str, body: &Markup) -> String {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (title) }
+                style { (PreEscaped(include_str!("page.css"))) (PreEscaped(STYLE)) }
+            }
+            body { (body) }
+        }
+    }
+    .into_string()
+}
+
+/// A section with a heading that links to itself.
+pub(super) fn section(id: &str, title: &str, body: &Markup) -> Markup {
+    html! {
+        section id=(id) aria-labelledby={ (id) "-h" } {
+            h2 id={ (id) "-h" } { a href={ "#" (id) } { (title) } }
+            (body)
+        }
+    }
+}
+
+/// A table that scrolls by itself where the page is narrow, by keyboard too.
+pub(super) fn table(caption: &str, head: &Markup, body: &Markup) -> Markup {
+    html! {
+        div.scroll role="region" tabindex="0" aria-label=(caption) {
+            table {
+                caption { (caption) }
+                thead { (head) }
+                tbody { (body) }
+            }
+        }
+    }
+}
+
+/// A picture with what to see in it; on a narrow page it scrolls by itself.
+pub(super) fn figure(id: &str, svg: String, name: &str, caption: &Markup) -> Markup {
+    html! {
+        figure id=(id) {
+            div.scroll role="region" tabindex="0" aria-label=(name) { (PreEscaped(svg)) }
+            figcaption { (caption) }
+        }
+    }
+}
+
+/// With a minus sign instead of a hyphen before digits.
+pub(super) fn minus(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut before = ' ';
+    for (at, c) in text.char_indices() {
+        let digit_follows = text[at + c.len_utf8()..].starts_with(|c: char| c.is_ascii_digit());
+        // Not between words or after a number: `2024-05`, but in the exponent of `3e-5`.
+        let sign = !before.is_alphanumeric() || before == 'e';
+        out.push(if c == '-' && digit_follows && sign { '\u{2212}' } else { c });
+        before = c;
+    }
+    out
+}
+
+/// Text with its symbols typeset: `r_td` as r with a lowered td. A symbol is one letter,
+/// an underscore and what follows it of letters and digits.
+pub(super) fn math(text: &str) -> Markup {
+    let mut out = String::new();
+    // Up to here the text has been written.
+    let mut written = 0;
+    let mut before = ' ';
+    for (at, c) in text.char_indices() {
+        let rest = &text[at + c.len_utf8()..];
+        let index = rest.strip_prefix('_').map_or("", |rest| {
+            &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len())]
+        });
+        if c.is_ascii_alphabetic()
+            && !before.is_alphanumeric()
+            && before != '_'
+            && at >= written
+            && !index.is_empty()
+        {
+            let symbol = html! { (text[written..at]) (c) sub { (index) } };
+            out += &symbol.into_string();
+            written = at + 2 + index.len();
+        }
+        before = c;
+    }
+    out += &html! { (text[written..]) }.into_string();
+    PreEscaped(out)
+}
+
+/// The paper's label with raised and lowered digits: `f_1^2` as f₁².
+pub(super) fn label(label: &str) -> String {
+    const LOWERED: [char; 10] = ['₀', '₁', '₂', '₃', '₄', '₅', '₆', '₇', '₈', '₉'];
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let mut out = String::with_capacity(label.len());
+    let mut digits: Option<[char; 10]> = None;
+    for c in label.chars() {
+        match (c, c.to_digit(10), digits) {
+            ('_', ..) => digits = Some(LOWERED),
+            ('^', ..) => digits = Some(RAISED),
+            (_, Some(digit), Some(set)) => out.push(set[digit as usize]),
+            _ => {
+                digits = None;
+                out.push(c);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbols_are_typeset_and_names_are_not() {
+        let text = math("r_td of <K_m>, file_name, a_, arx_2 K_e").into_string();
+        assert_eq!(
+            text,
+            "r<sub>td</sub> of &lt;K<sub>m</sub>&gt;, file_name, a_, arx_2 K<sub>e</sub>"
+        );
+    }
+
+    #[test]
+    fn signs_and_labels_are_typeset() {
+        assert_eq!(minus("tacho -5 %, 3e-5, arx-4, 2024-05"), "tacho −5 %, 3e−5, arx-4, 2024-05");
+        assert_eq!(label("f_1^2"), "f₁²");
+        assert_eq!(label("f_12^1 b2"), "f₁₂¹ b2");
+    }
+}

@@ -1,0 +1,159 @@
+//! The report of a study: the verdict, then what it rests on.
+
+mod detection;
+mod fmu;
+mod identification;
+mod picture;
+mod residual;
+mod setting;
+mod summary;
+mod trace;
+
+use drivescope_scenarios::results::{Pictures, StudyResults};
+use maud::html;
+
+use super::page::page;
+
+/// What the figures are set beside.
+const PAPER: &str = "K. Patan, M. Witczak, J. Korbicz, Towards robustness in neural network based \
+                     fault diagnosis, Int. J. Appl. Math. Comput. Sci. 18 (2008), 443\u{2013}454";
+
+/// One self-contained HTML page: the findings of a study beside the paper's, and a picture of each
+/// run in `pictures`. Names are escaped; what was not computed is said to be missing.
+pub fn study_html(study: &StudyResults, pictures: &[Pictures]) -> String {
+    let title = format!("Fault study: {}", study.drive.name);
+    let body = html! {
+        a.skip href="#main" { "Skip to the findings" }
+        header {
+            h1 { (title) }
+            p.about { "Detection of faults from signals, beside the figures of " (PAPER) "." }
+        }
+        main #main {
+            (summary::headline(study))
+            (summary::contents(pictures))
+            (setting::section(study))
+            (detection::section(study, pictures))
+            (picture::section(study, pictures))
+            (residual::section(study))
+            (identification::section(study))
+            (detection::readings(study))
+            (fmu::section(study))
+            (summary::reading(study))
+        }
+        footer {
+            "drivescope study, seed " (study.seed) ", drive file " code { (study.drive.digest) }
+            ". The same seed and drive file give the same figures. All numbers are in study.json."
+        }
+    };
+    page(&title, &body)
+}
+
+#[cfg(test)]
+mod tests {
+    use scraper::{Html, Selector};
+
+    use super::*;
+    use crate::report::testing::{HOSTILE, fmpy, pictures, study};
+
+    /// What a report may weigh, bytes.
+    const SIZE_LIMIT: usize = 1_000_000;
+
+    fn count(page: &Html, selector: &str) -> usize {
+        page.select(&Selector::parse(selector).unwrap()).count()
+    }
+
+    #[test]
+    fn a_browser_has_nothing_to_mend_and_nothing_to_load() {
+        let text = study_html(&study(), &pictures());
+        let page = Html::parse_document(&text);
+        assert!(page.errors.is_empty(), "{:?}", page.errors);
+        assert_eq!(count(&page, "script, img, link, iframe, object, form, base"), 0);
+        assert_eq!(count(&page, "[src], [onclick], [onload]"), 0);
+        for link in page.select(&Selector::parse("[href]").unwrap()) {
+            let target = link.attr("href").unwrap();
+            assert!(target.starts_with('#'), "{target}");
+            let to = Selector::parse(&format!("[id='{}']", &target[1..])).unwrap();
+            assert_eq!(page.select(&to).count(), 1, "one target for {target}");
+        }
+        assert!(!text.contains("url(") && !text.contains("@import"));
+        // The only address is the one in the drive's name, which is text.
+        let mut plain = study();
+        plain.drive.name.clear();
+        assert!(!study_html(&plain, &pictures()).contains("://"));
+    }
+
+    #[test]
+    fn names_are_text() {
+        let page = Html::parse_document(&study_html(&study(), &pictures()));
+        let heading = page.select(&Selector::parse("h1").unwrap()).next().unwrap();
+        assert_eq!(heading.text().collect::<String>(), format!("Fault study: {HOSTILE}"));
+    }
+
+    #[test]
+    fn every_fault_has_its_row_its_picture_and_its_data() {
+        let (study, pictures) = (study(), pictures());
+        let page = Html::parse_document(&study_html(&study, &pictures));
+        assert_eq!(count(&page, "#detection table:first-of-type tbody tr"), 12);
+        assert_eq!(count(&page, "#runs figure"), 13);
+        assert_eq!(count(&page, "#runs details table"), 13);
+        // Every picture says what it is, and every id is one of a kind.
+        let plots = count(&page, "svg.plot");
+        assert_eq!(count(&page, "svg.plot > title"), plots);
+        assert_eq!(count(&page, "svg.plot > desc"), plots);
+        let all = Selector::parse("[id]").unwrap();
+        let mut ids: Vec<_> = page.select(&all).map(|e| e.attr("id").unwrap()).collect();
+        ids.sort_unstable();
+        let before = ids.len();
+        ids.dedup();
+        assert_eq!(ids.len(), before);
+    }
+
+    #[test]
+    fn the_report_is_small() {
+        let size = study_html(&study(), &pictures()).len();
+        assert!(size < SIZE_LIMIT, "{size} bytes");
+    }
+
+    #[test]
+    fn what_is_missing_is_said_and_what_is_there_is_shown() {
+        let mut study = study();
+        assert!(study_html(&study, &[]).contains("fmpy was not run"));
+        study.fmu.fmpy = fmpy();
+        let text = study_html(&study, &[]);
+        assert!(!text.contains("fmpy was not run"));
+        let page = Html::parse_document(&text);
+        assert_eq!(count(&page, "#fmu tbody tr"), 12);
+        assert!(text.contains("6.1e−9"));
+        assert!(page.errors.is_empty(), "{:?}", page.errors);
+    }
+
+    #[test]
+    fn a_study_that_found_nothing_is_still_a_report() {
+        let mut study = study();
+        study.detection.clear();
+        study.readings.clear();
+        study.identification.clear();
+        study.paper.detection.clear();
+        study.model.residual_sd = 0.0;
+        let text = study_html(&study, &[]);
+        let page = Html::parse_document(&text);
+        assert!(page.errors.is_empty(), "{:?}", page.errors);
+        assert!(text.contains("0 of 0 faults detected") && !text.contains("NaN"));
+    }
+
+    #[test]
+    fn numbers_that_are_none_do_not_reach_the_plots() {
+        let mut pictures = pictures();
+        pictures[0].lower.fill(f64::NAN);
+        pictures[0].upper.fill(f64::INFINITY);
+        pictures[1].residual.truncate(10);
+        for picture in &mut pictures[2..4] {
+            picture.t.clear();
+        }
+        let text = study_html(&study(), &pictures);
+        assert!(text.contains("The run ends before the fault begins"));
+        for plot in text.split("<svg").skip(1).filter_map(|rest| rest.split("</svg>").next()) {
+            assert!(!plot.contains("NaN") && !plot.contains("inf"), "{plot}");
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! A picture a run: residual and bands around the fault, the samples outside, the signals.
+
+use std::ops::Range;
+
+use drivescope_scenarios::results::{DetectionRow, Method, Pictures, StudyResults};
+use maud::{Markup, html};
+
+use super::trace::drawing;
+use crate::report::page::{self, figure, label, math, minus, table};
+use crate::report::words::{fault, number, percent};
+
+/// Rows of the data table of a run.
+const BLOCKS: usize = 20;
+
+/// Name of the run's figure on the page.
+pub(super) fn id(place: usize) -> String {
+    format!("run-{}", place + 1)
+}
+
+/// What was run.
+pub(super) fn name(picture: &Pictures) -> String {
+    picture.fault.as_ref().map_or_else(|| "healthy".into(), |name| minus(&fault(name)))
+}
+
+/// The section.
+pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
+    page::section(
+        "runs",
+        "Each run: residual and bands",
+        &html! {
+            p {
+                "The residual " (math("r = T \u{2212} y_m")) " with its adaptive bands, around the time "
+                "at which the fault acts. Ticks below mark every sample outside the bands; a solid bar is "
+                "what the rule waits for. Constant thresholds are dashed."
+            }
+            @if pictures.is_empty() {
+                p.note { "No traces were kept." }
+            }
+            @for (place, picture) in pictures.iter().enumerate() {
+                (run(study, picture, place))
+            }
+        },
+    )
+}
+
+fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Markup {
+    let id = id(place);
+    let shown = shown(study, picture);
+    html! {
+        h3 {
+            a href={ "#" (id) } { (capital(&name(picture))) }
+            @if let Some(name) = &picture.fault { " \u{2002}" (label(&name.label)) }
+        }
+        @if shown.is_empty() {
+            p.note { "The run ends before the fault begins: there is nothing to show." }
+        } @else {
+            (traces(study, picture, &shown, &id))
+        }
+    }
+}
+
+/// The drawing and its numbers.
+fn traces(study: &StudyResults, picture: &Pictures, shown: &Range<usize>, id: &str) -> Markup {
+    html! {
+        (figure(
+            id,
+            drawing(study, picture, shown, id).svg(),
+            &format!("Residual, {}", name(picture)),
+            &html! { (caption(study, picture, shown)) },
+        ))
+        details {
+            summary { "Data of this picture, in blocks of " (block(shown)) " samples" }
+            (data(study, picture, shown))
+        }
+    }
+}
+
+fn capital(name: &str) -> String {
+    let mut chars = name.chars();
+    chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
+}
+
+/// The fault's span and half of its length on both sides, as far as the run holds it.
+fn shown(study: &StudyResults, picture: &Pictures) -> Range<usize> {
+    let span = study.fault_span;
+    let beside = span.to.saturating_sub(span.from) / 2;
+    let end = (span.to + beside).min(picture.residual.len());
+    span.from.saturating_sub(beside).min(end)..end
+}
+
+/// Whether a sample lies outside the bands; where there is no band, it does not.
+pub(super) fn outside(picture: &Pictures, k: usize) -> bool {
+    let at = |signal: &[f64]| signal.get(k).copied().unwrap_or(f64::NAN);
+    let r = at(&picture.residual);
+    r < at(&picture.lower) || r > at(&picture.upper)
+}
+
+fn share_outside(picture: &Pictures, samples: Range<usize>) -> f64 {
+    let count = samples.len();
+    samples.filter(|k| outside(picture, *k)).count() as f64 / count as f64
+}
+
+/// What to see, in words.
+pub(super) fn caption(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> String {
+    let Some(name) = &picture.fault else {
+        let declared = match picture.declared {
+            Some(sample) => format!("a fault was declared at sample {sample}: a false alarm"),
+            None => "no fault was declared".into(),
+        };
+        return format!(
+            "A healthy run: {} % of the samples shown lie outside the bands (designed: {} %), and \
+             {declared}.",
+            percent(share_outside(picture, shown.clone()), 1),
+            percent(study.beta, 0)
+        );
+    };
+    let from = study.fault_span.from;
+    let declared = match picture.declared {
+        Some(sample) if sample >= from => format!(
+            "Declared at sample {sample}, {} samples ({} ms) after the fault began.",
+            sample - from,
+            number(1e3 * study.drive.period_s * (sample - from) as f64)
+        ),
+        Some(sample) => format!(
+            "Declared at sample {sample}, {} samples before the fault began: a false alarm.",
+            from - sample
+        ),
+        None => "Not declared.".into(),
+    };
+    let rate = |method| {
+        let row = |row: &&DetectionRow| row.method == method && row.fault == *name;
+        study.detection.iter().find(row).map(|row| percent(row.r_td, 1))
+    };
+    match (rate(Method::Mem), rate(Method::Constant)) {
+        (Some(mem), Some(constant)) => format!(
+            "{declared} Of the faulty samples {mem} % lie outside the bands, {constant} % outside \
+             the constant thresholds."
+        ),
+        _ => declared,
+    }
+}
+
+fn block(shown: &Range<usize>) -> usize {
+    shown.len().div_ceil(BLOCKS).max(1)
+}
+
+/// The picture as numbers.
+fn data(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> Markup {
+    let unit = &study.drive.tacho_unit;
+    let head = html! {
+        tr {
+            th.name scope="col" { "samples" }
+            th scope="col" { "mean r [" (unit) "]" }
+            th scope="col" { "least r [" (unit) "]" }
+            th scope="col" { "greatest r [" (unit) "]" }
+            th scope="col" { "mean lower band [" (unit) "]" }
+            th scope="col" { "mean upper band [" (unit) "]" }
+            th scope="col" { "outside [%]" }
+            th scope="col" { "mean T [" (unit) "]" }
+            th scope="col" { (math("mean C_m [V]")) }
+        }
+    };
+    let body = html! {
+        @for from in shown.clone().step_by(block(shown)) {
+            @let samples = from..(from + block(shown)).min(shown.end);
+            @let of = |signal: &[f64]| Block::of(signal, samples.clone());
+            @let r = of(&picture.residual);
+            tr {
+                th scope="row" { (samples.start) "\u{2013}" (samples.end - 1) }
+                td { (decimals(r.mean, 1)) }
+                td { (decimals(r.least, 1)) }
+                td { (decimals(r.greatest, 1)) }
+                td { (decimals(of(&picture.lower).mean, 1)) }
+                td { (decimals(of(&picture.upper).mean, 1)) }
+                td { (percent(share_outside(picture, samples.clone()), 0)) }
+                td { (decimals(of(&picture.t).mean, 1)) }
+                td { (decimals(of(&picture.c_m).mean, 3)) }
+            }
+        }
+    };
+    table(&format!("Run {}, means and extremes of each block", name(picture)), &head, &body)
+}
+
+fn decimals(value: f64, count: usize) -> String {
+    if value.is_finite() { minus(&format!("{value:.count$}")) } else { "\u{2013}".into() }
+}
+
+struct Block {
+    mean: f64,
+    least: f64,
+    greatest: f64,
+}
+
+impl Block {
+    /// Of the samples that are there and finite; not finite where there are none.
+    fn of(signal: &[f64], samples: Range<usize>) -> Self {
+        let end = samples.end.min(signal.len());
+        let values = signal[samples.start.min(end)..end].iter().filter(|v| v.is_finite());
+        let (count, sum, least, greatest) = values.fold(
+            (0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY),
+            |(count, sum, least, greatest), v| {
+                (count + 1.0, sum + v, f64::min(least, *v), f64::max(greatest, *v))
+            },
+        );
+        Self { mean: sum / count, least, greatest }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::testing::{pictures, study};
+
+    #[test]
+    fn what_is_shown_is_the_fault_and_half_its_length_around_it() {
+        let (study, mut pictures) = (study(), pictures());
+        assert_eq!(shown(&study, &pictures[0]), 3500..5500);
+        pictures[0].residual.truncate(4200);
+        assert_eq!(shown(&study, &pictures[0]), 3500..4200);
+        pictures[0].residual.truncate(100);
+        assert_eq!(shown(&study, &pictures[0]), 100..100);
+    }
+
+    #[test]
+    fn the_caption_says_when_it_was_declared() {
+        let (study, mut pictures) = (study(), pictures());
+        let says = |picture: &Pictures| caption(&study, picture, &shown(&study, picture));
+        assert!(says(&pictures[1]).starts_with("Declared at sample 4052, 52 samples (260 ms)"));
+        pictures[1].declared = Some(3900);
+        assert!(says(&pictures[1]).contains("100 samples before the fault began"));
+        pictures[1].declared = None;
+        assert!(says(&pictures[1]).starts_with("Not declared."));
+        assert!(says(&pictures[12]).contains("no fault was declared"));
+    }
+
+    #[test]
+    fn blocks_leave_out_what_was_not_computed() {
+        let block = Block::of(&[f64::NAN, 1.0, 3.0, 9.0], 0..3);
+        assert_eq!((block.mean, block.least, block.greatest), (2.0, 1.0, 3.0));
+        assert!(!Block::of(&[1.0], 5..9).mean.is_finite());
+    }
+}

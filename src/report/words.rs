@@ -1,0 +1,231 @@
+//! The sentences and numbers that terminal and report share.
+
+use drivescope_scenarios::results::{
+    DetectionRow, FaultName, Method, PaperRow, StudyResults, TorqueReading,
+};
+
+/// `tacho +5 %`.
+pub(crate) fn fault(fault: &FaultName) -> String {
+    format!("{} {} %", fault.kind.replace('_', " "), signed_percent(fault.size))
+}
+
+/// Per cent with its sign and as many decimals as it has, at most two: `+5`, `-12.5`.
+fn signed_percent(fraction: f64) -> String {
+    let rounded = (fraction * 1e4).round() / 100.0;
+    format!("{rounded:+}")
+}
+
+/// A fraction in per cent.
+pub(crate) fn percent(fraction: f64, decimals: usize) -> String {
+    format!("{:.decimals$}", 100.0 * fraction)
+}
+
+/// Three significant digits; powers of ten where the number is far from 1.
+pub(crate) fn number(value: f64) -> String {
+    const DIGITS: i32 = 3;
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    // Rounded first, so that 9.999 counts as 10.0.
+    let exponent = value.abs().log10();
+    let rounded = format!("{value:.*e}", DIGITS as usize - 1);
+    let power: i32 = rounded
+        .split_once('e')
+        .map_or(exponent as i32, |parts| parts.1.parse().unwrap_or(exponent as i32));
+    if (-3..6).contains(&power) {
+        let decimals = (DIGITS - 1 - power).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        rounded
+    }
+}
+
+/// A number that was given, not measured: without the zeros that would claim precision.
+pub(crate) fn given(value: f64) -> String {
+    let text = number(value);
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// A p value; one that is zero in floating point is only known to be small.
+pub(crate) fn p_value(p: f64) -> String {
+    if p.is_nan() {
+        "not computed".into()
+    } else if p < f64::MIN_POSITIVE {
+        "< 1e-300".into()
+    } else {
+        number(p)
+    }
+}
+
+/// A relative difference: equal bits are said.
+pub(crate) fn difference(relative: f64) -> String {
+    if relative == 0.0 { "0 (equal)".into() } else { format!("{relative:.1e}") }
+}
+
+/// The unit of speed and of torque for T in this unit: only axes measure in m/s.
+pub(crate) fn si_units(tacho_unit: &str) -> (&'static str, &'static str) {
+    if tacho_unit == "m/s" { ("m/s", "N") } else { ("rad/s", "N m") }
+}
+
+/// What a reading of the torque fault means.
+pub(crate) fn torque(reading: TorqueReading) -> &'static str {
+    match reading {
+        TorqueReading::Flux => "excitation flux (K_m and K_e change)",
+        TorqueReading::TorqueConstant => "torque constant (K_m alone changes)",
+        TorqueReading::Actuator => "amplifier (its gain changes)",
+        TorqueReading::Load => "load (a share of the rated torque)",
+    }
+}
+
+/// Whether the fault was declared, and not before it began.
+pub(crate) fn detected(row: &DetectionRow) -> bool {
+    row.t_dt.is_some() && row.delay.is_some()
+}
+
+/// The rows of one method.
+pub(crate) fn rows_of(rows: &[DetectionRow], method: Method) -> Vec<&DetectionRow> {
+    rows.iter().filter(|row| row.method == method).collect()
+}
+
+/// The paper's row for this fault and method.
+pub(crate) fn paper_row<'a>(
+    study: &'a StudyResults,
+    label: &str,
+    method: Method,
+) -> Option<&'a PaperRow> {
+    study.paper.detection.iter().find(|row| row.label == label && row.method == method)
+}
+
+/// Samples from the fault's begin to the paper's declaration; negative where that was a false
+/// alarm.
+pub(crate) fn paper_delay(study: &StudyResults, row: &PaperRow) -> i64 {
+    row.t_dt as i64 - study.fault_span.from as i64
+}
+
+/// What a method found, in one line: `12 of 12 faults detected by model error modelling, 0 false
+/// alarms in 5000 healthy samples`.
+pub(crate) fn verdict(study: &StudyResults, method: Method) -> String {
+    let rows = rows_of(&study.detection, method);
+    let found = rows.iter().filter(|row| detected(row)).count();
+    let alarms = study.healthy.alarms.of(method);
+    let early: usize = rows.iter().map(|row| row.false_alarms).sum();
+    let mut line = format!(
+        "{found} of {} faults detected by {}, {} in {} healthy samples",
+        rows.len(),
+        method.label(),
+        count(alarms, "false alarm"),
+        study.healthy.samples
+    );
+    if early > 0 {
+        line += &format!(", {} before a fault began", count(early, "declaration"));
+    }
+    line
+}
+
+/// The greatest of these; not a number if one is not, for a maximum must not hide it.
+pub(crate) fn greatest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |most: f64, v| if most.is_nan() || v <= most { most } else { v })
+}
+
+/// `1 run`, `2 runs`.
+pub(crate) fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// Level below which the tests of the residual reject.
+pub(crate) const TEST_LEVEL: f64 = 0.01;
+
+/// What the whiteness test says of r - y_e.
+pub(crate) fn whiteness(p: f64) -> &'static str {
+    if p.is_nan() {
+        "not tested"
+    } else if p < TEST_LEVEL {
+        "not white: neighbouring samples resemble each other, while the bands assume independent \
+         errors. The share outside the bands still holds on average, but exceedances come in \
+         clusters, so runs of them are more frequent than independence would make them"
+    } else {
+        "no correlation found: in keeping with the independent errors that the bands assume"
+    }
+}
+
+/// What the normality test says of r - y_e.
+pub(crate) fn normality(p: f64) -> &'static str {
+    if p.is_nan() {
+        "not tested"
+    } else if p < TEST_LEVEL {
+        "not normal: the factor of the bands is that of a normal distribution, so the share \
+         outside them may differ from the one designed; compare the measured rate"
+    } else {
+        "no departure found: in keeping with the normal distribution that the bands assume"
+    }
+}
+
+/// What lies behind the half-widths of both kinds of threshold.
+pub(crate) fn lead(study: &StudyResults) -> String {
+    let (with, without) = (study.model.v, study.model.residual_sd);
+    let unit = &study.drive.tacho_unit;
+    let narrower = 100.0 * (1.0 - with / without);
+    let change = if !narrower.is_finite() {
+        "not comparable with".into()
+    } else if narrower >= 0.0 {
+        format!("{narrower:.0} % narrower than")
+    } else {
+        format!("{:.0} % wider than", -narrower)
+    };
+    format!(
+        "Here the error model takes the residual's standard deviation from {} to {} {unit}: its \
+         bands are {change} constant thresholds.",
+        number(without),
+        number(with)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::testing::study;
+
+    #[test]
+    fn faults_are_named_by_what_they_are() {
+        let named =
+            |kind: &str, size| fault(&FaultName { kind: kind.into(), size, label: String::new() });
+        assert_eq!(named("tacho", 0.05), "tacho +5 %");
+        assert_eq!(named("torque_constant", -0.125), "torque constant -12.5 %");
+    }
+
+    #[test]
+    fn numbers_have_three_digits_wherever_they_lie() {
+        for (value, text) in [
+            (5.678_9, "5.68"),
+            (9.999, "10.0"),
+            (0.011_7, "0.0117"),
+            (123_456.0, "123456"),
+            (0.0, "0"),
+            (3.14e-13, "3.14e-13"),
+            (-20.94, "-20.9"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+        assert_eq!(p_value(0.0), "< 1e-300");
+        assert_eq!(given(0.001), "0.001");
+        assert_eq!(given(2000.0), "2000");
+        assert_eq!(given(5.0), "5");
+    }
+
+    #[test]
+    fn the_verdict_counts_what_was_declared_in_time() {
+        let mut found = study();
+        let line = "12 of 12 faults detected by model error modelling, 0 false alarms in 90000 \
+                    healthy samples";
+        assert_eq!(verdict(&found, Method::Mem), line);
+        let missed = found.detection.iter_mut().find(|row| row.method == Method::Mem).unwrap();
+        (missed.t_dt, missed.delay, missed.false_alarms) = (Some(3900), None, 1);
+        found.healthy.alarms.mem = 1;
+        let line = "11 of 12 faults detected by model error modelling, 1 false alarm in 90000 \
+                    healthy samples, 1 declaration before a fault began";
+        assert_eq!(verdict(&found, Method::Mem), line);
+    }
+}

@@ -16,7 +16,7 @@ pub(super) struct RecordingOptions {
     #[arg(long, value_name = "NAME=COLUMN[:UNIT],..")]
     columns: Option<String>,
     /// Interpolate to this sampling time, s, where time is not uniform.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     resample: Option<f64>,
 }
 

@@ -39,7 +39,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
     input: Option<String>,
     /// Length of the run, s.
-    #[arg(long, value_name = "S", default_value_t = 5.0)]
+    #[arg(long, value_name = "S", default_value_t = 5.0, allow_negative_numbers = true)]
     duration: f64,
     /// Load torque (force), a law in t, N m (N).
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
@@ -48,7 +48,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "KIND=SIZE[@FROM[..TO]]")]
     fault: Vec<FaultOverTime>,
     /// Sampling time, s; by default that of the controller, or 1 ms.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     period: Option<f64>,
     /// Noise and quantisation of the sensors, disturbances.
     #[arg(long, value_name = "ON|OFF", default_value = "on", hide_possible_values = true)]

@@ -62,8 +62,7 @@ fn an_exported_drive_runs_as_the_program_does() {
         let native = ["simulate", "dr300", "--noise", "off", "--duration", "1", "-o", "native.csv"];
         done(here.path(), &[&native[..], &["--input", input]].concat());
         let run = ["fmu", "run", "a.fmu", "--input", "native.csv", "-o", "fmu.csv"];
-        let more =
-            ["--stop", "1", "--step", "0.001", "--kind", kind, "--set", "sensors.tacho_quantum=0"];
+        let more = ["--stop", "1", "--step", "0.001", "--kind", kind];
         done(here.path(), &[&run[..], &more].concat());
         for name in ["i [A]", "theta [rad]"] {
             let native = column(here.path(), "native.csv", name);

@@ -24,10 +24,10 @@ pub(crate) struct RunFmu {
     #[arg(long, value_name = "REC")]
     input: Option<PathBuf>,
     /// Stop time, s; by default the FMU's own, or the end of the input.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     stop: Option<f64>,
     /// Communication step, s; by default the FMU's own, or the sampling time of the input.
-    #[arg(long, value_name = "H")]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
     step: Option<f64>,
     /// Interface: Co-Simulation, or Model Exchange integrated by drivescope.
     #[arg(long, value_name = "cs|me", hide_possible_values = true)]

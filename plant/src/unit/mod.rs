@@ -6,6 +6,7 @@
 //! C_m, T and I_m hold from sample to sample. Without a controller T and I_m are read whenever
 //! they are asked for.
 
+mod access;
 mod exchange;
 mod memory;
 mod variables;
@@ -15,15 +16,13 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::drive::Drive;
-use crate::effects::law::Outputs;
 use crate::fault::{FaultLanes, Faults};
 use crate::integrate::Integrator;
-use crate::model::{CURRENT, POSITION, SPEED};
-use crate::sampled::{InputLanes, Inputs, Sampled, Signals, speed_bound};
+use crate::sampled::{InputLanes, Inputs, Sampled, speed_bound};
 
 pub use exchange::Update;
 pub use memory::MemoryError;
-use variables::{InputSlot, OutputSlot, Slot};
+use variables::Slot;
 pub use variables::{Role, Variable};
 
 /// What cannot be done with a unit.
@@ -150,136 +149,6 @@ impl Unit {
         self.time
     }
 
-    /// The value of a variable at the present time; none for an unknown reference.
-    pub fn get(&self, reference: usize) -> Option<f64> {
-        let slot = self.variables.get(reference)?.slot;
-        Some(match slot {
-            Slot::Input(slot) => self.input(slot),
-            Slot::Fault(number) => {
-                let mut faults = self.faults;
-                *faults.size_mut(number)?
-            }
-            Slot::Output(slot) => self.output(slot),
-            Slot::State(number) => self.sampled.state().x[number][0],
-            Slot::Derivative(number) => self.clone().derivatives()[number],
-            Slot::Indicator(number) => self.clone().event_indicators()[number],
-            Slot::Parameter(number) => self.drive.parameters().get(number)?.value,
-        })
-    }
-
-    fn input(&self, slot: InputSlot) -> f64 {
-        match slot {
-            InputSlot::U => self.inputs.u,
-            InputSlot::Reference => self.inputs.reference,
-            InputSlot::Load => self.inputs.load,
-            InputSlot::NoiseLoad => self.noise_load,
-            InputSlot::GeneratorControl => self.inputs.c_g,
-            InputSlot::NoiseReference => self.inputs.noise_reference,
-            InputSlot::NoiseTacho => self.inputs.noise_t,
-            InputSlot::NoiseCurrent => self.inputs.noise_i_m,
-        }
-    }
-
-    fn output(&self, slot: OutputSlot) -> f64 {
-        let shown = || -> Outputs<f64> {
-            let mut sampled = self.sampled.clone();
-            sampled.apply(&self.input_lanes(), &FaultLanes::splat(self.faults));
-            sampled.outputs(self.time).lane(0)
-        };
-        // Without effects that sense, the sensors show the state itself.
-        let state = &self.sampled.state().x;
-        match slot {
-            OutputSlot::Current if self.sampled.model().shows_state() => state[CURRENT][0],
-            OutputSlot::Speed if self.sampled.model().shows_state() => state[SPEED][0],
-            OutputSlot::Position if self.sampled.model().shows_state() => state[POSITION][0],
-            OutputSlot::Current => shown().i,
-            OutputSlot::Speed => shown().omega,
-            OutputSlot::Position => shown().theta,
-            OutputSlot::Control => self.signals().c_m,
-            OutputSlot::Tacho => self.signals().t,
-            OutputSlot::MeasuredCurrent => self.signals().i_m,
-            OutputSlot::GeneratorCurrent => self.signals().i_g,
-            OutputSlot::Voltage => self.signals().u,
-            OutputSlot::Load => self.signals().load,
-        }
-    }
-
-    /// The signals now: held since the last sample where controlled, else read now.
-    fn signals(&self) -> Signals<f64> {
-        if !self.inputs_changed && (self.controlled && self.period.is_some()) {
-            return self.sampled.signals().lane(0);
-        }
-        let (inputs, faults) = (self.input_lanes(), FaultLanes::splat(self.faults));
-        let mut sampled = self.sampled.clone();
-        sampled.apply(&inputs, &faults);
-        if self.controlled && self.period.is_some() {
-            return sampled.signals().lane(0);
-        }
-        sampled.measured(self.time, &inputs, &faults).lane(0)
-    }
-
-    fn input_lanes(&self) -> InputLanes<f64, 1> {
-        InputLanes::splat(Inputs { load: self.inputs.load + self.noise_load, ..self.inputs })
-    }
-
-    /// Sets an input, a parameter or, before a run, a state.
-    ///
-    /// # Errors
-    /// An unknown reference, a calculated variable, a value that is not possible; the unit is
-    /// then as before.
-    pub fn set(&mut self, reference: usize, value: f64) -> Result<(), UnitError> {
-        let variable = self.variables.get(reference).ok_or(UnitError::Reference { reference })?;
-        let refused =
-            |reason: String| UnitError::Value { name: variable.name.clone(), value, reason };
-        if !value.is_finite() {
-            return Err(refused("it is not finite".to_owned()));
-        }
-        let (low, high) = variable.range;
-        if value < low || value > high {
-            return Err(refused(format!("it must lie between {low} and {high}")));
-        }
-        match variable.slot {
-            Slot::Input(slot) => {
-                let place = match slot {
-                    InputSlot::U => &mut self.inputs.u,
-                    InputSlot::Reference => &mut self.inputs.reference,
-                    InputSlot::Load => &mut self.inputs.load,
-                    InputSlot::NoiseLoad => &mut self.noise_load,
-                    InputSlot::GeneratorControl => &mut self.inputs.c_g,
-                    InputSlot::NoiseReference => &mut self.inputs.noise_reference,
-                    InputSlot::NoiseTacho => &mut self.inputs.noise_t,
-                    InputSlot::NoiseCurrent => &mut self.inputs.noise_i_m,
-                };
-                self.inputs_changed |= *place != value;
-                *place = value;
-            }
-            Slot::Fault(number) => {
-                let place =
-                    self.faults.size_mut(number).ok_or(UnitError::Reference { reference })?;
-                self.inputs_changed |= *place != value;
-                *place = value;
-            }
-            Slot::State(SPEED) => {
-                let model = self.sampled.model().clone();
-                self.sampled.state_mut().set_speed(&model, 0, value);
-            }
-            Slot::State(number) => self.sampled.state_mut().x[number] = [value],
-            Slot::Parameter(_) => {
-                let name = variable.name.clone();
-                self.drive.set(&name, value).map_err(|error| UnitError::Value {
-                    name,
-                    value,
-                    reason: error.to_string(),
-                })?;
-                self.parameters_changed = true;
-            }
-            Slot::Output(_) | Slot::Derivative(_) | Slot::Indicator(_) => {
-                return Err(UnitError::Calculated { name: variable.name.clone() });
-            }
-        }
-        Ok(())
-    }
-
     /// Starts a run at that time: samples count from there.
     pub fn initialize(&mut self, start: f64) {
         self.start = start;
@@ -347,6 +216,10 @@ impl Unit {
         self.next_sample += 1;
     }
 
+    fn input_lanes(&self) -> InputLanes<f64, 1> {
+        InputLanes::splat(Inputs { load: self.inputs.load + self.noise_load, ..self.inputs })
+    }
+
     /// Lets changed parameters and inputs act.
     #[inline]
     fn take_changes(&mut self) {
@@ -364,96 +237,4 @@ impl Unit {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::drive::TachoUnit;
-
-    fn dr300() -> Drive {
-        let text = include_str!("../../../scenarios/drives/dr300.toml");
-        Drive::parse(text, "dr300.toml").expect("the shipped drive is right")
-    }
-
-    fn set(unit: &mut Unit, name: &str, value: f64) {
-        let reference = unit.reference(name).expect("the variable exists");
-        unit.set(reference, value).expect("it can be set");
-    }
-
-    fn get(unit: &Unit, name: &str) -> f64 {
-        unit.reference(name).and_then(|reference| unit.get(reference)).expect("it exists")
-    }
-
-    fn at_set_point(unit: &mut Unit) {
-        set(unit, "reference", 2000.0 / TachoUnit::Rpm.per_si());
-        unit.initialize(0.0);
-        for _ in 0..1000 {
-            unit.step(0.005).expect("it steps");
-        }
-    }
-
-    #[test]
-    fn the_loop_holds_its_set_point() {
-        let mut unit = Unit::new(dr300(), false);
-        at_set_point(&mut unit);
-        assert!((get(&unit, "T") - 2000.0).abs() < 3.0, "{}", get(&unit, "T"));
-        // Friction and drag: 0.016 + 6e-5 x 209 N m over 0.06 N m/A.
-        assert!((get(&unit, "i") - 0.476).abs() < 0.01, "{}", get(&unit, "i"));
-    }
-
-    #[test]
-    fn finer_communication_steps_give_the_same_samples() {
-        let mut whole = Unit::new(dr300(), false);
-        let mut parts = whole.clone();
-        for unit in [&mut whole, &mut parts] {
-            set(unit, "reference", 150.0);
-            unit.initialize(0.0);
-        }
-        for _ in 0..400 {
-            whole.step(0.005).expect("it steps");
-        }
-        for _ in 0..1000 {
-            parts.step(0.002).expect("it steps");
-        }
-        let difference = get(&whole, "omega") - get(&parts, "omega");
-        assert!(difference.abs() < 1e-6, "{difference}");
-    }
-
-    #[test]
-    fn memory_replays_bit_for_bit_in_another_unit() {
-        let mut unit = Unit::new(dr300(), false);
-        at_set_point(&mut unit);
-        set(&mut unit, "fault_flux", 0.1);
-        set(&mut unit, "R", 3.3);
-        unit.step(0.005).expect("it steps");
-        let memory = unit.memory();
-        let mut other = Unit::new(dr300(), false);
-        other.restore(&memory).expect("it is the memory of this drive");
-        for _ in 0..100 {
-            unit.step(0.005).expect("it steps");
-            other.step(0.005).expect("it steps");
-        }
-        assert_eq!(unit.memory(), other.memory());
-        assert!(other.restore(&memory[1..]).is_err());
-    }
-
-    #[test]
-    fn a_continuous_controller_holds_its_set_point_too() {
-        let mut drive = dr300();
-        if let Some(controller) = &mut drive.controller {
-            controller.period = None;
-        }
-        let mut unit = Unit::new(drive, false);
-        at_set_point(&mut unit);
-        assert!((get(&unit, "T") - 2000.0).abs() < 3.0, "{}", get(&unit, "T"));
-    }
-
-    #[test]
-    fn wrong_references_and_values_are_refused() {
-        let mut unit = Unit::new(dr300(), true);
-        let omega = unit.reference("omega").expect("it exists");
-        assert!(matches!(unit.set(omega, 1.0), Err(UnitError::Calculated { .. })));
-        assert!(matches!(unit.set(9999, 1.0), Err(UnitError::Reference { .. })));
-        let r = unit.reference("R").expect("it exists");
-        assert!(matches!(unit.set(r, -1.0), Err(UnitError::Value { .. })));
-        assert!(matches!(unit.set(r, f64::NAN), Err(UnitError::Value { .. })));
-    }
-}
+mod tests;

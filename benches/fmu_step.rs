@@ -31,7 +31,8 @@ fn native(criterion: &mut Criterion) {
     criterion.bench_function("native step", |b| {
         b.iter(|| {
             let [reference, noise_reference, noise_t, noise_i_m, load] = inputs(k);
-            let now = Inputs { reference, load, noise_reference, noise_t, noise_i_m, ..Inputs::NONE };
+            let now =
+                Inputs { reference, load, noise_reference, noise_t, noise_i_m, ..Inputs::NONE };
             let time = k as f64 * PERIOD_S;
             sampled.sample(time, &InputLanes::splat(now), &faults);
             sampled.advance(time, PERIOD_S);

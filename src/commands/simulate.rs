@@ -1,6 +1,6 @@
 //! `simulate`: a run of a drive, from typed signals or from a recording.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use drivescope_plant::drive::{Drive, Motion};
@@ -96,7 +96,7 @@ impl Run for Simulate {
 }
 
 impl Simulate {
-    fn replayed(&self, drive: &Drive, measured: &PathBuf, session: &Session) -> miette::Result<()> {
+    fn replayed(&self, drive: &Drive, measured: &Path, session: &Session) -> miette::Result<()> {
         let (measured, report) = self.reading.read(measured, session)?;
         let has = |name: &&str| measured.signal(name).is_some();
         let driving: Vec<&str> =

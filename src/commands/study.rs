@@ -29,8 +29,8 @@ pub(crate) struct Study {
     #[arg(long, value_name = "FILE", default_value = "dr300")]
     drive: String,
     /// What a motor torque that changes by a share means.
-    #[arg(long, value_enum, default_value_t = Torque::Flux)]
-    torque: Torque,
+    #[arg(long, value_enum, default_value_t = Reading::Flux)]
+    torque: Reading,
     /// Confidence level of the bands: share of healthy samples outside them.
     #[arg(long, default_value_t = 0.05)]
     beta: f64,
@@ -39,7 +39,7 @@ pub(crate) struct Study {
 /// Readings of the torque fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
-enum Torque {
+enum Reading {
     /// The excitation flux changes: K_m and K_e.
     Flux,
     /// K_m alone changes.
@@ -50,13 +50,13 @@ enum Torque {
     Load,
 }
 
-impl From<Torque> for TorqueReading {
-    fn from(torque: Torque) -> Self {
+impl From<Reading> for TorqueReading {
+    fn from(torque: Reading) -> Self {
         match torque {
-            Torque::Flux => Self::Flux,
-            Torque::TorqueConstant => Self::TorqueConstant,
-            Torque::Actuator => Self::Actuator,
-            Torque::Load => Self::Load,
+            Reading::Flux => Self::Flux,
+            Reading::TorqueConstant => Self::TorqueConstant,
+            Reading::Actuator => Self::Actuator,
+            Reading::Load => Self::Load,
         }
     }
 }

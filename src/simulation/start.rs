@@ -103,7 +103,10 @@ mod tests {
     use super::*;
     use drivescope_recording::Signal;
 
-    fn recording(columns: &[(&str, fn(f64) -> f64)]) -> Recording {
+    /// Name of a signal and its values over time.
+    type Curve = (&'static str, fn(f64) -> f64);
+
+    fn recording(columns: &[Curve]) -> Recording {
         let signals = columns.iter().map(|(name, of)| Signal {
             name: (*name).to_owned(),
             unit: String::new(),

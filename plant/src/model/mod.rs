@@ -163,6 +163,11 @@ impl<R: Real, const N: usize> Model<R, N> {
         }
     }
 
+    /// The continuous controllers around the drives, if there are any.
+    pub(crate) fn control(&self) -> Option<&Controls<R, N>> {
+        self.control.as_ref()
+    }
+
     /// What acts on the motor: where a continuous controller closes the loop, its u in place of
     /// the command.
     #[inline(always)]

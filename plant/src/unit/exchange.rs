@@ -8,7 +8,7 @@ use drivescope_numerics::{Dual, Real};
 
 use super::{SAME_INSTANT, Unit};
 use crate::effects::law::Outputs;
-use crate::model::{Applied, Model, SPEED, field, rest};
+use crate::model::{Applied, Controls, Model, SPEED, field, rest};
 use crate::sampled::FROZEN;
 use crate::unit::variables::{InputSlot, OutputSlot, Slot};
 
@@ -139,12 +139,23 @@ impl Unit {
         let mut x: Vec<[Dual<1>; 1]> = state.x.iter().map(|v| [lift(v[0], 0.0)]).collect();
         let (mut u, mut load) = (lift(applied.u[0], 0.0), lift(applied.load[0], 0.0));
         let (mut noise_t, mut noise_i) = (0.0, 0.0);
+        // A continuous controller follows its command; a sampled one acts at events alone.
+        let follows = now.sampled.model().control().is_some();
+        let per_si = now.drive.sensors.tacho_unit.per_si();
         for (reference, slope) in knowns.iter().zip(seed) {
             match now.variables.get(*reference)?.slot {
                 Slot::State(number) => x[number][0].d[0] += slope,
                 Slot::Input(InputSlot::U) => u.d[0] += slope * now.input_gain(),
                 Slot::Input(InputSlot::Load | InputSlot::NoiseLoad) => load.d[0] += slope,
-                Slot::Input(InputSlot::NoiseTacho) => noise_t += slope,
+                Slot::Input(InputSlot::Reference | InputSlot::NoiseReference) if follows => {
+                    u.d[0] += slope;
+                }
+                Slot::Input(InputSlot::NoiseTacho) => {
+                    noise_t += slope;
+                    if follows {
+                        u.d[0] -= slope * (1.0 + now.faults.tacho_noise) / per_si;
+                    }
+                }
                 Slot::Input(InputSlot::NoiseCurrent) => noise_i += slope,
                 // Sampled: they act at events alone.
                 Slot::Input(_) | Slot::Fault(_) => {}
@@ -158,13 +169,17 @@ impl Unit {
         let mut dx = vec![[Dual::zero()]; x.len()];
         field(&model, &x, &applied, &state.sign, &mut dx, None);
         let shown = model.outputs(&x, &applied).lane(0);
+        let controlled = model.controlled(&x, &applied, 0);
+        let c_m = controlled.map_or(0.0, |signals| signals.c_m.d[0]);
+        let acting = controlled.map_or(u.d[0], |signals| signals.u.d[0]);
         unknowns
             .iter()
             .map(|reference| match now.variables.get(*reference)?.slot {
                 Slot::Derivative(number) => Some(dx[number][0].d[0]),
                 Slot::State(number) => Some(x[number][0].d[0]),
                 Slot::Output(slot) => {
-                    Some(now.output_slope(slot, &shown, (u.d[0], load.d[0]), (noise_t, noise_i)))
+                    let held = (c_m, acting, load.d[0]);
+                    Some(now.output_slope(slot, &shown, held, (noise_t, noise_i)))
                 }
                 _ => None,
             })
@@ -180,6 +195,9 @@ impl Unit {
         });
         let motor = self.sampled.model().motors.lane(0);
         model.motors.set_lane(0, motor.map(Dual::constant));
+        if let Some(controls) = self.sampled.model().control() {
+            model.set_control(Controls::splat(controls.lane(0).map(Dual::constant)));
+        }
         model
     }
 
@@ -192,7 +210,7 @@ impl Unit {
         &self,
         slot: OutputSlot,
         shown: &Outputs<Dual<1>>,
-        (u, load): (f64, f64),
+        (c_m, u, load): (f64, f64, f64),
         (noise_t, noise_i): (f64, f64),
     ) -> f64 {
         let live = self.period.is_none();
@@ -213,7 +231,8 @@ impl Unit {
                 let gain = 1.0 + self.faults.current_sensor;
                 shown.i.d[0] * gain + noise_i * (1.0 + self.faults.current_noise)
             }
-            OutputSlot::Voltage if !self.controlled => u,
+            OutputSlot::Control => c_m,
+            OutputSlot::Voltage if live => u,
             OutputSlot::Load => load,
             _ => 0.0,
         }

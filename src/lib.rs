@@ -1,7 +1,7 @@
 //! The program: commands over the crates of the workspace.
 //!
-//! [`run`] reads the command line ([`cli`]), makes the [`session::Session`] that every command
-//! gets, and runs one of [`commands`]. A command computes with the other crates, prints its
+//! [`run`] reads the command line (`cli`), makes the `Session` that every command
+//! gets, and runs one of `commands`. A command computes with the other crates, prints its
 //! answer, and returns a finding or an error; here it becomes the exit code: 0 done, 1 a finding
 //! that `--check` forbids, 2 bad input, 130 stopped by the user.
 

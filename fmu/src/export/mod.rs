@@ -4,9 +4,11 @@
 //! A crate of type `cdylib` implements [`Model`] (and [`Continuous`] where the importer may
 //! integrate) and names it once:
 //!
-//! ```ignore
+//! ```text
 //! drivescope_fmu::export_model!(Drive);
 //! ```
+//!
+//! (the crate's example `oscillator` is one)
 //!
 //! That emits every C function of both standards. A call flows
 //!

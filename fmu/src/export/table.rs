@@ -32,8 +32,12 @@ impl Table {
     }
 
     /// The variable of a reference, which must be of the kind asked for.
+    #[inline]
     pub(super) fn variable(&self, reference: u32, kind: Kind) -> Result<&Variable, Refusal> {
-        let variable = self.find(reference).ok_or(Refusal::UnknownReference(reference))?;
+        // Not `ok_or`: the drop of a refusal costs more than the search.
+        let Some(variable) = self.find(reference) else {
+            return Err(Refusal::UnknownReference(reference));
+        };
         if variable.kind == kind {
             return Ok(variable);
         }
@@ -48,6 +52,7 @@ impl Table {
         }
     }
 
+    #[inline]
     fn find(&self, reference: u32) -> Option<&Variable> {
         // References mostly count from 1 without a gap; the search is for the others.
         let guess = (reference as usize).checked_sub(1)?;

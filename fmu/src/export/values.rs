@@ -137,22 +137,39 @@ impl<M: Model> Instance<M> {
         for (reference, value) in references.iter().zip(values) {
             self.check(*reference, T::KIND, value.number())?;
         }
+        if self.run.phase == Phase::Continuous {
+            return self.set_between_events(references, values);
+        }
+        for (reference, value) in references.iter().zip(values) {
+            self.set_one(*reference, value.number())?;
+        }
+        Ok(())
+    }
+
+    /// Where discrete variables are held: another value than theirs is not taken, with a warning.
+    fn set_between_events<T: Value>(
+        &mut self,
+        references: &[u32],
+        values: &[T],
+    ) -> Result<(), Refusal> {
         let mut held = Ok(());
         for (reference, value) in references.iter().zip(values) {
-            let variable = self.table.variable(*reference, T::KIND)?;
-            let given = value.number();
+            let (given, variable) = (value.number(), self.table.variable(*reference, T::KIND)?);
+            let name = || variable.name.clone();
             if permission(variable, self.run.phase) == Permission::Granted {
-                let set = self.model.set(*reference, given);
-                set.map_err(|error| Refusal::model("set", &error))?;
+                self.set_one(*reference, given)?;
                 continue;
             }
-            let name = || variable.name.clone();
             let kept = self.model.get(*reference).ok_or_else(|| Refusal::NoValue(name()))?;
             if kept != given {
                 held = Err(Refusal::Held { name: name(), held: kept, given });
             }
         }
         held
+    }
+
+    fn set_one(&mut self, reference: u32, value: f64) -> Result<(), Refusal> {
+        self.model.set(reference, value).map_err(|error| Refusal::model("set", &error))
     }
 
     /// Refuses to get or set a type of which there is no variable.
@@ -163,6 +180,7 @@ impl<M: Model> Instance<M> {
         }
     }
 
+    #[inline]
     fn value(&self, reference: u32, kind: Kind) -> Result<f64, Refusal> {
         if reference == TIME && kind == Kind::Real {
             return Ok(self.run.time);
@@ -171,6 +189,7 @@ impl<M: Model> Instance<M> {
         self.model.get(reference).ok_or_else(|| Refusal::NoValue(variable.name.clone()))
     }
 
+    #[inline]
     fn check(&self, reference: u32, kind: Kind, value: f64) -> Result<(), Refusal> {
         let now = self.run.phase;
         if reference == TIME && kind == Kind::Real {

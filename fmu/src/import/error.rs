@@ -269,6 +269,12 @@ pub enum Error {
         /// The FMU's file name.
         fmu: String,
     },
+    /// Bytes that are no saved state of this FMU.
+    #[error("{fmu}: these bytes are no saved state of this FMU and interface type")]
+    StateBytes {
+        /// The FMU's file name.
+        fmu: String,
+    },
     /// The integration of a Model Exchange FMU failed.
     #[error("{fmu}: integration of `{instance}` failed at {time} s ({problem})")]
     Integration {

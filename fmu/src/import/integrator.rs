@@ -5,6 +5,7 @@
 //! A time event that falls on a communication point is handled at the start of the next step, after
 //! the inputs have been set: a sampled controller then sees the inputs of its sampling time.
 
+use super::bytes::{Reader, Writer};
 use super::description::{Description, Kind};
 use super::handle::Handle;
 use super::problem::IntegrationProblem;
@@ -64,6 +65,40 @@ impl Integrator {
             guess: 0.0,
             ends: false,
         }
+    }
+
+    pub(super) fn write(&self, out: &mut Writer) {
+        out.number(self.tolerance);
+        for flag in [self.announces, self.event_mode, self.update_due, self.ends] {
+            out.flag(flag);
+        }
+        out.option(self.next_event);
+        out.number(self.guess);
+        for numbers in [&self.states, &self.nominals, &self.indicators] {
+            out.numbers(numbers);
+        }
+    }
+
+    pub(super) fn read(bytes: &mut Reader) -> Option<Integrator> {
+        Some(Integrator {
+            tolerance: bytes.number()?,
+            announces: bytes.flag()?,
+            event_mode: bytes.flag()?,
+            update_due: bytes.flag()?,
+            ends: bytes.flag()?,
+            next_event: bytes.option()?,
+            guess: bytes.number()?,
+            states: bytes.numbers()?,
+            nominals: bytes.numbers()?,
+            indicators: bytes.numbers()?,
+        })
+    }
+
+    /// Whether both integrate the same FMU, as far as can be told.
+    pub(super) fn fits(&self, other: &Integrator) -> bool {
+        self.states.len() == other.states.len()
+            && self.nominals.len() == other.nominals.len()
+            && self.indicators.len() == other.indicators.len()
     }
 
     pub(super) fn set_tolerance(&mut self, tolerance: f64) {

@@ -26,6 +26,7 @@ mod access;
 mod archive;
 mod binary;
 mod binding;
+mod bytes;
 mod description;
 mod error;
 mod experiment;

@@ -4,6 +4,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::binding::Saved;
+use super::bytes::{Reader, Writer};
 use super::error::Error;
 use super::handle::Handle;
 use super::instance::{Instance, Mode};
@@ -101,7 +102,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Turns a saved state into bytes.
+    /// Turns a saved state into bytes: those of the FMU, after what the importer adds to them (the
+    /// time, and the integrator of a Model Exchange instance).
     ///
     /// # Errors
     /// The FMU cannot serialise, or the state was saved by another instance.
@@ -110,21 +112,42 @@ impl Instance {
         self.own(state)?;
         let (status, bytes) = self.handle.serialize(state.saved);
         self.check("SerializeFMUState", status)?;
-        Ok(bytes)
+        let mut out = Writer::default();
+        out.number(state.time);
+        out.flag(state.mode == Mode::Initialization);
+        out.flag(state.mode == Mode::Stepping);
+        out.flag(state.integrator.is_some());
+        if let Some(integrator) = &state.integrator {
+            integrator.write(&mut out);
+        }
+        out.0.extend(bytes);
+        Ok(out.0)
     }
 
-    /// Makes a state from bytes that [`serialize`](Instance::serialize) gave, also of another instance
-    /// of this FMU; the instance's own mode, time and integrator go with it, so both must have come
-    /// equally far.
+    /// Makes a state from bytes that [`serialize`](Instance::serialize) gave, also those of another
+    /// instance of this FMU.
     ///
     /// # Errors
-    /// The FMU cannot serialise, or refuses the bytes.
+    /// The FMU cannot serialise, or the bytes are not such.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<State, Error> {
         self.need(|c| c.serialize_state, "deserialising the FMU state")?;
         self.states.free_dropped(&mut self.handle);
-        let (status, saved) = self.handle.deserialize(bytes);
+        let wrong = || Error::StateBytes { fmu: self.fmu.name().to_owned() };
+        let mut bytes = Reader(bytes);
+        let (time, mode, integrator) = read_own(&mut bytes).ok_or_else(wrong)?;
+        let fits = match (&integrator, &self.integrator) {
+            (Some(read), Some(own)) => read.fits(own),
+            (None, None) => true,
+            _ => false,
+        };
+        if !fits {
+            return Err(wrong());
+        }
+        let (status, saved) = self.handle.deserialize(bytes.0);
         self.check("DeserializeFMUState", status)?;
-        Ok(self.wrap(saved))
+        let mut state = self.wrap(saved);
+        (state.time, state.mode, state.integrator) = (time, mode, integrator);
+        Ok(state)
     }
 
     fn wrap(&mut self, saved: Saved) -> State {
@@ -157,4 +180,20 @@ impl Instance {
         }
         Err(Error::Capability { fmu: self.fmu.name().to_owned(), capability })
     }
+}
+
+/// What the importer adds to an FMU's bytes.
+fn read_own(bytes: &mut Reader) -> Option<(f64, Mode, Option<Box<Integrator>>)> {
+    let time = bytes.number()?;
+    let mode = match (bytes.flag()?, bytes.flag()?) {
+        (false, false) => Mode::Instantiated,
+        (true, false) => Mode::Initialization,
+        (false, true) => Mode::Stepping,
+        (true, true) => return None,
+    };
+    let integrator = match bytes.flag()? {
+        true => Some(Box::new(Integrator::read(bytes)?)),
+        false => None,
+    };
+    Some((time, mode, integrator))
 }

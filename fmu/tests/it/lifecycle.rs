@@ -115,9 +115,11 @@ fn a_restored_state_replays_bit_for_bit() {
             p.restore(&state).unwrap();
             assert_eq!(p.time(), 0.25);
             assert_eq!(lag(&mut p, 5, 10), first);
-            p.restore(&state).unwrap();
             let bytes = p.serialize(&state).unwrap();
             let copy = p.deserialize(&bytes).unwrap();
+            for wrong in [&bytes[..9], &[255; 99], &[]] {
+                assert!(matches!(p.deserialize(wrong), Err(Error::StateBytes { .. })));
+            }
             lag(&mut p, 5, 3);
             p.restore(&copy).unwrap();
             assert_eq!(lag(&mut p, 5, 10), first);
@@ -127,6 +129,9 @@ fn a_restored_state_replays_bit_for_bit() {
             assert_eq!(lag(&mut p, 15, 2), on);
             let mut other = fmu.instantiate(kind, &InstanceOptions::default()).unwrap();
             assert!(matches!(other.restore(&state), Err(Error::ForeignState { .. })));
+            let elsewhere = other.deserialize(&bytes).unwrap();
+            other.restore(&elsewhere).unwrap();
+            assert_eq!(lag(&mut other, 5, 10), first);
         }
     });
 }

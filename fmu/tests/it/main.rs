@@ -2,6 +2,8 @@
 //! `pythonfmu` and `pythonfmu3` make. What a machine lacks for them is printed as NOT RUN.
 
 mod cosim;
+#[cfg(feature = "export")]
+mod exported;
 mod foreign;
 mod lifecycle;
 mod model_exchange;

@@ -153,7 +153,7 @@ fn a_system_is_read_from_ssd_and_ssp() {
         ("resources/b.ssv", SSV.as_bytes()),
     ]);
     let ssp = folder.path().join("system.ssp");
-    fs::rename(packed, &ssp).unwrap();
+    fs::copy(packed, &ssp).unwrap();
     let exact = chain(1.0, 0.25, 0.125, 50);
     for path in [ssd, ssp] {
         let mut document = open(&path).unwrap();

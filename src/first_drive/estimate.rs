@@ -2,14 +2,18 @@
 //!
 //! Balances (20)-(23) are integrated over each window, so that no signal is differentiated:
 //!
-//!     sum u h            = R int i + L (i_b - i_a) + K_e int omega
-//!     K_m int i - int T_l = J (omega_b - omega_a) + B_m int omega + T_c int sgn omega
+//! ```text
+//! sum u h            = R int i + L (i_b - i_a) + K_e int omega
+//! K_m int i - int T_l = J (omega_b - omega_a) + B_m int omega + T_c int sgn omega
+//! ```
 //!
 //! u is held between samples, so its sum is exact; the other integrals are trapezoids. Without a
 //! current the two are one, of which only ratios to R (force-driven: to K_m) can be known:
 //!
-//!     sum u h = (J / k) (omega_b - omega_a) + b int omega + (T_c / k) int sgn omega,
-//!     voltage: k = K / R, b = K + B_m / k;  force: k = K_m, b = B_m / k
+//! ```text
+//! sum u h = (J / k) (omega_b - omega_a) + b int omega + (T_c / k) int sgn omega,
+//! voltage: k = K / R, b = K + B_m / k;  force: k = K_m, b = B_m / k
+//! ```
 
 use drivescope_numerics::Regression;
 use drivescope_plant::drive::Input;

@@ -45,6 +45,8 @@ const FINE: f64 = 2e-5;
 const STEP: f64 = 1e-4;
 /// Extrapolated differences and duals agree to this share of the greatest derivative ..
 const DERIVATIVE: f64 = 1e-6;
+/// The same where a step boundary passes a kink that no step locates.
+const KINKED_DERIVATIVE: f64 = 1e-4;
 /// .. or to this rounding error of the state's range over the change of the parameter.
 const ROUNDING: f64 = 1e-12;
 /// Half of the derivatives of drives with one effect agree better than this, events and all.
@@ -72,7 +74,8 @@ fn duals_equal_finite_differences_through_stick_slip() {
                 let size = dual.iter().map(|x| x[j].d[0].abs()).fold(0.0, f64::max);
                 let apart = (0..SAMPLES).map(|n| (difference(n) - dual[n][j].d[0]).abs());
                 let worst = apart.fold(0.0, f64::max);
-                let allowed = DERIVATIVE * size + ROUNDING * range(&base, j) / change;
+                let share = if case.kinked() { KINKED_DERIVATIVE } else { DERIVATIVE };
+                let allowed = share * size + ROUNDING * range(&base, j) / change;
                 let name = case.name;
                 assert!(
                     worst <= allowed,
@@ -93,6 +96,8 @@ fn duals_equal_finite_differences_through_stick_slip() {
 /// The pace of a drive leaves no more than this against sub-steps eight times as short (own
 /// states of ringing couplings and bristles; the three of the motor stay 5 times below it).
 const PACE: f64 = 1e-6;
+/// The same where a law has a kink that no step locates: what `Info::kinked` promises.
+const KINKED_PACE: f64 = 1e-5;
 
 #[test]
 fn the_pace_is_fine_enough_for_every_effect() {
@@ -106,7 +111,8 @@ fn the_pace_is_fine_enough_for_every_effect() {
         });
         let worst = apart.fold(0.0, f64::max);
         println!("{}: off by {worst:.1e} with sub-steps of {longest:.1e} s", case.name);
-        assert!(worst < PACE, "{}: {worst:e}", case.name);
+        let pace = if case.kinked() { KINKED_PACE } else { PACE };
+        assert!(worst < pace, "{}: {worst:e}", case.name);
     }
 }
 

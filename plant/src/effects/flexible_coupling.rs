@@ -22,7 +22,7 @@ impl FlexibleCoupling {
 impl Effect<3, 2> for FlexibleCoupling {
     const INFO: Info = Info {
         fails_over: &[Variable::Acceleration],
-        excludes: &["flexible_coupling"],
+        excludes: &["flexible_coupling", "backlash"],
         nulls: &[("k", f64::INFINITY)],
         ..Info::new(
             "flexible_coupling",

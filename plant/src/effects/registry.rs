@@ -131,6 +131,7 @@ registry! {
     Stribeck in stribeck,
     AsymmetricFriction in asymmetric_friction,
     LoadFriction in load_friction,
+    FrictionDrift in friction_drift,
     IronLoss in iron_loss,
     QuadraticDrag in quadratic_drag,
     ConstantLoad in constant_load,
@@ -145,7 +146,12 @@ registry! {
     WindingHeating in winding_heating,
     Presliding in presliding,
     FlexibleCoupling in flexible_coupling,
+    Backlash in backlash,
+    SpeedSensorLag in speed_sensor_lag,
     TachoEccentricity in tacho_eccentricity,
+    TachoGain in tacho_gain,
+    CurrentOffset in current_offset,
+    Quantisation in quantisation,
 }
 
 impl Entry {

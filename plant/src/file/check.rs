@@ -8,8 +8,8 @@ use super::effects;
 use super::error::{Flaw, Problem};
 use super::layout::{Layout, MotorTable, NoiseTable, Origin, TachoName};
 use crate::drive::{
-    AmplifierData, ControllerData, Drive, GeneratorData, Input, Motion, MotorData, NoiseData,
-    SensorData, TachoUnit,
+    AmplifierData, ControllerData, Drive, GeneratorData, Input, LawData, Motion, MotorData,
+    NoiseData, SensorData, TachoUnit,
 };
 use crate::parameters::{FIELDS, NamedParameter, Role, allowed, nearest, possible};
 use crate::units::name_for_motion;
@@ -187,10 +187,18 @@ fn place(document: &Document<'_>, drive: &Drive, name: &str) -> (String, Spans) 
     if let Some(number) = drive.effects.iter().position(|effect| effect.id == section) {
         let (table, span) = document.effect(number).expect("the effect was read from it");
         let coefficients = table.get("parameters").and_then(|value| value.get_ref().as_table());
-        let spans = Document::spans(table, key)
-            .filter(|_| drive.effects[number].law.is_none())
-            .or_else(|| Document::spans(coefficients?, key))
-            .unwrap_or(Spans { key: span.clone(), value: span });
+        let values = || {
+            let names = &drive.effects[number].parameters;
+            let at = names.iter().position(|(name, _)| name == key)?;
+            let span = table.get("values")?.get_ref().get(at)?.span();
+            Some(Spans { key: span.clone(), value: span })
+        };
+        let spans = match drive.effects[number].law {
+            None => Document::spans(table, key),
+            Some(LawData::Typed { .. }) => coefficients.and_then(|all| Document::spans(all, key)),
+            Some(LawData::Learned { .. }) => values(),
+        };
+        let spans = spans.unwrap_or(Spans { key: span.clone(), value: span });
         return (name.to_owned(), spans);
     }
     // A linear drive may write `omega` for `v`.

@@ -13,6 +13,7 @@ pub mod coulomb;
 pub mod current_offset;
 pub mod custom;
 pub mod dead_time;
+pub mod delay;
 pub mod flexible_coupling;
 pub mod friction_drift;
 pub mod info;

@@ -147,6 +147,7 @@ registry! {
     Presliding in presliding,
     FlexibleCoupling in flexible_coupling,
     Backlash in backlash,
+    Delay in delay,
     SpeedSensorLag in speed_sensor_lag,
     TachoEccentricity in tacho_eccentricity,
     TachoGain in tacho_gain,

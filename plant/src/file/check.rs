@@ -8,9 +8,11 @@ use super::effects;
 use super::error::{Flaw, Problem};
 use super::layout::{Layout, MotorTable, NoiseTable, Origin, TachoName};
 use crate::drive::{
-    AmplifierData, ControllerData, Drive, GeneratorData, Input, LawData, Motion, MotorData,
-    NoiseData, SensorData, TachoUnit,
+    AmplifierData, ControllerData, Drive, EffectData, GeneratorData, Input, LawData, Motion,
+    MotorData, NoiseData, SensorData, TachoUnit,
 };
+use crate::effects::refusal::Refusal;
+use crate::effects::registry::{Entry, Kind};
 use crate::parameters::{FIELDS, NamedParameter, Role, allowed, nearest, possible};
 use crate::units::name_for_motion;
 
@@ -60,6 +62,7 @@ pub(super) fn drive(document: &Document<'_>, layout: Layout) -> Result<Drive, Fl
         origin: flat(layout.origin),
     };
     numbers(document, &drive)?;
+    delay(document, &drive)?;
     lists(document, &drive)?;
     Ok(drive)
 }
@@ -179,6 +182,20 @@ fn numbers(document: &Document<'_>, drive: &Drive) -> Result<(), Flaw> {
         }
     }
     Ok(())
+}
+
+/// A delay needs an input that is held.
+fn delay(document: &Document<'_>, drive: &Drive) -> Result<(), Flaw> {
+    let is_delay =
+        |effect: &EffectData| Entry::find(&effect.kind).map(|e| e.kind) == Some(Kind::Delay);
+    let continuous = drive.controller.is_some_and(|controller| controller.period.is_none());
+    let Some(number) = drive.effects.iter().position(is_delay).filter(|_| continuous) else {
+        return Ok(());
+    };
+    let id = drive.effects[number].id.clone();
+    let problem = Problem::Impossible { id, why: Refusal::ContinuousControl };
+    let (table, span) = document.effect(number).expect("the effect was read from it");
+    Err(Flaw::new(problem, Document::spans(table, "kind").map_or(span, |spans| spans.value)))
 }
 
 /// Key as the file has it, and place, of a parameter.

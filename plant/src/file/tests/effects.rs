@@ -162,6 +162,13 @@ fn effects_that_the_drive_cannot_have() {
         "\"flexible_coupling\"",
         "`belt` cannot stand beside `flexible_coupling` (on line 15): they are one part of the ",
     )]);
+    told(&[(
+        "T_c = 0.016",
+        &after("[[effect]]\nkind = \"delay\"\ntau = 1e-4"),
+        "16:8",
+        "\"delay\"",
+        "`delay` cannot exist for this drive: the controller is continuous; remove it, or give",
+    )]);
     let unbalance = after("[[effect]]\nkind = \"unbalance\"\na = 0\nb = 1");
     let (text, error) =
         mistaken(&[("T_c = 0.016", &unbalance), ("motion = \"rotary\"", "motion = \"linear\"")]);

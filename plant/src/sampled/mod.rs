@@ -205,25 +205,6 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         Applied { u, load: self.signals.load, time }
     }
 
-    /// What holds u back, if the drive has a delay.
-    pub fn delay(&self) -> Option<&DelayLine<f64, N>> {
-        self.delay.as_ref()
-    }
-
-    /// The same, to put back what it remembers.
-    pub fn delay_mut(&mut self) -> Option<&mut DelayLine<f64, N>> {
-        self.delay.as_mut()
-    }
-
-    /// Lets a delay know what is applied from that time on, where another integrator advances
-    /// the drives.
-    pub fn remember_input(&mut self, time: f64) {
-        let u = self.set_now(time).u;
-        if let Some(line) = &mut self.delay {
-            line.set(time, u);
-        }
-    }
-
     /// What the controllers remember, V.
     pub fn integrals(&self) -> [f64; N] {
         self.pi.integral
@@ -307,7 +288,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         let applied = self.set_now(time);
         match &mut self.delay {
             None => self.stepper.advance(&mut self.state, &applied, h),
-            Some(line) => advance_delayed(line, &mut self.stepper, &mut self.state, &applied, h),
+            Some(line) => line.advance(&mut self.stepper, &mut self.state, &applied, h),
         }
     }
 
@@ -370,20 +351,6 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
                 model.motors.set_lane(l, faults.lane(l).in_motor(&healthy.lane(l)));
             }
         });
-    }
-}
-
-/// An interval in the pieces of a delay.
-#[inline(never)]
-fn advance_delayed<const N: usize, S: Stepper<N>>(
-    line: &mut DelayLine<f64, N>,
-    stepper: &mut S,
-    state: &mut State<f64, N>,
-    applied: &Applied<f64, N>,
-    h: f64,
-) {
-    for (held, length) in line.pieces(applied, h) {
-        stepper.advance(state, held, *length);
     }
 }
 

@@ -6,6 +6,7 @@
 use drivescope_numerics::Real;
 use drivescope_plant::integrate::{Integrator, State};
 use drivescope_plant::model::{Applied, CURRENT, POSITION, SPEED};
+use drivescope_plant::sampled::DelayLine;
 
 use crate::case::Case;
 use crate::measured::Measured;
@@ -18,6 +19,8 @@ pub(crate) struct Runner<'a, R> {
     gains: Option<Gains>,
     integrator: Integrator<R>,
     state: State<R, 1>,
+    /// What holds u back, where the drive has a delay.
+    delay: Option<DelayLine<R, 1>>,
     /// Current, speed and position at the beginning of each piece.
     starts: Vec<[R; 3]>,
     next_piece: usize,
@@ -45,11 +48,13 @@ impl<R: Real> Runner<'_, R> {
             scalar(name, known.expect("a drive has what its model asks for").value)
         });
         let state = State::at_rest(&model);
+        let delay = model.delays().map(DelayLine::new);
         Runner {
             measured: case.measured,
             gains: case.setting.observer.gains(case.measured),
             integrator: Integrator::paced(model, case.setting.longest_s),
             state,
+            delay,
             starts,
             next_piece: 0,
             period: R::constant(case.measured.period_s),
@@ -78,8 +83,20 @@ impl<R: Real> Runner<'_, R> {
         let shown = self.integrator.model().outputs(&self.state.x, &applied);
         let shown = [shown.i[0], shown.omega[0], shown.theta[0]];
         self.correct(k, &shown);
-        self.integrator.advance(&mut self.state, &applied, self.period);
+        self.advance(&applied);
         shown
+    }
+
+    #[inline]
+    fn advance(&mut self, applied: &Applied<R, 1>) {
+        match &mut self.delay {
+            None => self.integrator.advance(&mut self.state, applied, self.period),
+            Some(line) => {
+                for (held, length) in line.pieces(applied, self.period) {
+                    self.integrator.advance(&mut self.state, held, *length);
+                }
+            }
+        }
     }
 
     /// Leaves out the pieces before that one.
@@ -90,6 +107,7 @@ impl<R: Real> Runner<'_, R> {
     fn begin(&mut self) {
         let model = self.integrator.model();
         self.state = State::at_rest(model);
+        self.delay = model.delays().map(DelayLine::new);
         let [current, speed, position] = self.starts[self.next_piece];
         self.state.x[CURRENT] = [current];
         self.state.x[POSITION] = [position];

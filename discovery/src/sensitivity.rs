@@ -278,6 +278,8 @@ impl<'a> Case<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use drivescope_plant::drive::EffectData;
+
     use crate::testing::{bench, dr300, starts_at_rest};
     use crate::{Measured, Observer, Setting};
 
@@ -336,6 +338,32 @@ mod tests {
                 assert!(off < DIFFERENCE, "{name} at {hz} Hz: {off}");
             }
         }
+    }
+
+    #[test]
+    fn the_column_of_a_delay_is_its_difference() {
+        let mut drive = dr300();
+        let measured = Measured::new(&drive, &bench(&drive, 2.0, 0.001)).expect("it can be used");
+        let delay = EffectData {
+            kind: "delay".into(),
+            id: "delay".into(),
+            parameters: vec![("tau".into(), 4e-4)],
+            law: None,
+        };
+        drive.effects.push(delay);
+        let setting = Setting::new(&drive, Observer::NONE);
+        let (noise, starts) = ([0.01, 0.3], starts_at_rest(&measured));
+        let at = |tau: f64| {
+            let mut other = drive.clone();
+            other.set("delay.tau", tau).expect("possible");
+            other
+        };
+        let (up, down) = (at(4.01e-4), at(3.99e-4));
+        let (measured, starts, setting) = (&measured, &starts, &setting);
+        let case = Case { drive: &drive, measured, noise: &noise, starts, setting };
+        let changed = [&Case { drive: &up, ..case }, &Case { drive: &down, ..case }];
+        let off = relative(&case, &[Direction::Parameter("delay.tau")], 0, changed, 1e-6);
+        assert!(off < DIFFERENCE, "{off}");
     }
 
     #[test]

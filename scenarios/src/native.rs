@@ -1,10 +1,13 @@
 //! A run of the drive without any FMU: the reference for what the FMU must give, bit for bit.
 
 use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::law::OutputLanes;
 use drivescope_plant::fault::{FaultLanes, Faults, Mechanism};
 use drivescope_plant::integrate::{Block, Integrator, Stepper};
 use drivescope_plant::model::Model;
-use drivescope_plant::sampled::{InputLanes, Sampled, speed_bound};
+use drivescope_plant::sampled::{
+    InputLanes, Inputs, Sampled, Samples, SignalLanes, Span, speed_bound,
+};
 use drivescope_recording::{Recording, Signal};
 
 /// Signals of a sample that a run records, with the FMU's names.
@@ -14,9 +17,8 @@ pub const RECORDED: [&str; 6] = ["C_m", "T", "I_m", "i", "omega", "theta"];
 /// I_m of sample k and the ideal i, omega and theta at its end.
 pub fn closed_loop(drive: &Drive, inputs: &Recording) -> Recording {
     let integrator = Integrator::new(drive.model(), speed_bound(drive));
-    let mut rows = run(Sampled::new(drive, integrator, true), [inputs]);
-    let signals = rows.remove(0);
-    Recording { signals, ..inputs.clone() }
+    let mut rows = run(Sampled::new(drive, integrator, true), [inputs], 1);
+    recording(inputs, rows.remove(0))
 }
 
 /// Runs several closed loops of one drive side by side, each over its own inputs of the same
@@ -27,20 +29,41 @@ pub fn closed_loops<const N: usize>(drive: &Drive, inputs: &[Recording]) -> Vec<
     let model = drive.model();
     let block = Block::new(Model::side_by_side([&model; N]), speed_bound(drive));
     let lanes = std::array::from_fn(|l| inputs.get(l).unwrap_or(last));
-    let rows = run(Sampled::<N, _>::new(drive, block, true), lanes);
-    inputs.iter().zip(rows).map(|(of, signals)| Recording { signals, ..of.clone() }).collect()
+    let rows = run(Sampled::<N, _>::new(drive, block, true), lanes, inputs.len());
+    inputs.iter().zip(rows).map(|(of, rows)| recording(of, rows)).collect()
 }
 
-/// The inputs of all lanes by sample: which place each column goes to.
+/// The signals of a run over those inputs.
+fn recording(of: &Recording, rows: [Vec<f64>; RECORDED.len()]) -> Recording {
+    let named = RECORDED.into_iter().zip(rows);
+    let signals =
+        named.map(|(name, values)| Signal { name: name.to_owned(), unit: String::new(), values });
+    Recording {
+        name: of.name.clone(),
+        start_s: of.start_s,
+        period_s: of.period_s,
+        signals: signals.collect(),
+    }
+}
+
+/// A column of each lane, where the lane has it.
+type Column<'a, const N: usize> = [Option<&'a [f64]>; N];
+
+/// The columns of all lanes.
 struct Columns<'a, const N: usize> {
-    named: [[Option<&'a [f64]>; N]; 5],
+    reference: Column<'a, N>,
+    load: Column<'a, N>,
+    noise_reference: Column<'a, N>,
+    noise_t: Column<'a, N>,
+    noise_i_m: Column<'a, N>,
+    /// Lane, mechanism and sizes of every fault.
     faults: Vec<(usize, usize, &'a [f64])>,
 }
 
 impl<'a, const N: usize> Columns<'a, N> {
     fn new(inputs: [&'a Recording; N]) -> Self {
-        let names = ["reference", "noise_T_l", "noise_reference", "noise_T", "noise_I_m"];
-        let column = |lane: &'a Recording, name| lane.signal(name).map(|s| s.values.as_slice());
+        let column =
+            |name| inputs.map(|lane: &'a Recording| Some(lane.signal(name)?.values.as_slice()));
         let mut faults = Vec::new();
         for (l, lane) in inputs.iter().enumerate() {
             for signal in &lane.signals {
@@ -50,60 +73,126 @@ impl<'a, const N: usize> Columns<'a, N> {
                 }
             }
         }
-        Self { named: names.map(|name| inputs.map(|lane| column(lane, name))), faults }
+        Self {
+            reference: column("reference"),
+            load: column("noise_T_l"),
+            noise_reference: column("noise_reference"),
+            noise_t: column("noise_T"),
+            noise_i_m: column("noise_I_m"),
+            faults,
+        }
     }
 
-    #[inline]
-    fn inputs(&self, k: usize) -> InputLanes<f64, N> {
-        let [reference, load, noise_reference, noise_t, noise_i_m] =
-            self.named.each_ref().map(|lanes| lanes.map(|values| values.map_or(0.0, |v| v[k])));
-        let zero = [0.0; N];
-        InputLanes { reference, u: zero, load, c_g: zero, noise_reference, noise_t, noise_i_m }
+    /// The inputs of the samples from `first` on, into as many rows as there are.
+    fn fill(&self, first: usize, rows: &mut [InputLanes<f64, N>]) {
+        turn(&self.reference, first, rows, |row| &mut row.reference);
+        turn(&self.load, first, rows, |row| &mut row.load);
+        turn(&self.noise_reference, first, rows, |row| &mut row.noise_reference);
+        turn(&self.noise_t, first, rows, |row| &mut row.noise_t);
+        turn(&self.noise_i_m, first, rows, |row| &mut row.noise_i_m);
     }
 
-    #[inline]
-    fn faults(&self, k: usize, acting: &mut [Faults<f64>; N]) {
+    /// Where a fault changes, in ascending order, the end last.
+    fn changes(&self, samples: usize) -> Vec<usize> {
+        let mut places = vec![samples];
+        for (_, _, values) in &self.faults {
+            let pairs = values.windows(2).enumerate();
+            places.extend(pairs.filter(|(_, pair)| pair[0] != pair[1]).map(|(k, _)| k + 1));
+        }
+        places.sort_unstable();
+        places.dedup();
+        places
+    }
+
+    /// The faults that act at sample `k`.
+    fn faults(&self, k: usize) -> FaultLanes<f64, N> {
+        let mut acting = [Faults::NONE; N];
         for (lane, mechanism, values) in &self.faults {
             if let Some(size) = acting[*lane].size_mut(*mechanism) {
                 *size = values[k];
             }
         }
+        let mut lanes = FaultLanes::splat(Faults::NONE);
+        acting.iter().enumerate().for_each(|(l, faults)| lanes.set_lane(l, *faults));
+        lanes
     }
 }
 
+/// Turns a column a lane into lanes a sample; a lane without the column stays as it is.
+#[inline(always)]
+fn turn<const N: usize>(
+    column: &Column<'_, N>,
+    first: usize,
+    rows: &mut [InputLanes<f64, N>],
+    lanes: impl Fn(&mut InputLanes<f64, N>) -> &mut [f64; N],
+) {
+    for l in 0..N {
+        let Some(values) = column[l] else { continue };
+        for (row, value) in rows.iter_mut().zip(&values[first..]) {
+            lanes(row)[l] = *value;
+        }
+    }
+}
+
+/// Samples that are made at once: their inputs and signals stay in the fastest cache.
+const TILE: usize = 16;
+
+/// Inputs and recorded signals of some samples, lane beside lane.
+struct Tile<const N: usize> {
+    first: usize,
+    inputs: [InputLanes<f64, N>; TILE],
+    kept: [[[f64; N]; RECORDED.len()]; TILE],
+}
+
+impl<const N: usize> Samples<N> for Tile<N> {
+    #[inline(always)]
+    fn inputs(&mut self, k: usize) -> &InputLanes<f64, N> {
+        &self.inputs[k - self.first]
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, k: usize, signals: &SignalLanes<f64, N>, shown: &OutputLanes<f64, N>) {
+        self.kept[k - self.first] =
+            [signals.c_m, signals.t, signals.i_m, shown.i, shown.omega, shown.theta];
+    }
+}
+
+/// The recorded signals of the first `wanted` lanes.
 fn run<const N: usize, S: Stepper<N>>(
     mut sampled: Sampled<N, S>,
     inputs: [&Recording; N],
-) -> Vec<Vec<Signal>> {
+    wanted: usize,
+) -> Vec<[Vec<f64>; RECORDED.len()]> {
     let Some(first) = inputs.first() else { return Vec::new() };
+    let samples = first.len();
     let columns = Columns::new(inputs);
-    let h = first.period_s;
-    let mut acting = [Faults::NONE; N];
-    let mut lanes = FaultLanes::splat(Faults::NONE);
-    let mut rows = vec![RECORDED.map(|_| Vec::with_capacity(first.len())); N];
-    for k in 0..first.len() {
-        columns.faults(k, &mut acting);
-        for (l, faults) in acting.iter().enumerate() {
-            lanes.set_lane(l, *faults);
-        }
-        let time = first.time(k);
-        sampled.sample(time, &columns.inputs(k), &lanes);
-        sampled.advance(time, h);
-        let shown = sampled.outputs(time + h);
-        let signals = sampled.signals();
-        let values = [signals.c_m, signals.t, signals.i_m, shown.i, shown.omega, shown.theta];
-        for (l, rows) in rows.iter_mut().enumerate() {
-            for (row, value) in rows.iter_mut().zip(&values) {
-                row.push(value[l]);
+    let row = || RECORDED.map(|_| Vec::with_capacity(samples));
+    let mut rows: Vec<_> = (0..wanted).map(|_| row()).collect();
+    let mut tile = Tile {
+        first: 0,
+        inputs: [InputLanes::splat(Inputs::NONE); TILE],
+        kept: [[[0.0; N]; RECORDED.len()]; TILE],
+    };
+    for until in columns.changes(samples) {
+        let faults = columns.faults(tile.first);
+        while tile.first < until {
+            let samples = TILE.min(until - tile.first);
+            columns.fill(tile.first, &mut tile.inputs[..samples]);
+            let span = Span {
+                start_s: first.start_s,
+                period_s: first.period_s,
+                samples: tile.first..tile.first + samples,
+            };
+            sampled.run(&span, &faults, &mut tile);
+            for (l, rows) in rows.iter_mut().enumerate() {
+                for (signal, row) in rows.iter_mut().enumerate() {
+                    row.extend(tile.kept[..samples].iter().map(|kept| kept[signal][l]));
+                }
             }
+            tile.first += samples;
         }
     }
-    let signal = |(name, values): (&str, Vec<f64>)| Signal {
-        name: name.to_owned(),
-        unit: String::new(),
-        values,
-    };
-    rows.into_iter().map(|rows| RECORDED.into_iter().zip(rows).map(signal).collect()).collect()
+    rows
 }
 
 #[cfg(test)]

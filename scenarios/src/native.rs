@@ -17,37 +17,72 @@ pub const RECORDED: [&str; 6] = ["C_m", "T", "I_m", "i", "omega", "theta"];
 /// I_m of sample k and the ideal i, omega and theta at its end.
 pub fn closed_loop(drive: &Drive, inputs: &Recording) -> Recording {
     let integrator = Integrator::new(drive.model(), speed_bound(drive));
-    let mut rows = run(Sampled::new(drive, integrator, true), [inputs], 1);
-    recording(inputs, rows.remove(0))
+    let mut made = empty(inputs);
+    run(&mut Sampled::new(drive, integrator, true), [inputs], std::slice::from_mut(&mut made));
+    made
 }
 
-/// Runs several closed loops of one drive side by side, each over its own inputs of the same
-/// length and sampling time; the last lanes repeat the last inputs where there are fewer than
-/// `N`. A lane gives the same bits as [`closed_loop`].
-pub fn closed_loops<const N: usize>(drive: &Drive, inputs: &[Recording]) -> Vec<Recording> {
-    let Some(last) = inputs.last() else { return Vec::new() };
-    let model = drive.model();
-    let block = Block::new(Model::side_by_side([&model; N]), speed_bound(drive));
-    let lanes = std::array::from_fn(|l| inputs.get(l).unwrap_or(last));
-    let rows = run(Sampled::<N, _>::new(drive, block, true), lanes, inputs.len());
-    inputs.iter().zip(rows).map(|(of, rows)| recording(of, rows)).collect()
+/// Closed loops of one drive side by side, `N` at once, and their recordings: a second run of
+/// them takes the memory of the first, for fresh memory costs as much as the run itself.
+#[derive(Debug, Clone)]
+pub struct ClosedLoops<const N: usize> {
+    at_rest: Sampled<N, Block<f64, N>>,
+    made: Vec<Recording>,
 }
 
-/// The signals of a run over those inputs.
-fn recording(of: &Recording, rows: [Vec<f64>; RECORDED.len()]) -> Recording {
-    let named = RECORDED.into_iter().zip(rows);
-    let signals =
-        named.map(|(name, values)| Signal { name: name.to_owned(), unit: String::new(), values });
-    Recording {
-        name: of.name.clone(),
-        start_s: of.start_s,
-        period_s: of.period_s,
-        signals: signals.collect(),
+impl<const N: usize> ClosedLoops<N> {
+    /// Loops of that drive.
+    pub fn new(drive: &Drive) -> Self {
+        let model = drive.model();
+        let block = Block::new(Model::side_by_side([&model; N]), speed_bound(drive));
+        Self { at_rest: Sampled::new(drive, block, true), made: Vec::new() }
+    }
+
+    /// Runs a loop over each of the inputs, which have one length and sampling time; lanes that
+    /// are left over repeat the last of them. A lane gives the same bits as [`closed_loop`].
+    ///
+    /// # Panics
+    /// If there are more than `N` inputs, or one is shorter than the first.
+    pub fn run(&mut self, inputs: &[Recording]) -> &[Recording] {
+        assert!(inputs.len() <= N, "{} runs in {N} lanes", inputs.len());
+        self.made.truncate(inputs.len());
+        for (k, of) in inputs.iter().enumerate() {
+            match self.made.get_mut(k) {
+                Some(made) => reuse(made, of),
+                None => self.made.push(empty(of)),
+            }
+        }
+        if let Some(last) = inputs.last() {
+            let lanes = std::array::from_fn(|l| inputs.get(l).unwrap_or(last));
+            run(&mut self.at_rest.clone(), lanes, &mut self.made);
+        }
+        &self.made
     }
 }
 
-/// A column of each lane, where the lane has it.
-type Column<'a, const N: usize> = [Option<&'a [f64]>; N];
+/// A recording of a run over those inputs, without a row yet.
+fn empty(inputs: &Recording) -> Recording {
+    let signals = RECORDED.map(|name| Signal {
+        name: name.to_owned(),
+        unit: String::new(),
+        values: Vec::with_capacity(inputs.len()),
+    });
+    let name = inputs.name.clone();
+    Recording { name, start_s: inputs.start_s, period_s: inputs.period_s, signals: signals.into() }
+}
+
+/// Makes the recording of another run one without a row over those inputs.
+fn reuse(made: &mut Recording, inputs: &Recording) {
+    made.name.clone_from(&inputs.name);
+    (made.start_s, made.period_s) = (inputs.start_s, inputs.period_s);
+    for signal in &mut made.signals {
+        signal.values.clear();
+        signal.values.reserve(inputs.len());
+    }
+}
+
+/// A column of each lane; nothing if no lane has it.
+type Column<'a, const N: usize> = Option<[&'a [f64]; N]>;
 
 /// The columns of all lanes.
 struct Columns<'a, const N: usize> {
@@ -61,9 +96,13 @@ struct Columns<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Columns<'a, N> {
-    fn new(inputs: [&'a Recording; N]) -> Self {
-        let column =
-            |name| inputs.map(|lane: &'a Recording| Some(lane.signal(name)?.values.as_slice()));
+    /// The columns of those inputs; `zero` stands in for one that a lane does not have.
+    fn new(inputs: [&'a Recording; N], zero: &'a [f64]) -> Self {
+        let column = |name| {
+            let of = inputs.map(|lane: &'a Recording| lane.signal(name));
+            let some = of.iter().any(Option::is_some);
+            some.then(|| of.map(|signal| signal.map_or(zero, |s| s.values.as_slice())))
+        };
         let mut faults = Vec::new();
         for (l, lane) in inputs.iter().enumerate() {
             for signal in &lane.signals {
@@ -96,8 +135,15 @@ impl<'a, const N: usize> Columns<'a, N> {
     fn changes(&self, samples: usize) -> Vec<usize> {
         let mut places = vec![samples];
         for (_, _, values) in &self.faults {
-            let pairs = values.windows(2).enumerate();
-            places.extend(pairs.filter(|(_, pair)| pair[0] != pair[1]).map(|(k, _)| k + 1));
+            for first in (0..values.len()).step_by(TILE) {
+                let pairs = values[first..values.len().min(first + TILE + 1)].windows(2);
+                // Most tiles hold no change: a sum over the pairs needs no branch.
+                let count: u64 = pairs.clone().map(|pair| u64::from(pair[0] != pair[1])).sum();
+                if count > 0 {
+                    let changed = pairs.enumerate().filter(|(_, pair)| pair[0] != pair[1]);
+                    places.extend(changed.map(|(k, _)| first + k + 1));
+                }
+            }
         }
         places.sort_unstable();
         places.dedup();
@@ -118,18 +164,26 @@ impl<'a, const N: usize> Columns<'a, N> {
     }
 }
 
-/// Turns a column a lane into lanes a sample; a lane without the column stays as it is.
+/// Turns a column a lane into lanes a sample, some lanes at a time: neighbours are stored at once.
 #[inline(always)]
 fn turn<const N: usize>(
     column: &Column<'_, N>,
     first: usize,
     rows: &mut [InputLanes<f64, N>],
-    lanes: impl Fn(&mut InputLanes<f64, N>) -> &mut [f64; N],
+    place: impl Fn(&mut InputLanes<f64, N>) -> &mut [f64; N],
 ) {
-    for l in 0..N {
-        let Some(values) = column[l] else { continue };
+    let Some(column) = column else { return };
+    let (fours, rest) = column.as_chunks::<4>();
+    for (group, columns) in fours.iter().enumerate() {
+        let [a, b, c, d] = columns.map(|values| &values[first..first + rows.len()]);
+        for (k, row) in rows.iter_mut().enumerate() {
+            let lanes = &mut place(row).as_chunks_mut::<4>().0[group];
+            *lanes = [a[k], b[k], c[k], d[k]];
+        }
+    }
+    for (l, values) in rest.iter().enumerate() {
         for (row, value) in rows.iter_mut().zip(&values[first..]) {
-            lanes(row)[l] = *value;
+            place(row)[N - rest.len() + l] = *value;
         }
     }
 }
@@ -152,28 +206,27 @@ impl<const N: usize> Samples<N> for Tile<N> {
 
     #[inline(always)]
     fn keep(&mut self, k: usize, signals: &SignalLanes<f64, N>, shown: &OutputLanes<f64, N>) {
-        self.kept[k - self.first] =
-            [signals.c_m, signals.t, signals.i_m, shown.i, shown.omega, shown.theta];
+        let [c_m, t, i_m, i, omega, theta] = &mut self.kept[k - self.first];
+        (*c_m, *t, *i_m) = (signals.c_m, signals.t, signals.i_m);
+        (*i, *omega, *theta) = (shown.i, shown.omega, shown.theta);
     }
 }
 
-/// The recorded signals of the first `wanted` lanes.
+/// Runs the loops over their inputs and adds the signals to the recordings of the first lanes.
 fn run<const N: usize, S: Stepper<N>>(
-    mut sampled: Sampled<N, S>,
+    sampled: &mut Sampled<N, S>,
     inputs: [&Recording; N],
-    wanted: usize,
-) -> Vec<[Vec<f64>; RECORDED.len()]> {
-    let Some(first) = inputs.first() else { return Vec::new() };
-    let samples = first.len();
-    let columns = Columns::new(inputs);
-    let row = || RECORDED.map(|_| Vec::with_capacity(samples));
-    let mut rows: Vec<_> = (0..wanted).map(|_| row()).collect();
+    made: &mut [Recording],
+) {
+    let Some(first) = inputs.first() else { return };
+    let zero = vec![0.0; first.len()];
+    let columns = Columns::new(inputs, &zero);
     let mut tile = Tile {
         first: 0,
         inputs: [InputLanes::splat(Inputs::NONE); TILE],
         kept: [[[0.0; N]; RECORDED.len()]; TILE],
     };
-    for until in columns.changes(samples) {
+    for until in columns.changes(first.len()) {
         let faults = columns.faults(tile.first);
         while tile.first < until {
             let samples = TILE.min(until - tile.first);
@@ -184,15 +237,14 @@ fn run<const N: usize, S: Stepper<N>>(
                 samples: tile.first..tile.first + samples,
             };
             sampled.run(&span, &faults, &mut tile);
-            for (l, rows) in rows.iter_mut().enumerate() {
-                for (signal, row) in rows.iter_mut().enumerate() {
-                    row.extend(tile.kept[..samples].iter().map(|kept| kept[signal][l]));
+            for (l, made) in made.iter_mut().enumerate() {
+                for (k, signal) in made.signals.iter_mut().enumerate() {
+                    signal.values.extend(tile.kept[..samples].iter().map(|kept| kept[k][l]));
                 }
             }
             tile.first += samples;
         }
     }
-    rows
 }
 
 #[cfg(test)]
@@ -204,7 +256,7 @@ mod tests {
     use crate::results::TorqueReading;
 
     #[test]
-    fn twelve_lanes_equal_twelve_runs_bit_for_bit() {
+    fn twelve_lanes_equal_twelve_runs_bit_for_bit_also_in_used_memory() {
         let drive = built_in("dr300").expect("it is built in").expect("it is right");
         let experiment = Experiment::new(drive, 3).expect("it is controlled");
         let inputs: Vec<Recording> = twelve(TorqueReading::Flux)
@@ -212,10 +264,12 @@ mod tests {
             .zip(0..)
             .map(|(fault, k)| experiment.closed_loop(4500, Stream::Faulty(k), Some(fault)))
             .collect();
-        let together = closed_loops::<16>(&experiment.drive, &inputs);
+        let mut loops = ClosedLoops::<16>::new(&experiment.drive);
+        loops.run(&inputs[5..]);
+        let together = loops.run(&inputs);
         assert_eq!(together.len(), 12);
         for (inputs, lane) in inputs.iter().zip(together) {
-            assert!(closed_loop(&experiment.drive, inputs) == lane);
+            assert!(closed_loop(&experiment.drive, inputs) == *lane);
         }
     }
 }

@@ -174,6 +174,19 @@ impl<R: Real, const N: usize> Affine<R, N> {
         Some(Self { matrix, acceleration, quadrature, rings, sign, beyond, seconds: h.value() })
     }
 
+    /// The step of one lane.
+    pub(super) fn lane(&self, l: usize) -> Affine<R, 1> {
+        Affine {
+            matrix: self.matrix.map(|row| row.map(|column| [column[l]])),
+            acceleration: self.acceleration.map(|column| [column[l]]),
+            quadrature: self.quadrature.map(|column| [column[l]]),
+            rings: self.rings,
+            sign: self.sign,
+            beyond: [self.beyond[l]],
+            seconds: self.seconds,
+        }
+    }
+
     /// Which lanes go this way and stay in their affine zone from `x` to `next`, also in between:
     /// the speed can dip below both ends only if it starts out falling, and no further than at
     /// that rate; one that rings never falls faster than at the amplitude of its acceleration.

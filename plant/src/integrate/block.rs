@@ -76,7 +76,7 @@ impl<R: Real, const N: usize> Block<R, N> {
         }
         let Some(plan) = &self.plan else { return };
         let exact = Exact::new(plan, state, applied);
-        if exact.taken() == N {
+        if exact.everywhere() {
             state.x[..OWN].copy_from_slice(&exact.next);
         } else {
             self.advance_others(state, applied, &exact);
@@ -101,8 +101,9 @@ impl<R: Real, const N: usize> Block<R, N> {
     ) {
         let Some(plan) = &self.plan else { return };
         self.saved.clone_from(&state.x);
-        let moving = state.sign.iter().filter(|sign| **sign != 0.0).count();
-        if plan.forward.is_some() && moving - exact.taken() <= N / FEW {
+        let lanes = exact.lanes.iter().zip(&state.sign);
+        let others = lanes.filter(|(exact, sign)| **exact == 0 && **sign != 0.0).count();
+        if plan.forward.is_some() && others <= N / FEW {
             state.x[..OWN].copy_from_slice(&exact.next);
             self.redo = [true; N];
         } else {
@@ -121,7 +122,7 @@ impl<R: Real, const N: usize> Block<R, N> {
         let Some(plan) = &self.plan else { return };
         let integrator = self.alone[l].get_or_insert_with(|| {
             let mut made = Integrator::with(self.model.lane(l), self.pace);
-            made.plan = Some(Plan::new(made.model(), plan.h, plan.substeps));
+            made.plan = Some(plan.lane(l, made.model()));
             made
         });
         let mut alone = State {
@@ -149,7 +150,7 @@ impl<R: Real, const N: usize> Exact<R, N> {
     fn new(plan: &Plan<R, N>, state: &State<R, N>, applied: &Applied<R, N>) -> Self {
         let mut made = Self { next: [[R::zero(); N]; OWN], lanes: [0; N] };
         for affine in [&plan.forward, &plan.backward].into_iter().flatten() {
-            if count(&state.sign, affine.sign) == 0 {
+            if !any_goes(&state.sign, affine.sign) {
                 continue;
             }
             let there = affine.step(&state.x, applied);
@@ -166,14 +167,14 @@ impl<R: Real, const N: usize> Exact<R, N> {
         made
     }
 
-    /// In how many lanes it holds.
+    /// Whether it holds in every lane.
     #[inline(always)]
-    fn taken(&self) -> usize {
-        let mut sum = 0;
+    fn everywhere(&self) -> bool {
+        let mut all = 1;
         for l in 0..N {
-            sum += self.lanes[l];
+            all &= self.lanes[l];
         }
-        sum as usize
+        all == 1
     }
 
     /// Puts it into the states of the lanes where it holds.
@@ -186,14 +187,14 @@ impl<R: Real, const N: usize> Exact<R, N> {
     }
 }
 
-/// How many lanes go that way.
+/// Whether any lane goes that way.
 #[inline(always)]
-fn count<const N: usize>(signs: &[f64; N], sign: f64) -> u64 {
-    let mut sum = 0;
+fn any_goes<const N: usize>(signs: &[f64; N], sign: f64) -> bool {
+    let mut any = 0u64;
     for l in 0..N {
-        sum += u64::from(signs[l] == sign);
+        any |= u64::from(signs[l] == sign);
     }
-    sum
+    any != 0
 }
 
 /// One interval of a block.

@@ -98,6 +98,19 @@ impl<R: Real, const N: usize> Plan<R, N> {
         Self { h, substeps, armature, grain: Grain::new(model), forward, backward }
     }
 
+    /// The plan of one lane, for the model of that lane: what it holds was made lane by lane.
+    fn lane(&self, l: usize, model: &Model<R, 1>) -> Plan<R, 1> {
+        let lane = |affine: &Affine<R, N>| affine.lane(l);
+        Plan {
+            h: self.h,
+            substeps: self.substeps,
+            armature: Armature::new(model, self.h.scaled(1.0 / self.substeps as f64)),
+            grain: self.grain.lane(l),
+            forward: self.forward.as_ref().map(lane),
+            backward: self.backward.as_ref().map(lane),
+        }
+    }
+
     /// The exact step in that direction of motion, if there is one.
     #[inline(always)]
     fn affine(&self, sign: f64) -> Option<&Affine<R, N>> {

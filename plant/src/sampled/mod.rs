@@ -239,7 +239,11 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         faults: &FaultLanes<f64, N>,
         may_have_changed: bool,
     ) {
-        self.signals = self.measured(time, inputs, faults);
+        let shown = self.outputs(time);
+        self.sensors.read(&shown, inputs, faults, &mut self.signals);
+        if self.is_continuous() {
+            self.signals = self.with_continuous(time, self.signals);
+        }
         if let Some(data) = self.controller.as_ref().filter(|data| data.period.is_some()) {
             self.pi.sample(data, &self.sensors, inputs, &mut self.signals);
         }
@@ -260,7 +264,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         let mut signals = self.signals;
         self.sensors.read(&self.outputs(time), inputs, faults, &mut signals);
         if self.is_continuous() {
-            self.continuous_signals(time, &mut signals);
+            signals = self.with_continuous(time, signals);
         }
         signals
     }
@@ -339,9 +343,9 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         }
     }
 
-    /// C_m and u of continuous controllers at that time, into the signals.
+    /// The signals with C_m and u of the continuous controllers at that time.
     #[inline(never)]
-    fn continuous_signals(&self, time: f64, signals: &mut SignalLanes<f64, N>) {
+    fn with_continuous(&self, time: f64, mut signals: SignalLanes<f64, N>) -> SignalLanes<f64, N> {
         let applied = self.applied(time);
         for l in 0..N {
             if let Some(now) = self.stepper.model().controlled(&self.state.x, &applied, l) {
@@ -349,6 +353,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
                 signals.u[l] = now.u;
             }
         }
+        signals
     }
 
     fn put_faults_into_motors(&mut self, faults: &FaultLanes<f64, N>) {

@@ -19,8 +19,8 @@ pub struct Block<R, const N: usize> {
     plan: Option<Plan<R, N>>,
     room: Stages<R, N>,
     saved: Vec<[R; N]>,
-    /// One integrator a lane, for those that meet events.
-    alone: Vec<Integrator<R>>,
+    /// One integrator a lane, once that has met an event.
+    alone: Vec<Option<Integrator<R>>>,
     redo: [bool; N],
 }
 
@@ -60,43 +60,141 @@ impl<R: Real, const N: usize> Block<R, N> {
 
     /// Advances every lane by `h`, the inputs held.
     pub fn advance(&mut self, state: &mut State<R, N>, applied: &Applied<R, N>, h: R) {
+        widest(Advance { block: self, state, applied, h });
+    }
+
+    /// The same as part of work that is compiled for an instruction set already.
+    #[inline(always)]
+    pub(super) fn advance_inlined(
+        &mut self,
+        state: &mut State<R, N>,
+        applied: &Applied<R, N>,
+        h: R,
+    ) {
         if self.plan.as_ref().is_none_or(|plan| plan.h != h) {
             self.ready(h);
         }
-        widest(Advance { block: self, state, applied });
-        self.redo_alone(state, applied);
+        let Some(plan) = &self.plan else { return };
+        let exact = Exact::new(plan, state, applied);
+        if exact.everywhere() {
+            state.x[..OWN].copy_from_slice(&exact.next);
+        } else {
+            self.advance_others(state, applied, &exact);
+        }
     }
 
-    /// The plan for intervals of length `h`, the same for the block and for its lanes alone.
+    /// The plan for intervals of length `h`; the lanes alone make theirs when they need it.
+    #[cold]
     fn ready(&mut self, h: R) {
         let steps = self.pace.substeps(&self.model, h.value());
-        let plan = Plan::new(&self.model, h, steps);
-        self.alone.clear();
-        for l in 0..N {
-            let mut alone = Integrator::with(self.model.lane(l), self.pace);
-            alone.plan = Some(Plan::new(alone.model(), h, steps));
-            self.alone.push(alone);
-        }
-        self.plan = Some(plan);
+        self.plan = Some(Plan::new(&self.model, h, steps));
+        self.alone = vec![None; N];
     }
 
-    fn redo_alone(&mut self, state: &mut State<R, N>, applied: &Applied<R, N>) {
+    /// Makes the lanes that the exact step does not take, the others taking it.
+    #[inline(never)]
+    fn advance_others(
+        &mut self,
+        state: &mut State<R, N>,
+        applied: &Applied<R, N>,
+        exact: &Exact<R, N>,
+    ) {
+        let Some(plan) = &self.plan else { return };
+        self.saved.clone_from(&state.x);
+        let lanes = exact.lanes.iter().zip(&state.sign);
+        let others = lanes.filter(|(exact, sign)| **exact == 0 && **sign != 0.0).count();
+        if plan.forward.is_some() && others <= N / FEW {
+            state.x[..OWN].copy_from_slice(&exact.next);
+            self.redo = [true; N];
+        } else {
+            widest(SubSteps { block: self, state, applied });
+            exact.put_into(&mut state.x);
+        }
         for l in 0..N {
-            if !self.redo[l] {
-                continue;
-            }
-            let mut alone = State {
-                x: self.saved.iter().map(|values| [values[l]]).collect(),
-                sign: [state.sign[l]],
-            };
-            let held = Applied { u: [applied.u[l]], load: [applied.load[l]], time: applied.time };
-            self.alone[l].advance_planned(&mut alone, &held);
-            state.sign[l] = alone.sign[0];
-            for (values, value) in state.x.iter_mut().zip(&alone.x) {
-                values[l] = value[0];
+            if self.redo[l] && exact.lanes[l] == 0 {
+                self.redo_alone(l, state, applied);
             }
         }
     }
+
+    /// Makes lane `l` anew from the saved state, by the automaton.
+    fn redo_alone(&mut self, l: usize, state: &mut State<R, N>, applied: &Applied<R, N>) {
+        let Some(plan) = &self.plan else { return };
+        let integrator = self.alone[l].get_or_insert_with(|| {
+            let mut made = Integrator::with(self.model.lane(l), self.pace);
+            made.plan = Some(plan.lane(l, made.model()));
+            made
+        });
+        let mut alone = State {
+            x: self.saved.iter().map(|values| [values[l]]).collect(),
+            sign: [state.sign[l]],
+        };
+        let held = Applied { u: [applied.u[l]], load: [applied.load[l]], time: applied.time };
+        integrator.advance_planned(&mut alone, &held);
+        state.sign[l] = alone.sign[0];
+        for (values, value) in state.x.iter_mut().zip(&alone.x) {
+            values[l] = value[0];
+        }
+    }
+}
+
+/// What the exact step gives.
+struct Exact<R, const N: usize> {
+    next: [[R; N]; OWN],
+    /// 1 where it holds, else 0.
+    lanes: [u64; N],
+}
+
+impl<R: Real, const N: usize> Exact<R, N> {
+    #[inline(always)]
+    fn new(plan: &Plan<R, N>, state: &State<R, N>, applied: &Applied<R, N>) -> Self {
+        let mut made = Self { next: [[R::zero(); N]; OWN], lanes: [0; N] };
+        for affine in [&plan.forward, &plan.backward].into_iter().flatten() {
+            if !any_goes(&state.sign, affine.sign) {
+                continue;
+            }
+            let there = affine.step(&state.x, applied);
+            let holds = affine.holds((&state.x, &state.sign), &there, applied);
+            for row in 0..OWN {
+                for l in 0..N {
+                    made.next[row][l] = R::select(holds[l] == 1, there[row][l], made.next[row][l]);
+                }
+            }
+            for l in 0..N {
+                made.lanes[l] |= holds[l];
+            }
+        }
+        made
+    }
+
+    /// Whether it holds in every lane.
+    #[inline(always)]
+    fn everywhere(&self) -> bool {
+        let mut all = 1;
+        for l in 0..N {
+            all &= self.lanes[l];
+        }
+        all == 1
+    }
+
+    /// Puts it into the states of the lanes where it holds.
+    fn put_into(&self, x: &mut [[R; N]]) {
+        for (values, next) in x.iter_mut().zip(&self.next) {
+            for l in 0..N {
+                values[l] = R::select(self.lanes[l] == 1, next[l], values[l]);
+            }
+        }
+    }
+}
+
+/// Whether any lane goes that way.
+#[inline(always)]
+fn any_goes<const N: usize>(signs: &[f64; N], sign: f64) -> bool {
+    let mut any = 0u64;
+    for l in 0..N {
+        any |= u64::from(signs[l] == sign);
+    }
+    any != 0
 }
 
 /// One interval of a block.
@@ -104,39 +202,29 @@ struct Advance<'a, R, const N: usize> {
     block: &'a mut Block<R, N>,
     state: &'a mut State<R, N>,
     applied: &'a Applied<R, N>,
+    h: R,
 }
 
 impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
     #[inline(always)]
     fn run(self) {
+        self.block.advance_inlined(self.state, self.applied, self.h);
+    }
+}
+
+/// The sub-steps of an interval, every lane; those that meet an event are to be redone.
+struct SubSteps<'a, R, const N: usize> {
+    block: &'a mut Block<R, N>,
+    state: &'a mut State<R, N>,
+    applied: &'a Applied<R, N>,
+}
+
+impl<R: Real, const N: usize> Work for SubSteps<'_, R, N> {
+    #[inline(always)]
+    fn run(self) {
         let Self { block, state, applied } = self;
-        let Block { model, plan, room, saved, redo, .. } = block;
+        let Block { model, plan, room, redo, .. } = block;
         let Some(plan) = plan else { return };
-        saved.copy_from_slice(&state.x);
-        let mut exact = [false; N];
-        let mut next = [[R::zero(); N]; OWN];
-        for way in [1.0, -1.0] {
-            let Some(affine) = plan.affine(way).filter(|_| state.sign.contains(&way)) else {
-                continue;
-            };
-            let there = affine.step(&state.x, applied);
-            for l in 0..N {
-                let holds = !model.dry() | affine.holds(l, &state.x, &there, applied);
-                let goes = holds & (state.sign[l] == way);
-                for row in 0..OWN {
-                    next[row][l] = R::select(goes, there[row][l], next[row][l]);
-                }
-                exact[l] |= goes;
-            }
-        }
-        let others = exact.iter().zip(&state.sign).filter(|(exact, s)| !**exact && **s != 0.0);
-        if plan.forward.is_some() && others.count() <= N / FEW {
-            state.x[..OWN].copy_from_slice(&next);
-            for l in 0..N {
-                redo[l] = !exact[l];
-            }
-            return;
-        }
         let h = plan.h.scaled(1.0 / plan.substeps as f64);
         for l in 0..N {
             redo[l] = model.dry() && state.sign[l] == 0.0;
@@ -155,14 +243,6 @@ impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
                 let event = model.directed() & ((sign * last < 0.0) | dips);
                 redo[l] |= event | plan.grain.too_coarse(l, first, last);
             }
-        }
-        for (values, next) in state.x.iter_mut().zip(&next) {
-            for l in 0..N {
-                values[l] = R::select(exact[l], next[l], values[l]);
-            }
-        }
-        for l in 0..N {
-            redo[l] &= !exact[l];
         }
     }
 }

@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 /// Work whose `run` is inlined whole into each version.
-pub(super) trait Work {
+pub(crate) trait Work {
     /// Does it. Implementations are `#[inline(always)]`, and so is all that they call.
     fn run(self);
 }
@@ -23,7 +23,7 @@ fn with_avx2<W: Work>(work: W) {
 }
 
 /// Runs the work with the widest instruction set there is.
-pub(super) fn widest<W: Work>(work: W) {
+pub(crate) fn widest<W: Work>(work: W) {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f")

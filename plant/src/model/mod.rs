@@ -55,6 +55,8 @@ pub struct Model<R, const N: usize> {
     control: Option<Controls<R, N>>,
     kinked: bool,
     restless: bool,
+    /// Whether an effect distorts what a sensor shows.
+    distorting: bool,
 }
 
 /// An effect to place: its law and the values of its parameters.
@@ -90,10 +92,25 @@ impl<R: Real> Model<R, 1> {
         let kinked = any(|i| i.replaces_dry);
         let dry = any(|i| i.dry) && !kinked;
         let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
-        let motors = Motors::splat(motor);
-        let own_states = stiff.len() - OWN;
-        let control = None;
-        Self { motors, force, placed, laws, p, own_states, stiff, dry, kinked, restless, control }
+        let senses = |kind| match kind {
+            Kind::Custom(k) => laws[k].senses(),
+            other => info(other).is_some_and(Info::senses),
+        };
+        let distorting = parts.iter().any(|part| senses(part.kind));
+        Self {
+            motors: Motors::splat(motor),
+            force,
+            placed,
+            laws,
+            p,
+            own_states: stiff.len() - OWN,
+            stiff,
+            dry,
+            control: None,
+            kinked,
+            restless,
+            distorting,
+        }
     }
 }
 
@@ -131,6 +148,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             }),
             kinked: first.kinked,
             restless: first.restless,
+            distorting: first.distorting,
         }
     }
 
@@ -148,6 +166,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             control: self.control.map(|controls| Controls::splat(controls.lane(l))),
             kinked: self.kinked,
             restless: self.restless,
+            distorting: self.distorting,
         }
     }
 
@@ -237,7 +256,7 @@ impl<R: Real, const N: usize> Model<R, N> {
         x: &[[R; N]],
         applied: &Applied<R, N>,
     ) -> OutputLanes<R, N> {
-        if self.distorts_sensors() {
+        if self.distorting {
             let at = field::views(self, x, applied, applied.time, &[0.0; N]);
             for part in &self.placed {
                 part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
@@ -246,22 +265,9 @@ impl<R: Real, const N: usize> Model<R, N> {
         shown
     }
 
-    /// Whether an effect distorts what a sensor shows.
-    #[inline(always)]
-    fn distorts_sensors(&self) -> bool {
-        self.placed.iter().any(|part| self.senses(part.kind))
-    }
-
     /// Whether ideal sensors show the states themselves.
     pub fn shows_state(&self) -> bool {
-        !self.force && !self.distorts_sensors()
-    }
-
-    fn senses(&self, kind: Kind) -> bool {
-        match kind {
-            Kind::Custom(k) => self.laws[k].senses(),
-            other => info(other).is_some_and(Info::senses),
-        }
+        !self.force && !self.distorting
     }
 
     /// The delays of u, s, if the drive has one; whoever steps it holds u back by them.

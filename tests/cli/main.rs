@@ -4,6 +4,7 @@
 mod drive_files;
 mod effects;
 mod export;
+mod fit;
 mod fmu;
 mod help;
 mod init;

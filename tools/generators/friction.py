@@ -82,5 +82,5 @@ LAWS = [
     ),
     Law("load_friction", ("i", "omega"), 0.12, _draw_load_friction, _load_friction),
     Law("friction_drift", ("time",), 0.4, _draw_friction_drift, _friction_drift, {"slow": 1.0}),
-    Law("presliding", ("omega_sign", "acceleration"), 0.3, _draw_presliding),
+    Law("presliding", ("omega", "omega_sign", "acceleration"), 0.3, _draw_presliding),
 ]

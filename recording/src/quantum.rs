@@ -24,6 +24,17 @@ pub struct Quantum {
     pub coarse: bool,
 }
 
+impl Quantum {
+    /// The quantum of a signal, if its steps are multiples of one; what is not finite is skipped.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        let (min, max) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        quantum(values, max - min)
+    }
+}
+
 /// The quantum of a signal, if its steps are multiples of one.
 pub(crate) fn quantum(values: &[f64], range: f64) -> Option<Quantum> {
     let steps = || {
@@ -82,12 +93,14 @@ mod tests {
             let found = quantum(&encoder(q, digits), 600.0 * q).unwrap();
             assert!((found.step / q - 1.0).abs() < allowed, "{digits} digits: {found:?}");
             assert!(found.coarse);
+            assert_eq!(Quantum::of(&encoder(q, digits)).map(|it| it.coarse), Some(true));
         }
     }
 
     #[test]
     fn noise_has_no_grid_and_printed_noise_only_that_of_its_digits() {
         assert_eq!(quantum(&noisy(100_000), 10.0), None);
+        assert_eq!(Quantum::of(&[f64::NAN; 50]), None);
         let printed: Vec<f64> = noisy(100_000).iter().map(|x| (x * 1e3).round() / 1e3).collect();
         let found = quantum(&printed, 10.0).unwrap();
         assert!((found.step - 1e-3).abs() < 1e-6 && !found.coarse, "{found:?}");

@@ -12,6 +12,10 @@ use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
 /// Below this level (N m) there is no contact to bend; it keeps the quotient finite.
 const LEAST_LEVEL: f64 = 1e-12;
 
+/// A torque of k times the level turns the bristles over in sqrt(2 / k) of the time in which they
+/// swing freely; motors pull an order of magnitude harder than their friction.
+const REVERSAL: f64 = 3.0;
+
 /// Dry friction through a bristle deflection, one stiff own state.
 pub struct Presliding;
 
@@ -67,7 +71,7 @@ impl Effect<1, 1> for Presliding {
     }
 
     fn fastest([sigma_0]: [f64; 1], _: f64, inertia: f64) -> f64 {
-        (sigma_0 / inertia).sqrt()
+        REVERSAL * (sigma_0 / inertia).sqrt()
     }
 }
 

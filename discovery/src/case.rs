@@ -1,0 +1,163 @@
+//! One recording with one drive: what every estimate and every test is made of.
+
+use drivescope_plant::drive::Drive;
+use drivescope_plant::integrate::longest_substep;
+use drivescope_plant::sampled::speed_bound;
+
+use crate::measured::{Channel, Measured};
+use crate::observer::Observer;
+use crate::run::Runner;
+use crate::start::Start;
+
+/// How many times the sub-step of a plain simulation is taken. A simulation keeps 1e-8 of a
+/// variable's range and its error grows with the fourth power of the sub-step: 5 leaves at most
+/// 1e-5, below any sensor's resolution.
+pub const PACE: f64 = 5.0;
+
+/// What is chosen on the base model and then frozen, for every step of a fit, for the ladder of
+/// added effects and for validation: only so do errors compare and has the sum of squares no
+/// jumps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// The observer.
+    pub observer: Observer,
+    /// Longest sub-step of the integration, s.
+    pub longest_s: f64,
+}
+
+impl Setting {
+    /// Freezes sub-steps of [`PACE`] times those of a simulation of the drive.
+    pub fn new(drive: &Drive, observer: Observer) -> Self {
+        let longest_s = PACE * longest_substep(&drive.model(), speed_bound(drive));
+        Self { observer, longest_s }
+    }
+}
+
+/// A drive with the recording that it is compared with.
+#[derive(Debug, Clone, Copy)]
+pub struct Case<'a> {
+    /// The drive, with the values of its parameters for this recording.
+    pub drive: &'a Drive,
+    /// The recording.
+    pub measured: &'a Measured,
+    /// Standard deviation of the noise of each output, in its unit, in the order of the outputs.
+    pub noise: &'a [f64],
+    /// State at the beginning of each piece.
+    pub starts: &'a [Start],
+    /// What is frozen.
+    pub setting: &'a Setting,
+}
+
+/// A sum of squared errors in units of the noise.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Squares {
+    /// The sum; infinite where the model overflowed.
+    pub sum: f64,
+    /// Measured values in it.
+    pub values: usize,
+}
+
+impl Squares {
+    /// Root of the mean: 1 is the noise floor of a free run.
+    pub fn error(&self) -> f64 {
+        (self.sum / self.values as f64).sqrt()
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self { sum: self.sum + other.sum, values: self.values + other.values }
+    }
+}
+
+impl Case<'_> {
+    /// What sensors of current, speed and position show of the model before the correction, in
+    /// the order of [`crate::Output`], measured or not, one value a sample; NaN between the pieces
+    /// and from an overflow on.
+    pub fn trajectory(&self) -> [Vec<f64>; 3] {
+        let mut shown = [(); 3].map(|()| vec![f64::NAN; self.measured.len()]);
+        let mut runner = Runner::of_values(self);
+        for k in self.measured.pieces.iter().cloned().flatten() {
+            let now = runner.sample(k, [0.0; 2]);
+            if !now.iter().all(|value| value.is_finite()) {
+                break;
+            }
+            for (column, value) in shown.iter_mut().zip(now) {
+                column[k] = value;
+            }
+        }
+        shown
+    }
+
+    /// (y - y_model) / sd, one list an output, one value a sample; NaN where nothing was measured.
+    pub fn residuals(&self) -> Vec<Vec<f64>> {
+        let shown = self.trajectory();
+        let of = |(channel, sd): (&Channel, &f64)| {
+            let model = &shown[channel.output as usize];
+            channel.values.iter().zip(model).map(|(y, model)| (y - model) / sd).collect()
+        };
+        self.measured.outputs.iter().zip(self.noise).map(of).collect()
+    }
+
+    /// The sum of the squared residuals.
+    pub fn squares(&self) -> Squares {
+        let mut squares = Squares::default();
+        let mut runner = Runner::of_values(self);
+        for piece in &self.measured.pieces {
+            for k in piece.clone() {
+                let now = runner.sample(k, [0.0; 2]);
+                for (channel, sd) in self.measured.outputs.iter().zip(self.noise) {
+                    let error = (channel.values[k] - now[channel.output as usize]) / sd;
+                    if channel.values[k].is_finite() {
+                        squares.sum += error * error;
+                        squares.values += 1;
+                    }
+                }
+            }
+            if !runner.is_finite() {
+                return Squares { sum: f64::INFINITY, values: self.measured.values() };
+            }
+        }
+        squares
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{bench, dr300, starts_at_rest};
+
+    #[test]
+    fn the_longer_pace_keeps_its_promise() {
+        let mut drive = dr300();
+        // The file's K_m is not its K_e, to which a fit ties it.
+        drive.motor.tie_k = false;
+        let measured = Measured::new(&drive, &bench(&drive, 6.0, 0.001)).expect("it can be used");
+        // Noise of 1e-5 of the range: the promised error is one unit.
+        let starts = starts_at_rest(&measured);
+        for hz in [0.0, 10.0] {
+            let setting = Setting::new(&drive, Observer { hz });
+            let noise = [4e-5, 4e-3];
+            let (drive, measured, starts, setting) = (&drive, &measured, &starts, &setting);
+            let case = Case { drive, measured, noise: &noise, starts, setting };
+            let error = case.squares().error();
+            assert!(error < 1.0, "{error} at {hz} Hz");
+            let residuals = case.residuals();
+            let sum: f64 = residuals.iter().flatten().map(|r| r * r).sum();
+            assert!((sum / case.squares().sum - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn an_overflow_is_infinite_and_not_hidden() {
+        let mut drive = dr300();
+        let measured = Measured::new(&drive, &bench(&drive, 1.0, 0.001)).expect("it can be used");
+        let (starts, noise) = (starts_at_rest(&measured), [0.01, 0.3]);
+        let setting = Setting::new(&drive, Observer::NONE);
+        drive.motor.b_m = -1.0;
+        let (drive, measured, starts, setting) = (&drive, &measured, &starts, &setting);
+        let case = Case { drive, measured, noise: &noise, starts, setting };
+        assert_eq!(case.squares().sum, f64::INFINITY);
+        assert!(case.trajectory()[1].last().is_some_and(|omega| omega.is_nan()));
+    }
+}

@@ -1,0 +1,53 @@
+//! Why a recording, or a drive with it, cannot be used.
+
+use thiserror::Error as ThisError;
+
+/// Why a recording, or a drive with it, cannot be used.
+#[derive(Debug, Clone, PartialEq, ThisError)]
+pub enum Error {
+    /// There is no u.
+    #[error("{file}: there is no input `u` among {columns}: name its column by --columns u=COLUMN")]
+    MissingInput {
+        /// The recording.
+        file: String,
+        /// The columns there are.
+        columns: String,
+    },
+    /// u is no voltage but the drive takes one.
+    #[error(
+        "{file}: u is in {unit}, but the drive's input is a voltage: name the voltage by \
+         --columns u=COLUMN:V, or say input = \"force\" in [motor]"
+    )]
+    WrongInput {
+        /// The recording.
+        file: String,
+        /// The unit of u.
+        unit: String,
+    },
+    /// Nothing that the model could be compared with.
+    #[error(
+        "{file}: nothing to compare the model with: of {wanted} there is none among {columns}; \
+         name a column by --columns, or check `motion` in the drive file"
+    )]
+    NoOutput {
+        /// The recording.
+        file: String,
+        /// The signals that would do.
+        wanted: String,
+        /// The columns there are.
+        columns: String,
+    },
+    /// Too few samples in a row.
+    #[error(
+        "{file}: {samples} samples, and no {least} of them in a row with a known u: record for \
+         longer"
+    )]
+    TooFewSamples {
+        /// The recording.
+        file: String,
+        /// Samples there are.
+        samples: usize,
+        /// Samples needed.
+        least: usize,
+    },
+}

@@ -1,0 +1,33 @@
+//! Measured against modelled: fit a drive to recordings, and see where it fails.
+//!
+//! ```text
+//!  Recording ──> Measured ──┐
+//!  drive file ──> Drive ────┼──> Case ──> residuals in units of the noise
+//!  Noise (given, estimated) ┤         └─> columns: exact derivatives by parameters, starts, and
+//!  Setting (frozen) ────────┘             series added to a balance
+//! ```
+//!
+//! [`Measured`] is a recording as that drive's; [`Case`] steps the model along it, corrected by an
+//! [`Observer`] of fixed bandwidth where it cannot run free, and yields residuals and, for every
+//! [`Direction`], exact derivatives through stick-slip.
+
+mod canonical;
+mod case;
+mod error;
+mod measured;
+mod noise;
+mod observer;
+mod run;
+mod sensitivity;
+mod start;
+#[cfg(test)]
+mod testing;
+
+pub use canonical::with_canonical_names;
+pub use case::{Case, PACE, Setting, Squares};
+pub use error::Error;
+pub use measured::{Channel, Measured, Output};
+pub use noise::{Noise, NoiseSource, noise};
+pub use observer::{Observer, USUAL_HZ, mechanical_time_s};
+pub use sensitivity::{BLOCK, Direction, Rows};
+pub use start::{Start, first_starts};

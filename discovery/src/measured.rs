@@ -1,0 +1,338 @@
+//! A recording as an estimator sees it: what drove the drive, and what its sensors showed.
+//!
+//! u and the load act from one sample to the next, held. The outputs are the current, and the
+//! speed or, where no speed was measured, the position. A position beside a speed is no output,
+//! for it only integrates the speed's error: it is the known angle of laws that depend on it.
+//! Samples that are not finite are left out; where u is missing the run ends and begins anew.
+
+use std::ops::Range;
+
+use drivescope_plant::drive::{Drive, Input};
+use drivescope_recording::{Quantity, Recording, Signal, Unit};
+
+use crate::canonical::{position, speed, with_canonical_names};
+use crate::error::Error;
+
+/// Missing samples of u over which its last value is held.
+const HELD: usize = 2;
+/// Samples that a stretch between two holes of u must have to be used.
+pub(crate) const SHORTEST_PIECE: usize = 20;
+
+/// What a sensor shows; the numbers are those of the states in [`drivescope_plant::model`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Output {
+    /// Armature current, A.
+    Current = 0,
+    /// Speed, rad/s or m/s.
+    Speed = 1,
+    /// Position, rad or m.
+    Position = 2,
+}
+
+/// A measured output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// What it shows.
+    pub output: Output,
+    /// Its name: `i`, `omega` or `v`, `theta` or `x`.
+    pub name: &'static str,
+    /// Its unit, SI.
+    pub unit: String,
+    /// One value a sample, NaN where there is none.
+    pub values: Vec<f64>,
+}
+
+/// A recording of a drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Where it comes from.
+    pub name: String,
+    /// Time of the first sample, s.
+    pub start_s: f64,
+    /// Sampling time, s.
+    pub period_s: f64,
+    /// Voltage, V, or force command; finite within the pieces.
+    pub u: Vec<f64>,
+    /// Load torque, N m, or force, N; finite within the pieces.
+    pub load: Option<Vec<f64>>,
+    /// The outputs, at least one.
+    pub outputs: Vec<Channel>,
+    /// The angle (position) as far as it is known from outside the model, rad (m): measured
+    /// beside a speed, or integrated from a measured speed from zero on.
+    pub angle: Option<Vec<f64>>,
+    /// Stretches of samples in which u is known; each begins in a state of its own.
+    pub pieces: Vec<Range<usize>>,
+}
+
+impl Measured {
+    /// The recording as that drive's.
+    ///
+    /// # Errors
+    /// [`Error::MissingInput`], [`Error::WrongInput`], [`Error::NoOutput`] or
+    /// [`Error::TooFewSamples`].
+    pub fn new(drive: &Drive, recording: &Recording) -> Result<Self, Error> {
+        let recording = with_canonical_names(drive, recording.clone());
+        let columns = || {
+            let all: Vec<String> = recording.signals.iter().map(Signal::header).collect();
+            all.join(", ")
+        };
+        let file = || recording.name.clone();
+        let find = |name: &str| {
+            let usable = |signal: &&Signal| signal.values.iter().any(|value| value.is_finite());
+            recording.signal(name).filter(usable)
+        };
+        let u =
+            find("u").ok_or_else(|| Error::MissingInput { file: file(), columns: columns() })?;
+        check_input(drive, u, &recording.name)?;
+        let load = find("T_l");
+        let (speed, position) = (speed(drive), position(drive));
+        let current = (drive.motor.input == Input::Voltage).then(|| ("i", "A".to_owned()));
+        let mut outputs: Vec<Channel> =
+            current.iter().filter_map(|of| channel(Output::Current, of, find(of.0)?)).collect();
+        outputs.extend(find(speed.0).and_then(|it| channel(Output::Speed, &speed, it)));
+        let has_speed = outputs.iter().any(|channel| channel.output == Output::Speed);
+        if !has_speed {
+            outputs
+                .extend(find(position.0).and_then(|it| channel(Output::Position, &position, it)));
+        }
+        if outputs.is_empty() {
+            let wanted = current.iter().map(|of| of.0).chain([speed.0, position.0]);
+            let wanted = wanted.collect::<Vec<_>>().join(", ");
+            return Err(Error::NoOutput { file: file(), wanted, columns: columns() });
+        }
+        let driven: Vec<&Signal> = [Some(u), load].into_iter().flatten().collect();
+        let pieces = pieces(&driven, recording.len());
+        if pieces.is_empty() {
+            let samples = recording.len();
+            return Err(Error::TooFewSamples { file: file(), samples, least: SHORTEST_PIECE });
+        }
+        let angle = has_speed.then(|| match find(position.0) {
+            Some(angle) => bridged(&angle.values),
+            None => integrated(&find(speed.0).expect("it was found").values, recording.period_s),
+        });
+        Ok(Self {
+            name: recording.name.clone(),
+            start_s: recording.start_s,
+            period_s: recording.period_s,
+            u: held(&u.values),
+            load: load.map(|load| held(&load.values)),
+            outputs,
+            angle,
+            pieces,
+        })
+    }
+
+    /// Samples of the recording, those between the pieces included.
+    pub fn len(&self) -> usize {
+        self.u.len()
+    }
+
+    /// Whether there is no sample; a [`Measured`] that was made has some.
+    pub fn is_empty(&self) -> bool {
+        self.u.is_empty()
+    }
+
+    /// Time of sample `k`, s.
+    pub fn time(&self, k: usize) -> f64 {
+        self.start_s + k as f64 * self.period_s
+    }
+
+    /// The output of that kind, if it was measured.
+    pub fn output(&self, output: Output) -> Option<&Channel> {
+        self.outputs.iter().find(|channel| channel.output == output)
+    }
+
+    /// Measured values within the pieces, all outputs together.
+    pub fn values(&self) -> usize {
+        let of = |channel: &Channel| {
+            let pieces = self.pieces.iter().map(|piece| &channel.values[piece.clone()]);
+            pieces.flatten().filter(|value| value.is_finite()).count()
+        };
+        self.outputs.iter().map(of).sum()
+    }
+
+    /// The samples of a range as a recording of their own.
+    ///
+    /// # Errors
+    /// [`Error::TooFewSamples`] if no piece of it is long enough.
+    pub fn part(&self, range: Range<usize>) -> Result<Self, Error> {
+        let cut = |piece: &Range<usize>| {
+            let (from, to) = (piece.start.max(range.start), piece.end.min(range.end));
+            (from + SHORTEST_PIECE <= to).then(|| from - range.start..to - range.start)
+        };
+        let pieces: Vec<_> = self.pieces.iter().filter_map(cut).collect();
+        if pieces.is_empty() {
+            let (file, samples) = (self.name.clone(), range.len());
+            return Err(Error::TooFewSamples { file, samples, least: SHORTEST_PIECE });
+        }
+        let take = |values: &Vec<f64>| values[range.clone()].to_vec();
+        Ok(Self {
+            name: self.name.clone(),
+            start_s: self.time(range.start),
+            period_s: self.period_s,
+            u: take(&self.u),
+            load: self.load.as_ref().map(take),
+            outputs: self
+                .outputs
+                .iter()
+                .map(|channel| Channel { values: take(&channel.values), ..channel.clone() })
+                .collect(),
+            angle: self.angle.as_ref().map(take),
+            pieces,
+        })
+    }
+}
+
+fn channel(output: Output, of: &(&'static str, String), signal: &Signal) -> Option<Channel> {
+    let values = signal.values.iter().map(|y| if y.is_finite() { *y } else { f64::NAN });
+    let (name, unit) = of.clone();
+    Some(Channel { output, name, unit, values: values.collect() })
+}
+
+/// A voltage-driven motor takes volts.
+fn check_input(drive: &Drive, u: &Signal, file: &str) -> Result<(), Error> {
+    let quantity = Unit::parse(&u.unit).map(|unit| unit.quantity);
+    let fits = quantity.is_none_or(|quantity| quantity == Quantity::Voltage);
+    if drive.motor.input == Input::Voltage && !fits {
+        return Err(Error::WrongInput { file: file.to_owned(), unit: u.unit.clone() });
+    }
+    Ok(())
+}
+
+/// Stretches in which every one of these signals is known, holes of few samples bridged.
+fn pieces(signals: &[&Signal], samples: usize) -> Vec<Range<usize>> {
+    let known = |k: usize| signals.iter().all(|signal| signal.values[k].is_finite());
+    let mut pieces: Vec<Range<usize>> = Vec::new();
+    for k in (0..samples).filter(|k| known(*k)) {
+        match pieces.last_mut() {
+            Some(last) if k - last.end <= HELD => last.end = k + 1,
+            _ => pieces.push(k..k + 1),
+        }
+    }
+    pieces.retain(|piece| piece.len() >= SHORTEST_PIECE);
+    pieces
+}
+
+/// Each missing value replaced by the last one there was (zero at the beginning).
+fn held(values: &[f64]) -> Vec<f64> {
+    let mut last = 0.0;
+    let hold = |value: &f64| {
+        if value.is_finite() {
+            last = *value;
+        }
+        last
+    };
+    values.iter().map(hold).collect()
+}
+
+/// Missing values on the straight line between their neighbours.
+fn bridged(values: &[f64]) -> Vec<f64> {
+    let mut bridged = values.to_vec();
+    let mut last: Option<usize> = None;
+    for k in 0..values.len() {
+        if !values[k].is_finite() {
+            continue;
+        }
+        let from = last.map_or(0, |last| last + 1);
+        for hole in from..k {
+            let share = last.map_or(1.0, |last| (hole - last) as f64 / (k - last) as f64);
+            let before = last.map_or(values[k], |last| values[last]);
+            bridged[hole] = before + share * (values[k] - before);
+        }
+        last = Some(k);
+    }
+    if let Some(last) = last {
+        bridged[last + 1..].fill(values[last]);
+    }
+    bridged
+}
+
+/// The integral of a speed from zero on, by the trapezoidal rule.
+fn integrated(speed: &[f64], period_s: f64) -> Vec<f64> {
+    let speed = bridged(speed);
+    let mut angle = 0.0;
+    let steps = speed.windows(2).map(|pair| 0.5 * period_s * (pair[0] + pair[1]));
+    let after = steps.map(|step| {
+        angle += step;
+        angle
+    });
+    std::iter::once(0.0).chain(after).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DR300: &str = include_str!("../../scenarios/drives/dr300.toml");
+
+    fn dr300() -> Drive {
+        Drive::parse(DR300, "dr300.toml").expect("a right drive file")
+    }
+
+    fn recording(columns: &[(&str, &str)]) -> Recording {
+        let signal = |(name, unit): &(&str, &str)| Signal {
+            name: (*name).to_owned(),
+            unit: (*unit).to_owned(),
+            values: (0..100).map(|k| 1.0 + f64::from(k)).collect(),
+        };
+        let signals = columns.iter().map(signal).collect();
+        Recording { name: "bench.csv".into(), start_s: 2.0, period_s: 0.01, signals }
+    }
+
+    fn outputs(columns: &[(&str, &str)]) -> Vec<&'static str> {
+        let measured = Measured::new(&dr300(), &recording(columns)).expect("it can be used");
+        measured.outputs.iter().map(|channel| channel.name).collect()
+    }
+
+    #[test]
+    fn a_position_beside_a_speed_is_the_known_angle() {
+        let u = ("u", "V");
+        assert_eq!(outputs(&[u, ("omega", "rad/s"), ("i", "A"), ("theta", "rad")]), ["i", "omega"]);
+        assert_eq!(outputs(&[u, ("theta", "rad")]), ["theta"]);
+        assert_eq!(outputs(&[u, ("omega", "rad/s")]), ["omega"]);
+        let both = recording(&[u, ("omega", "rad/s"), ("theta", "rad")]);
+        let both = Measured::new(&dr300(), &both).expect("it can be used");
+        assert_eq!(both.angle.expect("it is measured")[7], 8.0);
+        let speed = recording(&[u, ("omega", "rad/s")]);
+        let speed = Measured::new(&dr300(), &speed).expect("it can be used");
+        // The trapezoidal rule is exact on a ramp: 1 t + 50 t^2 with t = 0.5 s.
+        assert!((speed.angle.expect("from the speed")[50] - 13.0).abs() < 1e-12);
+        let position = Measured::new(&dr300(), &recording(&[u, ("theta", "rad")]));
+        assert_eq!(position.expect("it can be used").angle, None);
+    }
+
+    #[test]
+    fn holes_of_the_input_part_the_recording_and_others_are_left_out() {
+        let mut holed = recording(&[("u", "V"), ("omega", "rad/s")]);
+        holed.signals[0].values[30] = f64::NAN;
+        holed.signals[0].values[50..60].fill(f64::INFINITY);
+        holed.signals[0].values[97..].fill(f64::NAN);
+        holed.signals[1].values[5..8].fill(f64::NAN);
+        let measured = Measured::new(&dr300(), &holed).expect("it can be used");
+        assert_eq!(measured.pieces, [0..50, 60..97]);
+        assert_eq!(measured.u[30], 30.0);
+        assert_eq!(measured.values(), 50 + 37 - 3);
+        let angle = measured.angle.clone().expect("from the speed");
+        assert!(angle.iter().all(|angle| angle.is_finite()));
+        let part = measured.part(40..90).expect("long enough");
+        assert_eq!((part.pieces[0].clone(), part.start_s), (20..50, 2.4));
+        assert!(measured.part(45..55).is_err());
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_named() {
+        let refused = |columns: &[(&str, &str)]| {
+            Measured::new(&dr300(), &recording(columns)).expect_err("unusable").to_string()
+        };
+        let text = refused(&[("omega", "rad/s")]);
+        assert!(text.contains("bench.csv") && text.contains("omega [rad/s]"), "{text}");
+        let text = refused(&[("u", "V"), ("v", "m/s")]);
+        assert!(text.contains("i, omega, theta") && text.contains("v [m/s]"), "{text}");
+        let text = refused(&[("u", "A"), ("omega", "rad/s")]);
+        assert!(text.contains("A") && text.contains("force"), "{text}");
+        let mut short = recording(&[("u", "V"), ("omega", "rad/s")]);
+        short.signals[0].values[10..].fill(f64::NAN);
+        let text = Measured::new(&dr300(), &short).expect_err("too short").to_string();
+        assert!(text.contains("20"), "{text}");
+    }
+}

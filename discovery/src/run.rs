@@ -1,0 +1,117 @@
+//! The model stepped along a recording, sample by sample, over plain numbers or duals.
+//!
+//! At sample k the sensors are read, the observer corrects the state by what they should have
+//! shown, and the state is advanced to the next sample under u_k (and the load), held.
+
+use drivescope_numerics::Real;
+use drivescope_plant::integrate::{Integrator, State};
+use drivescope_plant::model::{Applied, CURRENT, POSITION, SPEED};
+
+use crate::case::Case;
+use crate::measured::Measured;
+use crate::observer::Gains;
+use crate::start::Start;
+
+/// A model on its way along a recording.
+pub(crate) struct Runner<'a, R> {
+    measured: &'a Measured,
+    gains: Option<Gains>,
+    integrator: Integrator<R>,
+    state: State<R, 1>,
+    /// Current, speed and position at the beginning of each piece.
+    starts: Vec<[R; 3]>,
+    next_piece: usize,
+    period: R,
+}
+
+impl Runner<'_, f64> {
+    /// A run with the drive's own values.
+    pub(crate) fn of_values<'a>(case: &Case<'a>) -> Runner<'a, f64> {
+        let start = |it: &Start| [it.current, it.speed, it.position];
+        Runner::new(case, case.starts.iter().map(start).collect(), |_, value| value)
+    }
+}
+
+impl<R: Real> Runner<'_, R> {
+    /// A run from those starts; `scalar` makes the scalar of a parameter from its name and value.
+    pub(crate) fn new<'a>(
+        case: &Case<'a>,
+        starts: Vec<[R; 3]>,
+        scalar: impl Fn(&str, f64) -> R,
+    ) -> Runner<'a, R> {
+        let values = case.drive.parameters();
+        let model = case.drive.model_of(|name| {
+            let known = values.iter().find(|parameter| parameter.name == name);
+            scalar(name, known.expect("a drive has what its model asks for").value)
+        });
+        let state = State::at_rest(&model);
+        Runner {
+            measured: case.measured,
+            gains: case.setting.observer.gains(case.measured),
+            integrator: Integrator::paced(model, case.setting.longest_s),
+            state,
+            starts,
+            next_piece: 0,
+            period: R::constant(case.measured.period_s),
+        }
+    }
+
+    /// What the sensors show at sample `k`, in the order of [`crate::Output`], before the
+    /// correction; then on to the next sample. Samples of the pieces are visited in order.
+    /// `added` is a torque against nothing (N m, positive forward) and a voltage in the armature
+    /// circuit (V), added to the balances over this sample.
+    #[inline]
+    pub(crate) fn sample(&mut self, k: usize, added: [R; 2]) -> [R; 3] {
+        let begins = |piece: &std::ops::Range<usize>| piece.start == k;
+        if self.measured.pieces.get(self.next_piece).is_some_and(begins) {
+            self.begin();
+        }
+        let load = self.measured.load.as_ref().map_or(0.0, |load| load[k]);
+        let applied = Applied {
+            u: [R::constant(self.measured.u[k]) + added[1]],
+            load: [R::constant(load) - added[0]],
+            time: self.measured.time(k),
+        };
+        if let Some(angle) = &self.measured.angle {
+            self.state.x[POSITION] = [R::constant(angle[k])];
+        }
+        let shown = self.integrator.model().outputs(&self.state.x, &applied);
+        let shown = [shown.i[0], shown.omega[0], shown.theta[0]];
+        self.correct(k, &shown);
+        self.integrator.advance(&mut self.state, &applied, self.period);
+        shown
+    }
+
+    /// Leaves out the pieces before that one.
+    pub(crate) fn skip_to(&mut self, piece: usize) {
+        self.next_piece = piece;
+    }
+
+    fn begin(&mut self) {
+        let model = self.integrator.model();
+        self.state = State::at_rest(model);
+        let [current, speed, position] = self.starts[self.next_piece];
+        self.state.x[CURRENT] = [current];
+        self.state.x[POSITION] = [position];
+        self.state.set_speed(model, 0, speed);
+        self.next_piece += 1;
+    }
+
+    #[inline]
+    fn correct(&mut self, k: usize, shown: &[R; 3]) {
+        let Some(gains) = self.gains else { return };
+        let measured = self.measured.output(gains.output).map_or(f64::NAN, |y| y.values[k]);
+        if !measured.is_finite() {
+            return;
+        }
+        let error = R::constant(measured) - shown[gains.output as usize];
+        let speed = self.state.x[SPEED][0] + error.scaled(gains.speed);
+        self.state.set_speed(self.integrator.model(), 0, speed);
+        self.state.x[POSITION][0] += error.scaled(gains.position);
+    }
+
+    /// Whether nothing has overflowed.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.state.is_finite()
+    }
+}

@@ -1,0 +1,418 @@
+//! Exact derivatives of what the sensors show, along the run and through its stick-slip events.
+//!
+//! With y the outputs of the corrected run of [`crate::run`] and c a [`Direction`], the column is
+//! d y / d c over the noise's standard deviation, so that residual = sum c_j column_j + noise to
+//! first order. Directions are parameters, states at the beginning, and known series that are
+//! added to a balance: the response to a torque series b is what a missing law b(t) would do.
+//!
+//! Derivatives come in passes of a few directions each, as duals. All passes advance together by
+//! blocks of samples, so that memory depends on the length of a block and not of the recording.
+
+use drivescope_numerics::Dual;
+use nalgebra::DMatrix;
+
+use crate::case::Case;
+use crate::run::Runner;
+use crate::start::Start;
+
+/// Samples in a block.
+pub const BLOCK: usize = 1024;
+/// Directions of a wide and of a narrow pass.
+const WIDE: usize = 8;
+const NARROW: usize = 4;
+/// A start is forgotten when its columns fall below this share of their largest: they decay, so
+/// nothing that adds up over a recording is lost.
+const FORGOTTEN: f64 = 1e-9;
+/// Samples between two looks at that.
+const LOOK: usize = 64;
+
+/// What the outputs are differentiated by.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Direction<'a> {
+    /// A parameter by its name (`R`, `coulomb.T_c`); a tied K_m follows K_e.
+    Parameter(&'a str),
+    /// State number 0 (current), 1 (speed) or 2 (position) at the beginning of a piece.
+    Start {
+        /// Which piece of the recording.
+        piece: usize,
+        /// Which state.
+        state: usize,
+    },
+    /// The factor of a torque series, N m (N), positive forward, one value a sample, held.
+    Torque(&'a [f64]),
+    /// The factor of a voltage series in the armature circuit, V (force-driven: units of u).
+    Voltage(&'a [f64]),
+}
+
+/// The measured values of a block of samples, in the order of samples, then outputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    /// Sample of each row.
+    pub sample: Vec<usize>,
+    /// Output of each row, by its place in [`crate::Measured::outputs`].
+    pub output: Vec<usize>,
+    /// (y - y_model) / sd of each row.
+    pub residual: Vec<f64>,
+    /// d y_model / d c / sd: one row a direction, one column a measured value.
+    pub columns: DMatrix<f64>,
+}
+
+/// A run over plain numbers or duals that fills its part of a block.
+trait Pass {
+    /// Runs over the samples and writes what it knows.
+    fn fill(&mut self, case: &Case<'_>, samples: &[usize], rows: &mut Rows);
+}
+
+/// The run over plain numbers: it knows the residuals.
+struct Values<'a>(Runner<'a, f64>);
+
+impl Pass for Values<'_> {
+    fn fill(&mut self, case: &Case<'_>, samples: &[usize], rows: &mut Rows) {
+        let mut row = 0;
+        for &k in samples {
+            let now = self.0.sample(k, [0.0; 2]);
+            for (channel, sd) in case.measured.outputs.iter().zip(case.noise) {
+                if channel.values[k].is_finite() {
+                    let v = now[channel.output as usize];
+                    rows.residual[row] = (channel.values[k] - v) / sd;
+                    row += 1;
+                }
+            }
+        }
+    }
+}
+
+/// A direction with its number.
+type Numbered<'a> = (usize, &'a Direction<'a>);
+
+/// A pass of up to `P` directions.
+struct Duals<'a, const P: usize> {
+    directions: Vec<Numbered<'a>>,
+    runner: Runner<'a, Dual<P>>,
+    /// Whether it writes the residuals too.
+    leads: bool,
+    /// For starts of one piece, which a stable drive forgets.
+    fading: Option<Fading>,
+}
+
+/// What is left of the derivatives by the start of a piece.
+struct Fading {
+    piece: std::ops::Range<usize>,
+    /// Largest column so far, and since the last look.
+    largest: f64,
+    recent: f64,
+    over: bool,
+}
+
+impl Fading {
+    /// Whether there is nothing to compute at sample `k`.
+    fn is_over(&mut self, k: usize) -> bool {
+        if !self.piece.contains(&k) {
+            return true;
+        }
+        if (k - self.piece.start) % LOOK == LOOK - 1 {
+            self.over |= self.recent <= FORGOTTEN * self.largest;
+            self.recent = 0.0;
+        }
+        self.over
+    }
+
+    fn see(&mut self, column: f64) {
+        self.recent = self.recent.max(column.abs());
+        self.largest = self.largest.max(column.abs());
+    }
+}
+
+impl<'a, const P: usize> Duals<'a, P> {
+    fn new(case: &Case<'a>, directions: Vec<Numbered<'a>>, leads: bool) -> Self {
+        let slot = |wanted: Direction<'_>| directions.iter().position(|(_, it)| **it == wanted);
+        let dual = |value: f64, slot: Option<usize>| {
+            slot.map_or(Dual { v: value, d: [0.0; P] }, |k| Dual::parameter(value, k))
+        };
+        let start = |(piece, start): (usize, &Start)| {
+            let of = |state, value| dual(value, slot(Direction::Start { piece, state }));
+            [of(0, start.current), of(1, start.speed), of(2, start.position)]
+        };
+        let starts = case.starts.iter().enumerate().map(start).collect();
+        let parameter = |name: &str, value| dual(value, slot(Direction::Parameter(name)));
+        let mut runner = Runner::new(case, starts, parameter);
+        let fading = only_piece(&directions).filter(|_| !leads).map(|piece| {
+            runner.skip_to(piece);
+            let piece = case.measured.pieces[piece].clone();
+            Fading { piece, largest: 0.0, recent: 0.0, over: false }
+        });
+        Self { directions, runner, leads, fading }
+    }
+
+    /// What is added to the balances over a sample.
+    fn added(&self, k: usize) -> [Dual<P>; 2] {
+        let mut added = [Dual { v: 0.0, d: [0.0; P] }; 2];
+        for (slot, (_, direction)) in self.directions.iter().enumerate() {
+            match direction {
+                Direction::Torque(series) => added[0].d[slot] = series[k],
+                Direction::Voltage(series) => added[1].d[slot] = series[k],
+                Direction::Parameter(_) | Direction::Start { .. } => {}
+            }
+        }
+        added
+    }
+}
+
+/// The piece whose starts these directions are, if they are nothing else.
+fn only_piece(directions: &[Numbered<'_>]) -> Option<usize> {
+    let piece = |(_, it): &Numbered<'_>| match it {
+        Direction::Start { piece, .. } => Some(*piece),
+        _ => None,
+    };
+    let first = piece(directions.first()?)?;
+    directions.iter().all(|it| piece(it) == Some(first)).then_some(first)
+}
+
+impl<const P: usize> Pass for Duals<'_, P> {
+    fn fill(&mut self, case: &Case<'_>, samples: &[usize], rows: &mut Rows) {
+        let outputs = &case.measured.outputs;
+        let mut row = 0;
+        for &k in samples {
+            if self.fading.as_mut().is_some_and(|fading| fading.is_over(k)) {
+                row += outputs.iter().filter(|channel| channel.values[k].is_finite()).count();
+                continue;
+            }
+            let now = self.runner.sample(k, self.added(k));
+            for (channel, sd) in outputs.iter().zip(case.noise) {
+                let y = channel.values[k];
+                if !y.is_finite() {
+                    continue;
+                }
+                let Dual { v, d } = now[channel.output as usize];
+                if self.leads {
+                    rows.residual[row] = (y - v) / sd;
+                }
+                for (slot, (number, _)) in self.directions.iter().enumerate() {
+                    let column = d[slot] / sd;
+                    rows.columns[(*number, row)] = column;
+                    if let Some(fading) = &mut self.fading {
+                        fading.see(column);
+                    }
+                }
+                row += 1;
+            }
+        }
+    }
+}
+
+/// The passes that together know the residuals and every column.
+fn passes<'a>(case: &Case<'a>, directions: &'a [Direction<'a>]) -> Vec<Box<dyn Pass + 'a>> {
+    let (mut starts, mut others) = (vec![Vec::new(); case.measured.pieces.len()], Vec::new());
+    for (number, direction) in directions.iter().enumerate() {
+        match direction {
+            Direction::Start { piece, .. } => starts[*piece].push((number, direction)),
+            _ => others.push((number, direction)),
+        }
+    }
+    let mut passes: Vec<Box<dyn Pass + 'a>> = Vec::new();
+    for some in others.chunks(WIDE) {
+        let leads = passes.is_empty();
+        passes.push(if some.len() > NARROW {
+            Box::new(Duals::<WIDE>::new(case, some.to_vec(), leads))
+        } else {
+            Box::new(Duals::<NARROW>::new(case, some.to_vec(), leads))
+        });
+    }
+    if passes.is_empty() {
+        passes.push(Box::new(Values(Runner::of_values(case))));
+    }
+    for some in starts.into_iter().filter(|some| !some.is_empty()) {
+        passes.push(Box::new(Duals::<NARROW>::new(case, some, false)));
+    }
+    passes
+}
+
+impl<'a> Case<'a> {
+    /// Residuals and columns, block by block of [`BLOCK`] samples, in order; what is not measured
+    /// is left out. Where the model overflows, so do the residuals.
+    pub fn blocks(&self, directions: &'a [Direction<'a>], mut visit: impl FnMut(&Rows)) {
+        let mut passes = passes(self, directions);
+        let samples: Vec<usize> = self.measured.pieces.iter().cloned().flatten().collect();
+        for samples in samples.chunks(BLOCK) {
+            let mut rows = self.rows(samples, directions.len());
+            for pass in &mut passes {
+                pass.fill(self, samples, &mut rows);
+            }
+            visit(&rows);
+        }
+    }
+
+    /// The same in one piece, for recordings whose columns fit into memory: 8 bytes a direction
+    /// and measured value.
+    pub fn sensitivities(&self, directions: &'a [Direction<'a>]) -> Rows {
+        let samples: Vec<usize> = self.measured.pieces.iter().cloned().flatten().collect();
+        let mut rows = self.rows(&samples, directions.len());
+        for mut pass in passes(self, directions) {
+            pass.fill(self, &samples, &mut rows);
+        }
+        rows
+    }
+
+    /// Rows to be filled.
+    fn rows(&self, samples: &[usize], directions: usize) -> Rows {
+        let mut rows = Rows {
+            sample: vec![],
+            output: vec![],
+            residual: vec![],
+            columns: DMatrix::zeros(0, 0),
+        };
+        for &k in samples {
+            for (j, channel) in self.measured.outputs.iter().enumerate() {
+                if channel.values[k].is_finite() {
+                    rows.sample.push(k);
+                    rows.output.push(j);
+                }
+            }
+        }
+        rows.residual = vec![0.0; rows.sample.len()];
+        rows.columns = DMatrix::zeros(directions, rows.sample.len());
+        rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{bench, dr300, starts_at_rest};
+    use crate::{Measured, Observer, Setting};
+
+    /// Central differences through located events, relative to the largest entry of a column.
+    const DIFFERENCE: f64 = 2e-4;
+
+    fn relative(
+        case: &Case<'_>,
+        directions: &[Direction<'_>],
+        number: usize,
+        changed: [&Case<'_>; 2],
+        step: f64,
+    ) -> f64 {
+        let rows = case.sensitivities(directions);
+        let [up, down] = changed.map(|case| case.sensitivities(&[]).residual);
+        let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+        for (row, (up, down)) in up.iter().zip(&down).enumerate() {
+            let difference = (down - up) / (2.0 * step);
+            let column = rows.columns[(number, row)];
+            worst = worst.max((difference - column).abs());
+            largest = largest.max(column.abs());
+        }
+        worst / largest
+    }
+
+    #[test]
+    fn columns_are_the_differences_through_stick_slip() {
+        let drive = dr300();
+        let recording = bench(&drive, 3.0, 0.001);
+        let measured = Measured::new(&drive, &recording).expect("it can be used");
+        for hz in [0.0, 10.0] {
+            let setting = Setting::new(&drive, Observer { hz });
+            let noise = [0.01, 0.3];
+            let starts = starts_at_rest(&measured);
+            let case = Case {
+                drive: &drive,
+                measured: &measured,
+                noise: &noise,
+                starts: &starts,
+                setting: &setting,
+            };
+            let names: Vec<String> = drive.fitted().iter().map(|it| it.name.clone()).collect();
+            let directions: Vec<Direction<'_>> =
+                names.iter().map(|name| Direction::Parameter(name)).collect();
+            for (number, name) in names.iter().enumerate() {
+                let value = drive.fitted()[number].value;
+                let step = 1e-5 * value;
+                let at = |value: f64| {
+                    let mut other = drive.clone();
+                    other.set(name, value).expect("possible");
+                    other
+                };
+                let (up, down) = (at(value + step), at(value - step));
+                let changed = [&Case { drive: &up, ..case }, &Case { drive: &down, ..case }];
+                let off = relative(&case, &directions, number, changed, step);
+                assert!(off < DIFFERENCE, "{name} at {hz} Hz: {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_series_in_a_balance_is_a_load_or_a_voltage() {
+        let drive = dr300();
+        let recording = bench(&drive, 2.0, 0.001);
+        let measured = Measured::new(&drive, &recording).expect("it can be used");
+        let setting = Setting::new(&drive, Observer::NONE);
+        let (noise, starts) = ([0.01, 0.3], starts_at_rest(&measured));
+        let case = Case {
+            drive: &drive,
+            measured: &measured,
+            noise: &noise,
+            starts: &starts,
+            setting: &setting,
+        };
+        let series: Vec<f64> = (0..measured.len()).map(|k| (0.02 * k as f64).sin()).collect();
+        let directions = [Direction::Torque(&series), Direction::Voltage(&series)];
+        for (number, step) in [(0, 1e-7), (1, 1e-5)] {
+            let at = |factor: f64| {
+                let mut other = measured.clone();
+                if number == 0 {
+                    other.load = Some(series.iter().map(|b| -factor * b).collect());
+                } else {
+                    other.u = measured.u.iter().zip(&series).map(|(u, b)| u + factor * b).collect();
+                }
+                other
+            };
+            let (up, down) = (at(step), at(-step));
+            let changed = [&Case { measured: &up, ..case }, &Case { measured: &down, ..case }];
+            let off = relative(&case, &directions, number, changed, step);
+            assert!(off < DIFFERENCE, "{number}: {off}");
+        }
+    }
+
+    #[test]
+    fn starts_fade_and_blocks_are_the_whole() {
+        let drive = dr300();
+        let mut recording = bench(&drive, 3.0, 0.001);
+        recording.signals[0].values[1400..1420].fill(f64::NAN);
+        let measured = Measured::new(&drive, &recording).expect("it can be used");
+        assert_eq!(measured.pieces.len(), 2);
+        let setting = Setting::new(&drive, Observer::NONE);
+        let noise = [0.01, 0.3];
+        let starts = [Start { current: 0.5, speed: 40.0, position: 0.0 }; 2];
+        let case = Case {
+            drive: &drive,
+            measured: &measured,
+            noise: &noise,
+            starts: &starts,
+            setting: &setting,
+        };
+        let start = |piece, state| Direction::Start { piece, state };
+        let directions = [start(0, 0), Direction::Parameter("R"), start(1, 1), start(1, 0)];
+        let whole = case.sensitivities(&directions);
+        let mut residual = Vec::new();
+        let mut from = 0;
+        case.blocks(&directions, |rows| {
+            residual.extend_from_slice(&rows.residual);
+            let n = rows.residual.len();
+            assert_eq!(rows.columns, whole.columns.columns(from, n).into_owned());
+            from += n;
+        });
+        assert_eq!(residual, whole.residual);
+        for (number, piece, state) in [(0, 0, 0), (2, 1, 1), (3, 1, 0)] {
+            let at = |step: f64| {
+                let mut other = starts;
+                match state {
+                    0 => other[piece].current += step,
+                    _ => other[piece].speed += step,
+                }
+                other
+            };
+            let (up, down) = (at(1e-4), at(-1e-4));
+            let changed = [&Case { starts: &up, ..case }, &Case { starts: &down, ..case }];
+            let off = relative(&case, &directions, number, changed, 1e-4);
+            assert!(off < DIFFERENCE, "start {number}: {off}");
+        }
+    }
+}

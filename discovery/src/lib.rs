@@ -13,6 +13,7 @@
 
 mod canonical;
 mod case;
+pub mod compare;
 mod error;
 mod measured;
 mod noise;

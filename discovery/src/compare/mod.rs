@@ -1,0 +1,5 @@
+//! Where, and in what way, a model fails.
+
+mod along;
+
+pub use along::Along;

@@ -125,7 +125,7 @@ impl Case<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{bench, dr300, starts_at_rest};
+    use crate::testing::{bench, dr300};
 
     #[test]
     fn the_longer_pace_keeps_its_promise() {
@@ -134,7 +134,7 @@ mod tests {
         drive.motor.tie_k = false;
         let measured = Measured::new(&drive, &bench(&drive, 6.0, 0.001)).expect("it can be used");
         // Noise of 1e-5 of the range: the promised error is one unit.
-        let starts = starts_at_rest(&measured);
+        let starts = vec![Start::REST; measured.pieces.len()];
         for hz in [0.0, 10.0] {
             let setting = Setting::new(&drive, Observer { hz });
             let noise = [4e-5, 4e-3];
@@ -152,7 +152,7 @@ mod tests {
     fn an_overflow_is_infinite_and_not_hidden() {
         let mut drive = dr300();
         let measured = Measured::new(&drive, &bench(&drive, 1.0, 0.001)).expect("it can be used");
-        let (starts, noise) = (starts_at_rest(&measured), [0.01, 0.3]);
+        let (starts, noise) = (vec![Start::REST; measured.pieces.len()], [0.01, 0.3]);
         let setting = Setting::new(&drive, Observer::NONE);
         drive.motor.b_m = -1.0;
         let (drive, measured, starts, setting) = (&drive, &measured, &starts, &setting);

@@ -50,4 +50,34 @@ pub enum Error {
         /// Samples needed.
         least: usize,
     },
+    /// The model overflows wherever the search begins.
+    #[error(
+        "{recording}: the model overflows from each of {starts} starts: check the values and units \
+         in the drive file and the unit of u"
+    )]
+    Overflow {
+        /// The first recording.
+        recording: String,
+        /// Starts tried.
+        starts: usize,
+    },
+    /// A speed that the input cannot give.
+    #[error(
+        "{file}: {name} reaches {largest:.4} {unit}, but u and K_e of the drive file give {possible:.4} \
+         {unit} at most{meaning}: name the unit by --columns {name}=COLUMN:UNIT, or correct K_e"
+    )]
+    ImpossibleSpeed {
+        /// The recording.
+        file: String,
+        /// The speed's name.
+        name: &'static str,
+        /// Its unit.
+        unit: String,
+        /// Its greatest magnitude but for spikes.
+        largest: f64,
+        /// The greatest no-load speed.
+        possible: f64,
+        /// What the factor between them is likely to mean.
+        meaning: String,
+    },
 }

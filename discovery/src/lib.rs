@@ -14,7 +14,10 @@
 mod canonical;
 mod case;
 pub mod compare;
+mod doubt;
 mod error;
+mod estimate;
+mod force;
 mod measured;
 mod noise;
 mod observer;
@@ -26,7 +29,12 @@ mod testing;
 
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, Setting, Squares};
+pub use doubt::{Doubt, doubts};
 pub use error::Error;
+pub use estimate::{
+    Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Options, evaluate, fit, with_own,
+};
+pub use force::{USUAL_BAND_HZ, relative_force_error};
 pub use measured::{Channel, Measured, Output};
 pub use noise::{Noise, NoiseSource, noise};
 pub use observer::{Observer, USUAL_HZ, mechanical_time_s};

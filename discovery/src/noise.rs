@@ -197,22 +197,18 @@ fn clipped(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{bench, closed_loop, dr300, driven, gaussian, ripple};
+    use crate::testing::{bench, closed_loop, dr300, driven, ripple};
     use drivescope_recording::Recording;
 
     /// What the estimate may be off.
     const BIAS: f64 = 0.10;
 
-    fn noisy(mut recording: Recording, sds: [f64; 2], quanta: [f64; 2], seed: u64) -> Recording {
-        for (j, name) in ["i", "omega"].iter().enumerate() {
-            let signal =
-                recording.signals.iter_mut().find(|it| it.name == *name).expect("it is there");
-            let draws = gaussian(signal.values.len(), seed + j as u64);
-            for (value, draw) in signal.values.iter_mut().zip(draws) {
-                *value += sds[j] * draw;
-                if quanta[j] > 0.0 {
-                    *value = (*value / quanta[j]).round() * quanta[j];
-                }
+    fn noisy(recording: Recording, sds: [f64; 2], quanta: [f64; 2], seed: u64) -> Recording {
+        let mut recording = crate::testing::noisy(recording, sds, seed);
+        for (name, quantum) in ["i", "omega"].iter().zip(quanta).filter(|(_, q)| *q > 0.0) {
+            let signal = recording.signals.iter_mut().find(|it| it.name == *name).expect("there");
+            for value in &mut signal.values {
+                *value = (*value / quantum).round() * quantum;
             }
         }
         recording

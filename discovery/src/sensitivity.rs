@@ -229,8 +229,9 @@ fn passes<'a>(case: &Case<'a>, directions: &'a [Direction<'a>]) -> Vec<Box<dyn P
 
 impl<'a> Case<'a> {
     /// Residuals and columns, block by block of [`BLOCK`] samples, in order; what is not measured
-    /// is left out. Where the model overflows, so do the residuals.
-    pub fn blocks(&self, directions: &'a [Direction<'a>], mut visit: impl FnMut(&Rows)) {
+    /// is left out. Where the model overflows, so do the residuals. The rows are the visitor's to
+    /// change.
+    pub fn blocks(&self, directions: &'a [Direction<'a>], mut visit: impl FnMut(&mut Rows)) {
         let mut passes = passes(self, directions);
         let samples: Vec<usize> = self.measured.pieces.iter().cloned().flatten().collect();
         for samples in samples.chunks(BLOCK) {
@@ -238,7 +239,7 @@ impl<'a> Case<'a> {
             for pass in &mut passes {
                 pass.fill(self, samples, &mut rows);
             }
-            visit(&rows);
+            visit(&mut rows);
         }
     }
 
@@ -278,7 +279,7 @@ impl<'a> Case<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{bench, dr300, starts_at_rest};
+    use crate::testing::{bench, dr300};
     use crate::{Measured, Observer, Setting};
 
     /// Central differences through located events, relative to the largest entry of a column.
@@ -311,7 +312,7 @@ mod tests {
         for hz in [0.0, 10.0] {
             let setting = Setting::new(&drive, Observer { hz });
             let noise = [0.01, 0.3];
-            let starts = starts_at_rest(&measured);
+            let starts = vec![Start::REST; measured.pieces.len()];
             let case = Case {
                 drive: &drive,
                 measured: &measured,
@@ -344,7 +345,7 @@ mod tests {
         let recording = bench(&drive, 2.0, 0.001);
         let measured = Measured::new(&drive, &recording).expect("it can be used");
         let setting = Setting::new(&drive, Observer::NONE);
-        let (noise, starts) = ([0.01, 0.3], starts_at_rest(&measured));
+        let (noise, starts) = ([0.01, 0.3], vec![Start::REST; measured.pieces.len()]);
         let case = Case {
             drive: &drive,
             measured: &measured,

@@ -1,22 +1,21 @@
-//! Recordings that the tests share, made by the plant itself.
+//! Recordings that the tests share, made by the plant itself; integration
+//! tests and the benchmark include this file.
+#![allow(dead_code, unreachable_pub, reason = "no includer uses all of it")]
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::unit::Unit;
 use drivescope_recording::{Recording, Signal};
 
-use crate::measured::Measured;
-use crate::start::Start;
-
 const DR300: &str = include_str!("../../scenarios/drives/dr300.toml");
 
 /// The built-in drive.
-pub(crate) fn dr300() -> Drive {
+pub fn dr300() -> Drive {
     Drive::parse(DR300, "dr300.toml").expect("a right drive file")
 }
 
 /// A bench run from rest without noise: steps of u both ways and a slow wave, so that the shaft
 /// sticks, creeps and reverses.
-pub(crate) fn bench(drive: &Drive, duration_s: f64, period_s: f64) -> Recording {
+pub fn bench(drive: &Drive, duration_s: f64, period_s: f64) -> Recording {
     let samples = (duration_s / period_s).round() as usize;
     let u = |k: usize| {
         let t = k as f64 * period_s;
@@ -27,15 +26,23 @@ pub(crate) fn bench(drive: &Drive, duration_s: f64, period_s: f64) -> Recording 
 }
 
 /// The ideal sensors' view of the drive under that u, from rest.
-pub(crate) fn driven(drive: &Drive, u: Vec<f64>, period_s: f64) -> Recording {
+pub fn driven(drive: &Drive, u: Vec<f64>, period_s: f64) -> Recording {
+    let load = vec![0.0; u.len()];
+    loaded(drive, u, &load, period_s)
+}
+
+/// The same under a load torque that is not recorded.
+pub fn loaded(drive: &Drive, u: Vec<f64>, load: &[f64], period_s: f64) -> Recording {
     let mut unit = Unit::new(drive.clone(), true);
     let place = |name: &str| unit.reference(name).expect("a unit has it");
-    let (at_u, places) = (place("u"), ["i", "omega", "theta"].map(place));
+    let (at_u, at_load) = (place("u"), place("T_l"));
+    let places = ["i", "omega", "theta"].map(place);
     let mut columns: [Vec<f64>; 3] = Default::default();
     unit.initialize(0.0);
     for (k, u) in u.iter().enumerate() {
         unit.set_time(k as f64 * period_s);
         unit.set(at_u, *u).expect("finite");
+        unit.set(at_load, load[k]).expect("finite");
         for (column, place) in columns.iter_mut().zip(places) {
             column.push(unit.get(place).expect("finite"));
         }
@@ -53,27 +60,19 @@ pub(crate) fn driven(drive: &Drive, u: Vec<f64>, period_s: f64) -> Recording {
     Recording { name: "bench".into(), start_s: 0.0, period_s, signals }
 }
 
-/// The shaft at rest at the beginning of every piece.
-pub(crate) fn starts_at_rest(measured: &Measured) -> Vec<Start> {
-    vec![Start { current: 0.0, speed: 0.0, position: 0.0 }; measured.pieces.len()]
-}
-
 /// Normal numbers of unit variance.
-pub(crate) fn gaussian(count: usize, seed: u64) -> Vec<f64> {
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
-    let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
-    (0..count).map(|_| StandardNormal.sample(&mut random)).collect()
+pub fn gaussian(count: usize, seed: u64) -> Vec<f64> {
+    gaussian_at(1.0, seed).take(count).collect()
 }
 
 /// A voltage that is never smooth: random levels held for 3 samples each, on a slow wave.
-pub(crate) fn ripple(samples: usize) -> Vec<f64> {
+pub fn ripple(samples: usize) -> Vec<f64> {
     let levels = gaussian(samples / 3 + 1, 99);
     (0..samples).map(|k| 8.0 * (0.004 * k as f64).sin() + 2.0 * levels[k / 3]).collect()
 }
 
 /// The drive under its own controller, with noise; a reference of steps and a slow wave.
-pub(crate) fn closed_loop(drive: &Drive, duration_s: f64, seed: u64) -> Recording {
+pub fn closed_loop(drive: &Drive, duration_s: f64, seed: u64) -> Recording {
     let mut unit = Unit::new(drive.clone(), false);
     let period_s = drive.controller.and_then(|it| it.period).expect("it samples");
     let samples = (duration_s / period_s).round() as usize;
@@ -106,4 +105,38 @@ pub(crate) fn closed_loop(drive: &Drive, duration_s: f64, seed: u64) -> Recordin
     let omega = t.iter().map(|t| t / per_si).collect();
     let signals = vec![signal("u", "V", u), signal("i", "A", i), signal("omega", "rad/s", omega)];
     Recording { name: "loop".into(), start_s: 0.0, period_s, signals }
+}
+
+/// The recording with white noise on current and speed.
+pub fn noisy(mut recording: Recording, sds: [f64; 2], seed: u64) -> Recording {
+    for (j, name) in ["i", "omega"].into_iter().enumerate() {
+        let signal = recording.signals.iter_mut().find(|it| it.name == name);
+        let values = &mut signal.expect("it is there").values;
+        for (value, draw) in values.iter_mut().zip(gaussian_at(sds[j], seed + 7919 * j as u64)) {
+            *value += draw;
+        }
+    }
+    recording
+}
+
+/// Endless normal numbers of that standard deviation.
+fn gaussian_at(sd: f64, seed: u64) -> impl Iterator<Item = f64> {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    let mut random = rand_pcg::Pcg64::seed_from_u64(seed);
+    std::iter::repeat_with(move || {
+        let draw: f64 = StandardNormal.sample(&mut random);
+        sd * draw
+    })
+}
+
+/// A random load: an Ornstein-Uhlenbeck process of that standard deviation and memory.
+pub fn random_load(samples: usize, period_s: f64, (sd, time_s): (f64, f64), seed: u64) -> Vec<f64> {
+    let keep = (-period_s / time_s).exp();
+    let mut load = 0.0;
+    let next = |draw: f64| {
+        load = keep * load + sd * (1.0 - keep * keep).sqrt() * draw;
+        load
+    };
+    gaussian(samples, seed).into_iter().map(next).collect()
 }

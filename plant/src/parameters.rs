@@ -319,7 +319,7 @@ mod tests {
         );
         let mut force = drive(EMPS);
         force.fixed.clear();
-        assert_eq!(names(&force.fitted()), ["J", "B_m", "coulomb.T_c"]);
+        assert_eq!(names(&force.fitted()), ["J", "B_m", "coulomb.T_c", "constant_load.T_0"]);
     }
 
     #[test]

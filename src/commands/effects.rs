@@ -24,13 +24,18 @@ struct Shown {
     id: &'static str,
     law: &'static str,
     fingerprint: &'static str,
+    /// Variables over which a model without it fails, most telling first.
+    fails_over: Vec<&'static str>,
+    /// Where the law stands: torque or voltage balance, sensor.
+    acts_on: Vec<&'static str>,
     /// What it cannot be told from, at least on some recordings.
     confusion_set: &'static [&'static str],
     parameters: Vec<Quantity>,
     states: Vec<Quantity>,
     /// Parameter values at which the effect vanishes; `null` where that is an infinite value.
     vanishes_at: Vec<(&'static str, f64)>,
-    measurement: bool,
+    /// Effects that cannot stand beside it in one drive.
+    excludes: &'static [&'static str],
 }
 
 #[derive(Debug, Serialize)]
@@ -89,11 +94,13 @@ fn shown(entry: &Entry) -> Shown {
         id: entry.info.id,
         law: entry.info.law,
         fingerprint: entry.info.fingerprint,
+        fails_over: entry.info.fails_over.iter().map(|variable| variable.name()).collect(),
+        acts_on: entry.info.acts_on.iter().map(|place| place.name()).collect(),
         confusion_set: entry.info.aliases,
         parameters: entry.parameters.iter().map(parameter).collect(),
         states: entry.states.iter().map(state).collect(),
         vanishes_at: entry.info.nulls.to_vec(),
-        measurement: entry.info.senses,
+        excludes: entry.info.excludes,
     }
 }
 
@@ -124,17 +131,21 @@ fn table(all: &[Shown]) -> String {
 
 fn detail(effect: &Shown) -> String {
     let mut text = format!(
-        "{}\n  law            {}\n  fingerprint    {}\n  confused with  {}\n",
+        "{}\n  law            {}\n  acts on        {}\n  fingerprint    {}\n  fails over     {}\n  \
+         confused with  {}\n",
         effect.id,
         effect.law,
+        listed(effect.acts_on.iter().copied()),
         effect.fingerprint,
+        listed(effect.fails_over.iter().copied()),
         listed(effect.confusion_set.iter().copied()),
     );
     let vanishes = effect.vanishes_at.iter().map(|(name, value)| format!("{name} = {value}"));
     let vanishes: Vec<_> = vanishes.collect();
     let _ = writeln!(text, "  vanishes at    {}", listed(vanishes.iter().map(String::as_str)));
-    if effect.measurement {
-        text.push_str("  acts on what a sensor shows, not on the shaft\n");
+    if !effect.excludes.is_empty() {
+        let others = listed(effect.excludes.iter().copied());
+        let _ = writeln!(text, "  not beside     {others}");
     }
     for (title, quantities) in [("parameters", &effect.parameters), ("own states", &effect.states)]
     {

@@ -3,17 +3,24 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Share of N omega that counts as a rate: the ripple is imposed on the motion, a quadrature off
 /// by x^4 / 2880 of it, where a free oscillation would be off by x^4 / 120 a radian.
 const IMPOSED: f64 = 0.1;
+
+/// Rate that a ripple of `n` periods a revolution and that amplitude (N m) brings in, 1/s: its
+/// passing at that speed, or the oscillation about a position where it holds the rotor.
+pub(super) fn rate(n: f64, amplitude: f64, speed: f64, inertia: f64) -> f64 {
+    (IMPOSED * n * speed).abs().max((n * amplitude / inertia).sqrt())
+}
 
 /// Torque a cos(N theta) + b sin(N theta).
 pub struct Cogging;
 
 impl Effect<3, 0> for Cogging {
     const INFO: Info = Info {
+        fails_over: &[Variable::Theta],
         aliases: &["torque_ripple", "unbalance"],
         nulls: &[("a", 0.0), ("b", 0.0)],
         ..Info::new("cogging", "torque += a cos(N theta) + b sin(N theta)", "theta, N periods")
@@ -50,8 +57,7 @@ impl Effect<3, 0> for Cogging {
     }
 
     fn fastest([n, a, b]: [f64; 3], speed: f64, inertia: f64) -> f64 {
-        let stiffness = n * a.hypot(b);
-        (IMPOSED * n * speed).abs().max((stiffness / inertia).sqrt())
+        rate(n, a.hypot(b), speed, inertia)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Dry friction of a constant level.
 pub struct Coulomb;
@@ -11,7 +11,8 @@ impl Effect<1, 0> for Coulomb {
     const INFO: Info = Info {
         dissipates: true,
         dry: true,
-        aliases: &["hysteresis_loss"],
+        fails_over: &[Variable::OmegaSign],
+        aliases: &["iron_loss"],
         nulls: &[("T_c", 0.0)],
         ..Info::new("coulomb", "torque += T_c sgn(omega)", "sign of omega")
     };

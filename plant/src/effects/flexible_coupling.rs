@@ -5,7 +5,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Two masses: the load's speed lags by `omega - lag`, and the twist `phi`.
 pub struct FlexibleCoupling;
@@ -21,6 +21,8 @@ impl FlexibleCoupling {
 /// or in steady motion without load, whatever its speed.
 impl Effect<3, 2> for FlexibleCoupling {
     const INFO: Info = Info {
+        fails_over: &[Variable::Acceleration],
+        excludes: &["flexible_coupling", "backlash"],
         nulls: &[("k", f64::INFINITY)],
         ..Info::new(
             "flexible_coupling",

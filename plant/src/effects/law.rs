@@ -2,81 +2,8 @@
 
 use drivescope_numerics::Real;
 
+pub use super::info::{Info, OwnState, Parameter, Place, Variable};
 use crate::model::Motors;
-
-/// A parameter of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameter {
-    /// Name in the drive file.
-    pub name: &'static str,
-    /// Unit for a rotary drive; [`crate::units::for_motion`] gives the linear one.
-    pub unit: &'static str,
-    /// A typical value: where a fit starts, and the scale of the parameter.
-    pub nominal: f64,
-    /// Least and greatest value that is physically possible.
-    pub range: (f64, f64),
-    /// One line for a person.
-    pub description: &'static str,
-}
-
-/// A state of its own that an effect brings in; it starts at zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OwnState {
-    /// Name, after the effect's name and a dot.
-    pub name: &'static str,
-    /// Unit for a rotary drive.
-    pub unit: &'static str,
-    /// Typical size: the scale for error control.
-    pub nominal: f64,
-    /// One line for a person.
-    pub description: &'static str,
-}
-
-/// What a person and the discovery need to know of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Info {
-    /// Identifier in files and commands.
-    pub id: &'static str,
-    /// The law, in the symbols of the equations.
-    pub law: &'static str,
-    /// The variables over which a model without the effect fails.
-    pub fingerprint: &'static str,
-    /// Effects that are equal to it by algebra, at least on some recordings.
-    pub aliases: &'static [&'static str],
-    /// Parameters and the values at which the effect vanishes; infinity for a stiffness.
-    pub nulls: &'static [(&'static str, f64)],
-    /// Whether it raises the level of dry friction.
-    pub dry: bool,
-    /// Whether it replaces the jump of dry friction at rest by its own state.
-    pub replaces_dry: bool,
-    /// Whether it distorts what a sensor shows.
-    pub senses: bool,
-    /// Whether it takes power from the moving shaft at every speed: friction and drag.
-    pub dissipates: bool,
-    /// Whether its own states are stiff and give a decay rate to the exponential stages.
-    pub stiff: bool,
-    /// Whether it acts in the armature circuit alone, which a force-driven drive does not have.
-    pub electrical: bool,
-}
-
-impl Info {
-    /// The plain effect: no dry friction, no own stiff state, no sensor.
-    pub const fn new(id: &'static str, law: &'static str, fingerprint: &'static str) -> Self {
-        Self {
-            id,
-            law,
-            fingerprint,
-            aliases: &[],
-            nulls: &[],
-            dry: false,
-            replaces_dry: false,
-            senses: false,
-            dissipates: false,
-            stiff: false,
-            electrical: false,
-        }
-    }
-}
 
 /// Makes a struct of scalars and its lanes: the same fields, each an array over the lanes.
 macro_rules! lanes {

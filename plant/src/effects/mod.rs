@@ -1,18 +1,36 @@
 //! The library of physical effects: one file an effect, and its line in the registry.
 //!
-//! [`law`] says what an effect is; [`registry`] lists them and dispatches to them;
+//! [`law`] says what an effect is and [`info`] what is known of it; [`registry`] lists them and dispatches to them;
 //! [`custom`] is the one kind whose law the user types.
 
+pub mod armature_reaction;
+pub mod asymmetric_friction;
+pub mod backlash;
+pub mod brush_drop;
 pub mod cogging;
+pub mod constant_load;
 pub mod coulomb;
+pub mod current_offset;
 pub mod custom;
+pub mod dead_time;
 pub mod flexible_coupling;
+pub mod friction_drift;
+pub mod info;
+pub mod iron_loss;
 pub mod law;
+pub mod load_friction;
 pub mod presliding;
 pub mod quadratic_drag;
+pub mod quantisation;
+pub mod refusal;
 pub mod registry;
 pub mod saturation;
+pub mod speed_sensor_lag;
 pub mod stribeck;
+pub mod supply_sag;
 pub mod tacho_eccentricity;
+pub mod tacho_gain;
+pub mod torque_ripple;
+pub mod unbalance;
 pub mod viscous;
 pub mod winding_heating;

@@ -7,7 +7,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Below this level (N m) there is no contact to bend; it keeps the quotient finite.
 const LEAST_LEVEL: f64 = 1e-12;
@@ -34,6 +34,8 @@ impl Effect<1, 1> for Presliding {
     const INFO: Info = Info {
         replaces_dry: true,
         stiff: true,
+        fails_over: &[Variable::Omega, Variable::OmegaSign, Variable::Acceleration],
+        excludes: &["presliding"],
         nulls: &[("sigma_0", f64::INFINITY)],
         ..Info::new(
             "presliding",

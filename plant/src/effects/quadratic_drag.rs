@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Torque in proportion to the square of the speed.
 pub struct QuadraticDrag;
@@ -10,6 +10,7 @@ pub struct QuadraticDrag;
 impl Effect<1, 0> for QuadraticDrag {
     const INFO: Info = Info {
         dissipates: true,
+        fails_over: &[Variable::Omega],
         nulls: &[("c", 0.0)],
         ..Info::new("quadratic_drag", "torque += c omega |omega|", "omega, curved")
     };

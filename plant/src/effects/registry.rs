@@ -129,13 +129,29 @@ registry! {
     Viscous in viscous,
     Coulomb in coulomb,
     Stribeck in stribeck,
+    AsymmetricFriction in asymmetric_friction,
+    LoadFriction in load_friction,
+    FrictionDrift in friction_drift,
+    IronLoss in iron_loss,
     QuadraticDrag in quadratic_drag,
+    ConstantLoad in constant_load,
+    Unbalance in unbalance,
     Cogging in cogging,
+    TorqueRipple in torque_ripple,
     Saturation in saturation,
+    ArmatureReaction in armature_reaction,
+    BrushDrop in brush_drop,
+    DeadTime in dead_time,
+    SupplySag in supply_sag,
     WindingHeating in winding_heating,
     Presliding in presliding,
     FlexibleCoupling in flexible_coupling,
+    Backlash in backlash,
+    SpeedSensorLag in speed_sensor_lag,
     TachoEccentricity in tacho_eccentricity,
+    TachoGain in tacho_gain,
+    CurrentOffset in current_offset,
+    Quantisation in quantisation,
 }
 
 impl Entry {
@@ -223,7 +239,7 @@ fn sense_lanes<E: Effect<P, X>, R: Real, const P: usize, const X: usize, const N
     at: &Views<'_, R, N>,
     y: &mut OutputLanes<R, N>,
 ) {
-    if !E::INFO.senses {
+    if !const { E::INFO.senses() } {
         return;
     }
     for l in 0..N {
@@ -262,6 +278,16 @@ mod tests {
             assert!(REGISTRY[..k].iter().all(|other| other.info.id != id), "{id} twice");
             for (name, _) in entry.info.nulls {
                 assert!(entry.parameters.iter().any(|p| p.name == *name), "{id} has no {name}");
+            }
+            assert!(!entry.info.fails_over.is_empty(), "{id} shows somewhere");
+            assert!(!entry.info.acts_on.is_empty(), "{id} stands somewhere");
+            for other in entry.info.excludes {
+                let other = Entry::find(other).unwrap_or_else(|| panic!("{id}: no {other}"));
+                assert!(other.info.excludes.contains(&id), "{id} and {}", other.info.id);
+            }
+            for alias in entry.info.aliases {
+                let of_motor = ["R", "L", "K_e", "K_m", "J", "B_m"].contains(alias);
+                assert!(of_motor || Entry::find(alias).is_some(), "{id}: no {alias}");
             }
             for parameter in entry.parameters {
                 let (low, high) = parameter.range;

@@ -2,14 +2,17 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
 
 /// Flux 1 / (1 + c i^2) of the nominal flux, in both balances.
 pub struct Saturation;
 
 impl Effect<1, 0> for Saturation {
     const INFO: Info = Info {
+        fails_over: &[Variable::Current],
+        acts_on: &[Place::Torque, Place::Voltage],
         aliases: &["armature_reaction"],
+        excludes: &["saturation"],
         nulls: &[("c", 0.0)],
         ..Info::new("saturation", "K_m, K_e *= 1 / (1 + c i^2)", "i, even")
     };

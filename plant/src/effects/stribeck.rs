@@ -3,7 +3,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Beyond this many omega_s the exponential is below 1e-16 of T_b: less than its rounding error.
 const AFFINE_BEYOND: f64 = 6.1;
@@ -14,6 +14,7 @@ pub struct Stribeck;
 impl Effect<2, 0> for Stribeck {
     const INFO: Info = Info {
         dissipates: true,
+        fails_over: &[Variable::Omega, Variable::OmegaSign],
         dry: true,
         nulls: &[("T_b", 0.0)],
         ..Info::new(

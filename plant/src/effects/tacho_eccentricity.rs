@@ -2,14 +2,16 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, Outputs, OwnState, Parameter, View};
+use super::law::{Effect, Info, Outputs, OwnState, Parameter, Place, Variable, View};
 
 /// Shown speed omega (1 + a cos theta + b sin theta); the shaft itself is untouched.
 pub struct TachoEccentricity;
 
 impl Effect<2, 0> for TachoEccentricity {
     const INFO: Info = Info {
-        senses: true,
+        rotary: true,
+        fails_over: &[Variable::Theta, Variable::Omega],
+        acts_on: &[Place::Sensor],
         nulls: &[("a", 0.0), ("b", 0.0)],
         ..Info::new(
             "tacho_eccentricity",

@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Torque B omega against the motion.
 pub struct Viscous;
@@ -10,7 +10,8 @@ pub struct Viscous;
 impl Effect<1, 0> for Viscous {
     const INFO: Info = Info {
         dissipates: true,
-        aliases: &["iron_loss"],
+        fails_over: &[Variable::Omega],
+        aliases: &["B_m", "iron_loss"],
         nulls: &[("B", 0.0)],
         ..Info::new("viscous", "torque += B omega", "omega, in proportion")
     };

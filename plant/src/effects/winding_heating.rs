@@ -5,7 +5,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, View};
+use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
 
 /// Resistance that follows the winding's temperature, one own state.
 pub struct WindingHeating;
@@ -13,6 +13,9 @@ pub struct WindingHeating;
 impl Effect<3, 1> for WindingHeating {
     const INFO: Info = Info {
         electrical: true,
+        fails_over: &[Variable::Temperature, Variable::Time, Variable::Current],
+        acts_on: &[Place::Voltage],
+        excludes: &["winding_heating"],
         nulls: &[("alpha", 0.0)],
         ..Info::new(
             "winding_heating",

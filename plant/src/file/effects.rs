@@ -11,15 +11,13 @@ use super::layout::{EffectTable, EffectValue};
 use crate::drive::{EffectData, Input, Motion};
 use crate::effects::custom::{Law, Target};
 use crate::effects::law::Parameter;
+use crate::effects::refusal::Refusal;
 use crate::effects::registry::{Entry, REGISTRY};
 use crate::parameters::{FIELDS, nearest};
 use crate::units::name_for_motion;
 
 /// The kind of an effect whose law stands in the file.
 pub(super) const CUSTOM: &str = "custom";
-const FORCE_DRIVEN: &str =
-    "it acts in the armature circuit, and a force-driven drive has none (`input = \"force\"`)";
-
 /// What an effect of a custom kind may give, with the keys for that motion.
 pub(super) fn targets(motion: Motion) -> Vec<(&'static str, Target)> {
     let mut all = Target::ALL.to_vec();
@@ -73,6 +71,14 @@ pub(super) fn effects(
             let key = if effect.id == effect.kind { "kind" } else { "id" };
             let span = reader.spans(key).value;
             return Err(Flaw::new(Problem::Twice { id: effect.id, first }, span));
+        }
+        let kinds = effects.iter().map(|other| other.kind.as_str());
+        let excluded = Entry::find(&effect.kind).and_then(|entry| entry.info.excluded_by(kinds));
+        if let Some(first) = excluded {
+            let line = document.effect(first).map_or(1, |(_, span)| document.line(span.start));
+            let (id, other) = (effect.id, effects[first].id.clone());
+            let span = reader.spans("kind").value;
+            return Err(Flaw::new(Problem::Excluded { id, other, first: line }, span));
         }
         effects.push(effect);
     }
@@ -157,16 +163,16 @@ impl Reader<'_, '_> {
         Flaw::new(Problem::Name { key: self.below(key), found: found.to_owned(), reserved }, span)
     }
 
-    fn impossible(&self, id: &str, key: &str) -> Flaw {
-        let problem = Problem::Impossible { id: id.to_owned(), why: FORCE_DRIVEN };
+    fn impossible(&self, id: &str, key: &str, why: Refusal) -> Flaw {
+        let problem = Problem::Impossible { id: id.to_owned(), why };
         Flaw::new(problem, self.spans(key).value)
     }
 
     fn registered(&self, kind: String, id: String, entry: &Entry) -> Result<EffectData, Flaw> {
         let names = entry.parameters.iter().map(|parameter| parameter.name);
         self.only(&["kind", "id"].into_iter().chain(names).collect::<Vec<_>>())?;
-        if entry.info.electrical && self.input == Input::Force {
-            return Err(self.impossible(&id, "kind"));
+        if let Some(why) = entry.info.impossible(self.motion, self.input) {
+            return Err(self.impossible(&id, "kind", why));
         }
         let value = |parameter: &Parameter| match self.get(parameter.name) {
             Some(EffectValue::Number(value)) => Ok((parameter.name.to_owned(), *value)),
@@ -189,7 +195,7 @@ impl Reader<'_, '_> {
             return Err(Flaw::new(Problem::Laws { id, found, known: keys.join(", ") }, span));
         };
         if self.input == Input::Force && matches!(target, Target::Voltage | Target::Heat) {
-            return Err(self.impossible(&id, key));
+            return Err(self.impossible(&id, key, Refusal::NoCircuit));
         }
         let parameters = self.coefficients()?;
         let text = self.text(key)?.expect("the key is given");

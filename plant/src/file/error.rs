@@ -7,6 +7,7 @@ use std::ops::Range;
 use thiserror::Error;
 
 use crate::effects::custom::LawError;
+use crate::effects::refusal::Refusal;
 use crate::parameters::meant;
 
 /// Why a drive file was not read or written.
@@ -151,12 +152,24 @@ pub enum Problem {
         known: String,
     },
     /// An effect that this drive cannot have.
-    #[error("`{id}` cannot exist for this drive: {why}; remove it, or set `input = \"voltage\"`")]
+    #[error("`{id}` cannot exist for this drive: {why}")]
     Impossible {
         /// Its name.
         id: String,
-        /// Why.
-        why: &'static str,
+        /// Why, and what to do.
+        why: Refusal,
+    },
+    /// Two effects that cannot stand in one drive: they are the same part of it.
+    #[error(
+        "`{id}` cannot stand beside `{other}` (on line {first}): they are one part of the drive; remove one of them"
+    )]
+    Excluded {
+        /// Its name.
+        id: String,
+        /// Name of the other.
+        other: String,
+        /// Line of the other.
+        first: usize,
     },
     /// Two effects of one name.
     #[error("a second effect `{id}` (the first is on line {first}): give each its own `id`")]

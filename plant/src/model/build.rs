@@ -120,7 +120,7 @@ mod tests {
     fn only_the_names_of_the_drive_are_asked_for() {
         let tied = ["K_e", "R", "L", "J", "B_m", "coulomb.T_c", "stribeck.T_b", "stribeck.omega_s"];
         assert_eq!(asked(&drive(DR300)), tied);
-        assert_eq!(asked(&drive(EMPS)), ["K_m", "J", "B_m", "coulomb.T_c"]);
+        assert_eq!(asked(&drive(EMPS)), ["K_m", "J", "B_m", "coulomb.T_c", "constant_load.T_0"]);
     }
 
     /// Two laws of one kind, one of them typed: each takes its own coefficients, and the

@@ -260,7 +260,7 @@ impl<R: Real, const N: usize> Model<R, N> {
     fn senses(&self, kind: Kind) -> bool {
         match kind {
             Kind::Custom(k) => self.laws[k].senses(),
-            other => info(other).is_some_and(|i| i.senses),
+            other => info(other).is_some_and(Info::senses),
         }
     }
 

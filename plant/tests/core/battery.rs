@@ -43,6 +43,12 @@ impl Case {
         self.model(|_, value| R::constant(value))
     }
 
+    /// Whether a law of the drive has a kink that steps cross without locating it.
+    pub(crate) fn kinked(&self) -> bool {
+        let has = |kind: Kind| REGISTRY.iter().any(|e| e.kind == kind && e.info.kinked);
+        self.parts.iter().any(|(kind, _)| has(*kind))
+    }
+
     /// Flat parameters of the effects.
     pub(crate) fn parameters(&self) -> Vec<f64> {
         self.parts.iter().flat_map(|(_, values)| values.clone()).collect()
@@ -77,6 +83,14 @@ fn typed_law() -> Law {
     Law::parse(Target::Torque, text, &names).expect("a valid law")
 }
 
+/// The effects that can stand in one drive together; of those that cannot, the first.
+fn together() -> impl Iterator<Item = &'static Entry> {
+    REGISTRY.iter().enumerate().filter_map(|(k, entry)| {
+        let before = REGISTRY[..k].iter().map(|other| other.info.id);
+        entry.info.excluded_by(before).is_none().then_some(entry)
+    })
+}
+
 /// Every drive of the battery.
 pub(crate) fn cases() -> Vec<Case> {
     let typed = (Kind::Custom(0), vec![3e-7, 0.002]);
@@ -87,8 +101,8 @@ pub(crate) fn cases() -> Vec<Case> {
     cases.push(Case { name: "custom", entry: None, parts, laws: laws.clone() });
     // Everything that leaves the shaft sticking, and everything.
     for (name, sticks) in [("all that stick", true), ("all", false)] {
-        let chosen = REGISTRY.iter().filter(|entry| !(sticks && entry.info.replaces_dry));
-        let mut parts: Vec<(Kind, Vec<f64>)> = chosen.map(nominal).collect();
+        let mut parts: Vec<(Kind, Vec<f64>)> =
+            together().filter(|entry| !(sticks && entry.info.replaces_dry)).map(nominal).collect();
         parts.push(typed.clone());
         cases.push(Case { name, entry: None, parts, laws: laws.clone() });
     }

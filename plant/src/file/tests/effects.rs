@@ -1,6 +1,6 @@
 //! Mistakes in numbers, effects and typed laws.
 
-use super::{COEFFICIENTS, LAW, told};
+use super::{COEFFICIENTS, LAW, mistaken, told};
 
 #[test]
 fn numbers_out_of_range() {
@@ -146,6 +146,30 @@ fn effects_of_the_library() {
             "`effect.id`: `noise` is",
         ),
     ]);
+}
+
+#[test]
+fn effects_that_the_drive_cannot_have() {
+    let after = |effects: &str| format!("T_c = 0.016\n{effects}");
+    let coupling = |id: &str| {
+        format!("[[effect]]\nkind = \"flexible_coupling\"\n{id}k = 1\nd = 0\nratio = 0.5\n")
+    };
+    let two = after(&(coupling("") + &coupling("id = \"belt\"\n")));
+    told(&[(
+        "T_c = 0.016",
+        &two,
+        "21:8",
+        "\"flexible_coupling\"",
+        "`belt` cannot stand beside `flexible_coupling` (on line 15): they are one part of the ",
+    )]);
+    let unbalance = after("[[effect]]\nkind = \"unbalance\"\na = 0\nb = 1");
+    let (text, error) =
+        mistaken(&[("T_c = 0.016", &unbalance), ("motion = \"rotary\"", "motion = \"linear\"")]);
+    let place = error.place().expect("an error of the content");
+    assert_eq!(&text[place.span.clone()], "\"unbalance\"");
+    assert!(
+        error.to_string().contains("16:8: `unbalance` cannot exist for this drive: it goes by")
+    );
 }
 
 #[test]

@@ -262,7 +262,7 @@ fn keys_that_do_not_fit_the_drive() {
     ] {
         let shown = Drive::parse(&text, "force.toml").expect_err(name).to_string();
         let expected =
-            format!("force.toml:{place}: `{name}` cannot exist for this drive: it acts in");
+            format!("force.toml:{place}: `{name}` cannot exist for this drive: it needs");
         assert!(shown.starts_with(&expected), "{shown}");
     }
     let tied = force.replace("K_m = 0.06\n", "K_m = 0.06\ntie_K = true\n");

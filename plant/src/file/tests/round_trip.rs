@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use crate::drive::*;
 use crate::effects::custom::Target;
-use crate::effects::registry::REGISTRY;
+use crate::effects::registry::{Entry, REGISTRY};
 use crate::parameters::{Role, possible};
 
 const DR300: &str = include_str!("../../../../scenarios/drives/dr300.toml");
@@ -78,6 +78,8 @@ fn emps_has_the_published_values() {
     assert_eq!((drive.motion, drive.motor.input), (Motion::Linear, Input::Force));
     assert_eq!((drive.motor.k_m, drive.motor.j, drive.motor.b_m), (35.15065, 95.1089, 203.5034));
     assert_eq!(drive.effects[0].parameters, [("T_c".to_owned(), 20.3935)]);
+    assert_eq!(drive.effects[1].parameters, [("T_0".to_owned(), -3.1648)]);
+    assert_eq!(drive.per_recording, ["constant_load.T_0"]);
     assert_eq!((drive.fixed.as_slice(), drive.motor.r), (["K_m".to_owned()].as_slice(), None));
 }
 
@@ -102,7 +104,7 @@ fn a_linear_drive_takes_both_names_of_its_signals() {
     assert_eq!(noisy("v = 0.1\nx = 1e-8"), noisy("omega = 0.1\ntheta = 1e-8"));
     let law = |key: &str| {
         let text = format!("[[effect]]\nkind = \"custom\"\n{key} = \"v * 1.01\"\n[fit]");
-        read(&EMPS.replace("[fit]", &text)).effects.remove(1).law
+        read(&EMPS.replace("[fit]", &text)).effects.remove(2).law
     };
     assert_eq!(law("v"), Some((Target::Omega, "v * 1.01".to_owned())));
     assert_eq!(law("v"), law("omega"));
@@ -146,11 +148,11 @@ fn motor(input: Input) -> impl Strategy<Value = MotorData> {
 }
 
 /// An effect of the library or a typed one, under the number's own name.
-fn effect(number_of_it: usize, input: Input) -> BoxedStrategy<EffectData> {
+fn effect(number_of_it: usize, motion: Motion, input: Input) -> BoxedStrategy<EffectData> {
     let id = format!("effect_{number_of_it}");
     let custom_id = id.clone();
-    let usable = |electrical: bool| !electrical || input == Input::Voltage;
-    let entries: Vec<_> = REGISTRY.iter().filter(|entry| usable(entry.info.electrical)).collect();
+    let entries: Vec<_> =
+        REGISTRY.iter().filter(|entry| entry.info.impossible(motion, input).is_none()).collect();
     let registered = prop::sample::select(entries).prop_flat_map(move |entry| {
         let id = if number_of_it == 0 { entry.info.id.to_owned() } else { id.clone() };
         let values: Vec<_> = entry.parameters.iter().map(|p| number(p.range)).collect();
@@ -163,7 +165,9 @@ fn effect(number_of_it: usize, input: Input) -> BoxedStrategy<EffectData> {
     let targets: Vec<Target> = Target::ALL
         .iter()
         .map(|(_, target)| *target)
-        .filter(|target| usable(matches!(target, Target::Voltage | Target::Heat)))
+        .filter(|target| {
+            input == Input::Voltage || !matches!(target, Target::Voltage | Target::Heat)
+        })
         .collect();
     let any_number = number((f64::NEG_INFINITY, f64::INFINITY));
     let typed = (prop::sample::select(targets), vec(any_number, 0..4), "[ \n\t]{0,3}").prop_map(
@@ -230,12 +234,19 @@ fn drives() -> impl Strategy<Value = Drive> {
     let motion = prop_oneof![Just(Motion::Rotary), Just(Motion::Linear)];
     let input = prop_oneof![Just(Input::Voltage), Just(Input::Force)];
     (motion, input).prop_flat_map(|(motion, input)| {
-        let effects = (0..4usize)
-            .prop_flat_map(move |count| (0..count).map(|k| effect(k, input)).collect::<Vec<_>>());
+        let effects = (0..4usize).prop_flat_map(move |count| {
+            (0..count).map(|k| effect(k, motion, input)).collect::<Vec<_>>()
+        });
         let said = vec((any::<prop::sample::Index>(), words(), 0..4u8), 0..6);
         (surroundings(motion), motor(input), effects, said).prop_map(
             |(drive, motor, effects, said)| {
-                let mut drive = Drive { motor, effects, ..drive };
+                let mut drive = Drive { motor, effects: Vec::new(), ..drive };
+                for effect in effects {
+                    let entry = Entry::find(&effect.kind);
+                    if entry.is_none_or(|entry| drive.refuses(entry).is_none()) {
+                        drive.effects.push(effect);
+                    }
+                }
                 let all = drive.parameters();
                 (drive.fixed, drive.per_recording) = (Vec::new(), Vec::new());
                 drive.origin = BTreeMap::new();

@@ -1,0 +1,198 @@
+//! Levenberg and Marquardt within bounds.
+//!
+//! As [`drivescope_numerics::minimise`], but every coordinate stays in its interval: one that
+//! lies on a bound and is pushed outwards is left out of the step (an active set), and a step
+//! that would leave goes to the bound, for which the others are solved again. No coordinate moves by more
+//! than [`LONGEST`] at once: a linearisation says little about a drive of seven times the inertia.
+
+use drivescope_numerics::{Limits, Linearisation, Minimum, Residuals, Stop};
+use nalgebra::{DMatrix, DVector};
+
+/// Longest step of a coordinate: a factor of e^2, or twice a parameter's size.
+const LONGEST: f64 = 2.0;
+/// First damping, relative to the scaled diagonal.
+const FIRST_DAMPING: f64 = 1e-3;
+/// Beyond this damping a step no longer changes the parameters.
+const LARGEST_DAMPING: f64 = 1e16;
+/// Smallest scale of a coordinate that the residual does not feel, relative to the largest.
+const SMALLEST_SCALE: f64 = 1e-12;
+
+/// Searches the minimum nearest to `start`, which lies within the bounds. The sum of squares never
+/// rises; a start where it is not finite is returned as it is, with [`Stop::NoDescent`].
+pub(crate) fn minimise_within(
+    problem: &impl Residuals,
+    start: &[f64],
+    bounds: &[(f64, f64)],
+    limits: Limits,
+) -> Minimum {
+    let mut p = start.to_vec();
+    let mut at = problem.linearise(&p);
+    let mut scale = vec![0.0_f64; p.len()];
+    let (mut damping, mut growth, mut steps) = (FIRST_DAMPING, 2.0, 0);
+    let stop = loop {
+        if !at.sse.is_finite() || damping > LARGEST_DAMPING {
+            break Stop::NoDescent;
+        }
+        for (k, scale) in scale.iter_mut().enumerate() {
+            *scale = scale.max(at.hessian[(k, k)]);
+        }
+        let free = free(&p, &at, bounds);
+        if free.is_empty() {
+            break Stop::Converged;
+        }
+        if steps == limits.steps {
+            break Stop::StepLimit;
+        }
+        steps += 1;
+        let Some(trial) = step(&p, &at, &free, &scale, damping, bounds) else {
+            (damping, growth) = (damping * growth, growth * 2.0);
+            continue;
+        };
+        let predicted = decrease(&p, &trial, &at);
+        if predicted <= limits.relative_decrease * at.sse {
+            break Stop::Converged;
+        }
+        let gain = (at.sse - problem.sse(&trial)) / predicted;
+        if gain > 0.0 {
+            p = trial;
+            at = problem.linearise(&p);
+            damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+            growth = 2.0;
+        } else {
+            (damping, growth) = (damping * growth, growth * 2.0);
+        }
+    };
+    Minimum { parameters: p, sse: at.sse, steps, stop }
+}
+
+/// Coordinates that are not held at a bound by the slope.
+fn free(p: &[f64], at: &Linearisation, bounds: &[(f64, f64)]) -> Vec<usize> {
+    let held = |k: usize| {
+        let (low, high) = bounds[k];
+        (p[k] <= low && at.gradient[k] > 0.0) || (p[k] >= high && at.gradient[k] < 0.0)
+    };
+    (0..p.len()).filter(|k| !held(*k)).collect()
+}
+
+/// The point after a damped step of the free coordinates; nothing if the system has no solution.
+/// A coordinate that would leave its interval goes to the bound, and the rest is solved again for
+/// that.
+fn step(
+    p: &[f64],
+    at: &Linearisation,
+    free: &[usize],
+    scale: &[f64],
+    damping: f64,
+    bounds: &[(f64, f64)],
+) -> Option<Vec<f64>> {
+    let smallest = SMALLEST_SCALE * scale.iter().fold(0.0, |most: f64, s| most.max(*s));
+    let mut free = free.to_vec();
+    let mut trial = p.to_vec();
+    loop {
+        let damped = DMatrix::from_fn(free.len(), free.len(), |a, b| {
+            let (j, k) = (free[a], free[b]);
+            let diagonal = if j == k { damping * scale[k].max(smallest) } else { 0.0 };
+            at.hessian[(j, k)] + diagonal
+        });
+        let moved =
+            DVector::from_fn(p.len(), |k, _| if free.contains(&k) { 0.0 } else { trial[k] - p[k] });
+        let gradient = (&at.gradient + &at.hessian * moved).select_rows(&free);
+        let solved = damped.cholesky()?.solve(&gradient);
+        let (mut left, mut outside) = (Vec::new(), false);
+        for (a, &k) in free.iter().enumerate() {
+            let (low, high) = bounds[k];
+            let wanted = p[k] - solved[a].clamp(-LONGEST, LONGEST);
+            trial[k] = wanted.clamp(low, high);
+            if trial[k] == wanted {
+                left.push(k);
+            } else {
+                outside = true;
+            }
+        }
+        if !outside || left.is_empty() {
+            return trial.iter().all(|value| value.is_finite()).then_some(trial);
+        }
+        free = left;
+    }
+}
+
+/// Decrease that the quadratic model predicts, -2 g.d - d.H.d.
+fn decrease(from: &[f64], to: &[f64], at: &Linearisation) -> f64 {
+    let d = DVector::from_iterator(from.len(), to.iter().zip(from).map(|(a, b)| a - b));
+    -2.0 * at.gradient.dot(&d) - d.dot(&(&at.hessian * &d))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quadratic convergence ends within a few roundings of the truth.
+    const AT_THE_MINIMUM: f64 = 1e-6;
+    const LIMITS: Limits = Limits { steps: 200, relative_decrease: 1e-14 };
+
+    /// Rosenbrock's valley: residuals 10 (y - x^2) and 1 - x; and a third that keeps it from zero.
+    struct Valley;
+
+    impl Valley {
+        fn residuals(p: &[f64]) -> [f64; 3] {
+            [10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0], 0.1]
+        }
+    }
+
+    impl Residuals for Valley {
+        fn sse(&self, p: &[f64]) -> f64 {
+            Self::residuals(p).iter().map(|r| r * r).sum()
+        }
+
+        fn linearise(&self, p: &[f64]) -> Linearisation {
+            let mut at = Linearisation::new(2);
+            let columns = [-20.0 * p[0], 10.0, -1.0, 0.0, 0.0, 0.0];
+            at.add(&DMatrix::from_column_slice(2, 3, &columns), &Self::residuals(p));
+            at
+        }
+    }
+
+    fn found(start: [f64; 2], bounds: [(f64, f64); 2]) -> Vec<f64> {
+        let minimum = minimise_within(&Valley, &start, &bounds, LIMITS);
+        assert_eq!(minimum.stop, Stop::Converged, "{minimum:?}");
+        minimum.parameters
+    }
+
+    #[test]
+    fn a_minimum_inside_is_found() {
+        let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
+        for p in [found([-1.2, 1.0], [everywhere; 2]), found([0.0, 0.0], [(0.0, 3.0); 2])] {
+            assert!(p.iter().all(|x| (x - 1.0).abs() < AT_THE_MINIMUM), "{p:?}");
+        }
+    }
+
+    #[test]
+    fn a_minimum_beyond_a_bound_is_found_on_it() {
+        // y <= 0.25: the residuals 10 (0.25 - x^2) and 1 - x are least where x solves
+        // -400 x (0.25 - x^2) - 2 (1 - x) = 0, near 0.5.
+        let p = found([0.1, 0.1], [(0.0, 3.0), (0.0, 0.25)]);
+        assert_eq!(p[1], 0.25);
+        let slope = -400.0 * p[0] * (0.25 - p[0] * p[0]) - 2.0 * (1.0 - p[0]);
+        assert!((p[0] - 0.5).abs() < 0.01 && slope.abs() < 1e-3, "{p:?}: {slope}");
+        assert_eq!(found([2.0, 2.5], [(1.5, 3.0), (2.25, 2.5)]), [1.5, 2.25]);
+    }
+
+    /// Nothing to descend on.
+    struct Overflow;
+
+    impl Residuals for Overflow {
+        fn sse(&self, _: &[f64]) -> f64 {
+            f64::INFINITY
+        }
+
+        fn linearise(&self, p: &[f64]) -> Linearisation {
+            Linearisation { sse: f64::INFINITY, ..Linearisation::new(p.len()) }
+        }
+    }
+
+    #[test]
+    fn an_overflow_at_the_start_is_said() {
+        let minimum = minimise_within(&Overflow, &[1.0], &[(0.0, 2.0)], LIMITS);
+        assert_eq!((minimum.stop, minimum.parameters), (Stop::NoDescent, vec![1.0]));
+    }
+}

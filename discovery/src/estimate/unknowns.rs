@@ -1,0 +1,193 @@
+//! What is estimated: parameters of the machine, parameters that differ from recording to
+//! recording, and the state in which each piece of a recording begins.
+//!
+//! One vector of coordinates holds them all: first the machine's, then, recording by recording,
+//! its own and its starts.
+
+use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::parameters::NamedParameter;
+
+use super::Evidence;
+use super::scale::{Scale, recorded_speeds};
+use crate::measured::{Measured, Output};
+use crate::start::Start;
+
+/// One unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Unknown {
+    /// A parameter of the machine.
+    Shared(String),
+    /// A parameter that may differ from recording to recording.
+    Own {
+        /// Which recording.
+        recording: usize,
+        /// The parameter.
+        name: String,
+    },
+    /// A state at the beginning of a piece.
+    Start {
+        /// Which recording.
+        recording: usize,
+        /// Which piece of it.
+        piece: usize,
+        /// Current (0), speed (1) or position (2).
+        state: usize,
+    },
+}
+
+/// The unknowns with their scales.
+#[derive(Debug, Clone)]
+pub(crate) struct Unknowns {
+    pub(crate) all: Vec<Unknown>,
+    pub(crate) scales: Vec<Scale>,
+    /// A first guess of every recording's starts.
+    pub(crate) starts: Vec<Vec<Start>>,
+    /// Weight of the guess of each unknown, 1 / sd in its coordinate: 0 but for starts, which
+    /// the recording may not tell.
+    pub(crate) weights: Vec<f64>,
+    /// Coordinates of the guess.
+    pub(crate) guess: Vec<f64>,
+}
+
+/// Which parameters are estimated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Which<'a> {
+    /// All that a fit estimates but these.
+    AllBut(&'a [String]),
+    /// Those of each recording alone: the machine is as it is.
+    Own,
+    /// None: only the starts.
+    StartsOnly,
+}
+
+impl Unknowns {
+    pub(crate) fn new(
+        base: &Drive,
+        evidence: &Evidence,
+        starts: Vec<Vec<Start>>,
+        which: Which<'_>,
+    ) -> Self {
+        let speeds = recorded_speeds(&evidence.recordings, &evidence.noise);
+        let mut made =
+            Self { all: vec![], scales: vec![], starts: vec![], weights: vec![], guess: vec![] };
+        let kept = |it: &&NamedParameter| match which {
+            Which::AllBut(kept) => !kept.contains(&it.name),
+            Which::Own => base.per_recording.contains(&it.name),
+            Which::StartsOnly => false,
+        };
+        let fitted = base.fitted();
+        let (own, shared): (Vec<_>, Vec<_>) =
+            fitted.iter().filter(kept).partition(|it| base.per_recording.contains(&it.name));
+        for parameter in shared {
+            made.parameter(Unknown::Shared(parameter.name.clone()), parameter, speeds);
+        }
+        for (recording, measured) in evidence.recordings.iter().enumerate() {
+            for parameter in &own {
+                let name = parameter.name.clone();
+                made.parameter(Unknown::Own { recording, name }, parameter, speeds);
+            }
+            for (piece, start) in starts[recording].iter().enumerate() {
+                for state in free_states(base, measured, start) {
+                    made.start(Unknown::Start { recording, piece, state }, start, base, measured);
+                }
+            }
+        }
+        made.starts = starts;
+        made
+    }
+
+    fn parameter(&mut self, unknown: Unknown, parameter: &NamedParameter, speeds: (f64, f64)) {
+        let scale = Scale::of(parameter, speeds);
+        self.guess.push(scale.coordinate(parameter.value));
+        self.add(unknown, scale, 0.0);
+    }
+
+    fn start(&mut self, unknown: Unknown, start: &Start, base: &Drive, measured: &Measured) {
+        let Unknown::Start { state, .. } = unknown else { return };
+        // A start is anywhere within the signal's own swing.
+        let scale = Scale::linear(swing(base, measured, state), (f64::NEG_INFINITY, f64::INFINITY));
+        self.guess.push(scale.coordinate(start.state(state)));
+        self.add(unknown, scale, 1.0);
+    }
+
+    fn add(&mut self, unknown: Unknown, scale: Scale, weight: f64) {
+        self.all.push(unknown);
+        self.scales.push(scale);
+        self.weights.push(weight);
+    }
+
+    pub(crate) fn bounds(&self) -> Vec<(f64, f64)> {
+        self.scales.iter().map(|scale| scale.bounds).collect()
+    }
+
+    /// Numbers of the unknowns that a recording's run depends on.
+    pub(crate) fn of_recording(&self, number: usize) -> Vec<usize> {
+        let matters = |unknown: &Unknown| match unknown {
+            Unknown::Shared(_) => true,
+            Unknown::Own { recording, .. } | Unknown::Start { recording, .. } => {
+                *recording == number
+            }
+        };
+        (0..self.all.len()).filter(|k| matters(&self.all[*k])).collect()
+    }
+
+    /// The drive of a recording, and its starts, at those coordinates.
+    pub(crate) fn at(
+        &self,
+        base: &Drive,
+        number: usize,
+        coordinates: &[f64],
+    ) -> (Drive, Vec<Start>) {
+        let (mut drive, mut starts) = (base.clone(), self.starts[number].clone());
+        for k in self.of_recording(number) {
+            let value = self.scales[k].value(coordinates[k]);
+            match &self.all[k] {
+                Unknown::Shared(name) | Unknown::Own { name, .. } => set(&mut drive, name, value),
+                Unknown::Start { piece, state, .. } => {
+                    starts[*piece] = starts[*piece].with(*state, value);
+                }
+            }
+        }
+        (drive, starts)
+    }
+}
+
+/// Sets a parameter; a tied K_m follows K_e.
+pub(crate) fn set(drive: &mut Drive, name: &str, value: f64) {
+    // The bounds of the search lie within what is possible.
+    let set = drive.set(name, value);
+    debug_assert!(set.is_ok(), "{set:?}");
+    if drive.motor.tie_k && name == "K_e" {
+        drive.motor.k_m = value;
+    }
+}
+
+/// States of a start that are unknown: a shaft at rest has no speed to estimate, and a position
+/// matters where it is measured.
+fn free_states(base: &Drive, measured: &Measured, start: &Start) -> Vec<usize> {
+    let current = (base.motor.input == Input::Voltage).then_some(Output::Current as usize);
+    let speed = (start.speed != 0.0).then_some(Output::Speed as usize);
+    let position = measured.output(Output::Position).map(|channel| channel.output as usize);
+    [current, speed, position].into_iter().flatten().collect()
+}
+
+/// How far a state of the drive may be from a guess: the largest magnitude that was measured, or
+/// follows from u.
+fn swing(base: &Drive, measured: &Measured, state: usize) -> f64 {
+    let largest = |values: &[f64]| {
+        values.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, y| most.max(y.abs()))
+    };
+    let shown = measured.outputs.iter().find(|channel| channel.output as usize == state);
+    let found = match (shown, state) {
+        (Some(channel), _) => largest(&channel.values),
+        (None, 0) => largest(&measured.u) / base.motor.r.unwrap_or(1.0),
+        (None, _) => {
+            let position = measured.output(Output::Position);
+            position.map_or(0.0, |x| {
+                let steps = x.values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+                steps.filter(|step| step.is_finite()).fold(0.0, f64::max) / measured.period_s
+            })
+        }
+    };
+    if found > 0.0 { found } else { 1.0 }
+}

@@ -1,0 +1,152 @@
+//! Backlash: motor and load are two masses with play between them; inside the gap nothing is
+//! transmitted, at its ends spring and damper are.
+//!
+//! J_l = ratio J,  J_m = (1 - ratio) J,  dphi/dt = omega - omega_l,
+//! T_k = k delta(phi) + d delta'(phi) dphi/dt,
+//! J_m domega/dt = ... - T_k,  J_l domega_l/dt = T_k - T_l.
+//! delta is phi beyond half the gap, its corners rounded as those of real teeth:
+//! delta = phi + (sqrt((phi - gap/2)^2 + s^2) - sqrt((phi + gap/2)^2 + s^2)) / 2, s = gap / 20.
+
+use drivescope_numerics::Real;
+
+use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
+
+/// Radius of the corners over the gap.
+const ROUNDING: f64 = 0.05;
+/// Least square of the radius, rad^2: it keeps the root's slope finite where there is no gap.
+const LEAST_SQUARE: f64 = 1e-24;
+
+/// Two masses with play: the twist `phi`, and the slip between them.
+pub struct Backlash;
+
+impl Backlash {
+    /// Torque through the teeth.
+    #[inline(always)]
+    fn torque<R: Real>([k, d, gap, _]: [R; 4], [phi, slip]: [R; 2]) -> R {
+        let half = gap.scaled(0.5);
+        let radius = gap.scaled(ROUNDING);
+        let square = radius * radius + R::constant(LEAST_SQUARE);
+        let (over, under) = (phi - half, phi + half);
+        let upper = (over * over + square).sqrt();
+        let lower = (under * under + square).sqrt();
+        let depth = phi + (upper - lower).scaled(0.5);
+        let touch = R::one() + (over / upper - under / lower).scaled(0.5);
+        k * depth + d * touch * slip
+    }
+}
+
+/// Own states: the twist phi, zero in the middle of the gap, and the slip omega - omega_l.
+impl Effect<4, 2> for Backlash {
+    const INFO: Info = Info {
+        fails_over: &[Variable::Acceleration, Variable::OmegaSign],
+        excludes: &["backlash", "flexible_coupling"],
+        nulls: &[("k", f64::INFINITY), ("gap", 0.0)],
+        ..Info::new(
+            "backlash",
+            "J splits into (1 - ratio) J and ratio J with play: T_k = k delta + d ddelta/dt, delta \
+             = phi beyond half the gap",
+            "reversals of the torque: the motor runs alone, then a knock",
+        )
+    };
+    const PARAMETERS: [Parameter; 4] = [
+        Parameter {
+            name: "k",
+            unit: "N m/rad",
+            nominal: 5.0,
+            range: (f64::MIN_POSITIVE, f64::INFINITY),
+            description: "stiffness of the contact",
+        },
+        Parameter {
+            name: "d",
+            unit: "N m s/rad",
+            nominal: 5e-3,
+            range: (0.0, f64::INFINITY),
+            description: "damping of the contact",
+        },
+        Parameter {
+            name: "gap",
+            unit: "rad",
+            nominal: 0.02,
+            range: (0.0, f64::INFINITY),
+            description: "play from one side to the other",
+        },
+        Parameter {
+            name: "ratio",
+            unit: "1",
+            nominal: 0.5,
+            range: (0.01, 0.99),
+            description: "share of J on the load's side",
+        },
+    ];
+    const STATES: [OwnState; 2] = [
+        OwnState {
+            name: "phi",
+            unit: "rad",
+            nominal: 0.01,
+            description: "twist against the middle of the gap",
+        },
+        OwnState {
+            name: "slip",
+            unit: "rad/s",
+            nominal: 1.0,
+            description: "speed of the motor less that of the load",
+        },
+    ];
+
+    #[inline(always)]
+    fn share<R: Real>(p: [R; 4], x: [R; 2], at: &View<R>, sum: &mut Sum<R>) {
+        sum.inverse_inertia = R::one() / (at.inertia * (R::one() - p[3]));
+        sum.load = Self::torque(p, x);
+    }
+
+    #[inline(always)]
+    fn rate<R: Real>(p: [R; 4], x: [R; 2], at: &View<R>, sum: &Sum<R>) -> [R; 2] {
+        let load = (Self::torque(p, x) - at.load) / (at.inertia * p[3]);
+        [x[1], sum.acceleration - load]
+    }
+
+    fn fastest([k, d, _, ratio]: [f64; 4], _: f64, inertia: f64) -> f64 {
+        let reduced = inertia * ratio * (1.0 - ratio);
+        (k / reduced).sqrt().max(d / reduced)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::flexible_coupling::FlexibleCoupling;
+    use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
+
+    fn values() -> [f64; 4] {
+        parameters::<Backlash, 4, 2>([("ratio", 0.25), ("gap", 0.02), ("d", 1e-3), ("k", 5.0)])
+    }
+
+    /// What the rounded corners leave of the law with sharp ones, far from them: s^2 / 4 gap.
+    const CORNER: f64 = 1.5e-3;
+
+    #[test]
+    fn nothing_is_transmitted_in_the_gap_and_a_spring_beyond_it() {
+        let load = |x| shared::<Backlash, 4, 2>(values(), x, AT).load;
+        assert_eq!(load([0.0, 0.0]), 0.0);
+        let full = 5.0 * 0.03 + 1e-3 * 2.0;
+        for side in [1.0, -1.0] {
+            assert!((load([0.04 * side, 2.0 * side]) / full * side - 1.0).abs() < CORNER);
+            assert!(load([0.004 * side, 2.0 * side]).abs() < 2.0 * CORNER * full);
+        }
+        assert_same(
+            shared::<Backlash, 4, 2>(values(), [0.0; 2], AT).inverse_inertia * AT.inertia,
+            1.0 / 0.75,
+        );
+    }
+
+    #[test]
+    fn without_a_gap_it_is_the_flexible_coupling() {
+        let [k, d, _, ratio] = values();
+        let x = [0.01, 2.0];
+        let closed = shared::<Backlash, 4, 2>([k, d, 0.0, ratio], x, AT);
+        let coupled = shared::<FlexibleCoupling, 3, 2>([k, d, ratio], x, AT);
+        assert_eq!(closed, coupled);
+        let rates = Backlash::rate([k, d, 0.0, ratio], x, &AT, &closed);
+        assert_eq!(rates, FlexibleCoupling::rate([k, d, ratio], x, &AT, &coupled));
+    }
+}

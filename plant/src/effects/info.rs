@@ -1,0 +1,173 @@
+//! What is known of an effect besides its law: for people, files and the discovery.
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Name in the drive file.
+    pub name: &'static str,
+    /// Unit for a rotary drive; [`crate::units::for_motion`] gives the linear one.
+    pub unit: &'static str,
+    /// A typical value: where a fit starts, and the scale of the parameter.
+    pub nominal: f64,
+    /// Least and greatest value that is physically possible.
+    pub range: (f64, f64),
+    /// One line for a person.
+    pub description: &'static str,
+}
+
+/// A state of its own that an effect brings in; it starts at zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OwnState {
+    /// Name, after the effect's name and a dot.
+    pub name: &'static str,
+    /// Unit for a rotary drive.
+    pub unit: &'static str,
+    /// Typical size: the scale for error control.
+    pub nominal: f64,
+    /// One line for a person.
+    pub description: &'static str,
+}
+
+/// A variable over which a model may fail: those of the `where` list of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Variable {
+    /// Speed.
+    Omega,
+    /// Direction of the motion.
+    OmegaSign,
+    /// Armature current (the commanded signal of a force-driven drive).
+    Current,
+    /// Position; on a rotary drive within the revolution.
+    Theta,
+    /// Time since the start.
+    Time,
+    /// Acceleration of the shaft.
+    Acceleration,
+    /// Temperature: what slowly follows the losses.
+    Temperature,
+    /// Whether a signal is at its limit.
+    Limits,
+}
+
+impl Variable {
+    /// Every variable.
+    pub const ALL: [Self; 8] = [
+        Self::Omega,
+        Self::OmegaSign,
+        Self::Current,
+        Self::Theta,
+        Self::Time,
+        Self::Acceleration,
+        Self::Temperature,
+        Self::Limits,
+    ];
+
+    /// Its name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Omega => "omega",
+            Self::OmegaSign => "omega_sign",
+            Self::Current => "i",
+            Self::Theta => "theta",
+            Self::Time => "time",
+            Self::Acceleration => "acceleration",
+            Self::Temperature => "temperature",
+            Self::Limits => "limits",
+        }
+    }
+}
+
+/// Where a law stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// In the balance of torques (forces) on the shaft.
+    Torque,
+    /// In the balance of voltages of the armature circuit.
+    Voltage,
+    /// Between the drive and what a sensor shows.
+    Sensor,
+}
+
+impl Place {
+    /// Its name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Torque => "torque",
+            Self::Voltage => "voltage",
+            Self::Sensor => "sensor",
+        }
+    }
+}
+
+/// What a person and the discovery need to know of an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Info {
+    /// Identifier in files and commands.
+    pub id: &'static str,
+    /// The law, in the symbols of the equations.
+    pub law: &'static str,
+    /// The same for a person: what a model without the effect looks like.
+    pub fingerprint: &'static str,
+    /// The variables over which a model without the effect fails, most telling first.
+    pub fails_over: &'static [Variable],
+    /// Where the law stands.
+    pub acts_on: &'static [Place],
+    /// What is equal to it by algebra, at least on some recordings: effects of the library and
+    /// parameters of the motor.
+    pub aliases: &'static [&'static str],
+    /// Effects that cannot stand beside it in one drive; its own identifier if it is one of a
+    /// kind.
+    pub excludes: &'static [&'static str],
+    /// Parameters and the values at which the effect vanishes; infinity for a stiffness.
+    pub nulls: &'static [(&'static str, f64)],
+    /// Whether it raises the level of dry friction.
+    pub dry: bool,
+    /// Whether it replaces the jump of dry friction at rest by its own state.
+    pub replaces_dry: bool,
+    /// Whether it takes power from the moving shaft at every speed: friction and drag.
+    pub dissipates: bool,
+    /// Whether its own states are stiff and give a decay rate to the exponential stages.
+    pub stiff: bool,
+    /// Whether its law has a kink that steps cross without locating it, such as |i| at zero
+    /// current: accurate to 1e-5 of a variable's range there, not to 1e-8.
+    pub kinked: bool,
+    /// Whether it needs the armature circuit, which a force-driven drive does not have.
+    pub electrical: bool,
+    /// Whether it goes by the revolution, which a linear drive does not have.
+    pub rotary: bool,
+}
+
+impl Info {
+    /// The plain effect: no dry friction, no own stiff state, any drive.
+    pub const fn new(id: &'static str, law: &'static str, fingerprint: &'static str) -> Self {
+        Self {
+            id,
+            law,
+            fingerprint,
+            fails_over: &[],
+            acts_on: &[Place::Torque],
+            aliases: &[],
+            excludes: &[],
+            nulls: &[],
+            dry: false,
+            replaces_dry: false,
+            dissipates: false,
+            stiff: false,
+            kinked: false,
+            electrical: false,
+            rotary: false,
+        }
+    }
+
+    /// Whether it distorts what a sensor shows.
+    pub const fn senses(&self) -> bool {
+        let mut k = 0;
+        while k < self.acts_on.len() {
+            if matches!(self.acts_on[k], Place::Sensor) {
+                return true;
+            }
+            k += 1;
+        }
+        false
+    }
+}

@@ -65,7 +65,7 @@ def _gather(drawn, laws):
         if not members:
             continue
         names = drawn[members[0]][1]
-        arrays = {name: np.full(len(drawn), law.neutral.get(name, 0.0)) for name in names}
+        arrays = {name: np.full(len(drawn), float(law.neutral.get(name, 0.0))) for name in names}
         for k in members:
             for name, value in drawn[k][1].items():
                 arrays[name][k] = value

@@ -1,6 +1,7 @@
 //! The commands: one file each, and its line in the list below. Help, completions and the manual
 //! page derive from it.
 
+mod compare;
 mod cosim;
 mod effects;
 mod export;
@@ -13,6 +14,8 @@ mod simulate;
 mod study;
 
 use clap::{Args, Subcommand};
+
+pub(crate) use recording_options::RecordingOptions;
 
 use crate::failure::Ending;
 use crate::session::Session;
@@ -45,6 +48,7 @@ commands! {
     Study: study::Study,
     Simulate: simulate::Simulate,
     Init: init::Init,
+    Compare: compare::Compare,
     Export: export::Export,
     Fmu: fmu::Fmu,
     Cosim: cosim::Cosim,

@@ -69,7 +69,12 @@ def _draw_iron_loss(rng, m, size):
 LAWS = [
     Law("saturation", ("i",), 0.15, _draw_saturation, _saturation, {"amps": np.inf}),
     Law(
-        "armature_reaction", ("i",), 0.12, _draw_armature_reaction, _armature_reaction, {"amps": 1.0}
+        "armature_reaction",
+        ("i",),
+        0.12,
+        _draw_armature_reaction,
+        _armature_reaction,
+        {"amps": 1.0},
     ),
     Law("brush_drop", ("i",), 0.03, _draw_brush_drop, _brush_drop, {"amps": 1.0}),
     Law("dead_time", ("i",), 0.03, _draw_dead_time, _dead_time, {"amps": 1.0}),

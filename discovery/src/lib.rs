@@ -13,6 +13,7 @@
 
 mod canonical;
 mod case;
+pub mod compare;
 mod doubt;
 mod error;
 mod estimate;

@@ -128,6 +128,11 @@ impl<R: Real> Runner<'_, R> {
         self.state.x[POSITION][0] += error.scaled(gains.position);
     }
 
+    /// The state in which the next sample finds the drive.
+    pub(crate) fn state(&self) -> &State<R, 1> {
+        &self.state
+    }
+
     /// Whether nothing has overflowed.
     pub(crate) fn is_finite(&self) -> bool {
         self.state.is_finite()

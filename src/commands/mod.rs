@@ -1,6 +1,7 @@
 //! The commands: one file each, and its line in the list below. Help, completions and the manual
 //! page derive from it.
 
+mod compare;
 mod cosim;
 mod effects;
 mod export;
@@ -49,6 +50,7 @@ commands! {
     Simulate: simulate::Simulate,
     Init: init::Init,
     Fit: fit::Fit,
+    Compare: compare::Compare,
     Export: export::Export,
     Fmu: fmu::Fmu,
     Cosim: cosim::Cosim,

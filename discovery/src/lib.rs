@@ -21,6 +21,7 @@ mod force;
 mod measured;
 mod noise;
 mod observer;
+mod passes;
 mod run;
 mod sensitivity;
 mod start;

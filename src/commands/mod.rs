@@ -5,6 +5,7 @@ mod compare;
 mod cosim;
 mod effects;
 mod export;
+mod fit;
 mod fmu;
 mod init;
 mod recording_options;
@@ -49,6 +50,7 @@ commands! {
     Simulate: simulate::Simulate,
     Init: init::Init,
     Compare: compare::Compare,
+    Fit: fit::Fit,
     Export: export::Export,
     Fmu: fmu::Fmu,
     Cosim: cosim::Cosim,

@@ -1,8 +1,10 @@
 //! The program from outside: what a command prints, writes and answers, and that bad input ends
 //! with exit code 2, a message that names the place, and nothing half-written.
 
+mod compare;
 mod drive_files;
 mod export;
+mod fit;
 mod fmu;
 mod help;
 mod init;

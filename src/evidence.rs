@@ -1,0 +1,107 @@
+//! Recordings as evidence on a drive: read, judged fit for use, their noise known, and part of
+//! them held out where the user names no validation.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use drivescope_discovery::{Evidence, Measured};
+use drivescope_plant::drive::Drive;
+
+use crate::commands::RecordingOptions;
+use crate::failure::told;
+use crate::read_evidence::{KnownNoise, given_noise, read_evidence};
+use crate::session::Session;
+
+/// Share of a single recording that is held out.
+const HELD_OUT: usize = 3;
+
+/// Which recordings, and what is known of them.
+#[derive(Debug, Args)]
+pub(crate) struct EvidenceOptions {
+    /// Recordings of one machine.
+    #[arg(required = true, value_name = "REC")]
+    recordings: Vec<PathBuf>,
+    /// Recordings to judge by only; without them the last recording, or the last third of a
+    /// single one, is held out.
+    #[arg(long, value_name = "REC", num_args = 1..)]
+    validate: Vec<PathBuf>,
+    /// Standard deviations of the sensors' noise, SI: `i=0.01,omega=0.3`; what is not given is
+    /// taken from the drive file or estimated from the recording.
+    #[arg(long, value_name = "NAME=SD,..")]
+    noise: Option<String>,
+    #[command(flatten)]
+    reading: RecordingOptions,
+}
+
+/// Recordings to fit to, and others to judge by.
+#[derive(Debug)]
+pub(crate) struct Gathered {
+    /// To fit to.
+    pub(crate) estimation: Evidence,
+    /// To judge by.
+    pub(crate) validation: Evidence,
+    /// Noise of the recordings to fit to, then of those to judge by.
+    pub(crate) noise: Vec<Vec<KnownNoise>>,
+    /// How the validation was chosen, in words.
+    pub(crate) split: String,
+    /// What makes the recordings doubtful.
+    pub(crate) doubts: Vec<String>,
+}
+
+impl EvidenceOptions {
+    /// Reads and splits the recordings; says what was assumed and what is doubtful.
+    ///
+    /// # Errors
+    /// A recording that cannot be read or used with that drive.
+    pub(crate) fn gather(&self, drive: &Drive, session: &Session) -> miette::Result<Gathered> {
+        let given = given_noise(drive, self.noise.as_deref())?;
+        let read = |files: &[PathBuf]| read_evidence(drive, files, &given, &self.reading, session);
+        let (first, second) = (read(&self.recordings)?, read(&self.validate)?);
+        let mut estimation = first.evidence.recordings;
+        let mut validation = second.evidence.recordings;
+        // The noise is known best over the whole of a recording.
+        let mut noises: Vec<Vec<KnownNoise>> =
+            first.noise.into_iter().chain(second.noise).collect();
+        let split = split(&mut estimation, &mut validation, &mut noises)?;
+        let sds = |noise: &Vec<KnownNoise>| noise.iter().map(|it| it.sd).collect();
+        let mut known = noises.iter().map(sds);
+        let estimation_noise = known.by_ref().take(estimation.len()).collect();
+        let validation_noise = known.collect();
+        Ok(Gathered {
+            estimation: Evidence { recordings: estimation, noise: estimation_noise },
+            validation: Evidence { recordings: validation, noise: validation_noise },
+            noise: noises,
+            split,
+            doubts: first.doubts.into_iter().chain(second.doubts).collect(),
+        })
+    }
+}
+
+/// Holds recordings out where none was named, and says which.
+fn split(
+    estimation: &mut Vec<Measured>,
+    validation: &mut Vec<Measured>,
+    noises: &mut Vec<Vec<KnownNoise>>,
+) -> miette::Result<String> {
+    let names =
+        |some: &[Measured]| some.iter().map(|it| it.name.as_str()).collect::<Vec<_>>().join(", ");
+    if !validation.is_empty() {
+        return Ok(format!("judged by {}", names(validation)));
+    }
+    if estimation.len() > 1 {
+        validation.extend(estimation.pop());
+        return Ok(format!("{} is held out to judge by", names(validation)));
+    }
+    let whole = estimation.remove(0);
+    let from = whole.len() - whole.len() / HELD_OUT;
+    let split = format!(
+        "the last third of {}, from {:.3} s on, is held out to judge by: another recording judges \
+         better (--validate)",
+        whole.name,
+        whole.time(from)
+    );
+    estimation.push(whole.part(0..from).map_err(told)?);
+    validation.push(whole.part(from..whole.len()).map_err(told)?);
+    noises.push(noises[0].clone());
+    Ok(split)
+}

@@ -34,8 +34,10 @@ pub(super) struct Data<'a> {
     pub(super) shapes: Vec<Shape>,
     /// Columns of each shape.
     pub(super) columns: Vec<Vec<Vec<f64>>>,
-    /// Block of each row, and how many there are.
+    /// Block of each row, and how many there are: of the residual as it is.
     pub(super) blocks: (Vec<usize>, usize),
+    /// The same of the residual made white, whose memory is shorter.
+    pub(super) white_blocks: (Vec<usize>, usize),
     /// Squared error of a perfect model, per value.
     pub(super) floor: f64,
 }
@@ -84,7 +86,7 @@ impl Data<'_> {
 
     /// The next shape that stands, with its corrected probability.
     fn next(&self, added: &[usize]) -> Option<(usize, f64)> {
-        let plain = self.ranked(added, &|column| column.to_vec());
+        let plain = self.ranked(added, &|column| column.to_vec(), &self.blocks);
         let hypotheses = plain.len() as f64;
         let worth = WORTH * self.floor * self.layout.values();
         let judge = |number: usize| {
@@ -98,7 +100,8 @@ impl Data<'_> {
         };
         best(&plain).or_else(|| {
             let filter = Whitening::fit(self.left(added).as_slice(), self.layout);
-            best(&self.ranked(added, &|column| filter.apply(column, self.layout)))
+            let white = |column: &[f64]| filter.apply(column, self.layout);
+            best(&self.ranked(added, &white, &self.white_blocks))
         })
     }
 
@@ -119,12 +122,13 @@ impl Data<'_> {
         basis(columns.iter().map(Vec::as_slice), self.layout.rows())
     }
 
-    fn blocks(&self) -> (&[usize], usize) {
-        (&self.blocks.0, self.blocks.1)
-    }
-
     /// All other shapes through that filter, the most telling first.
-    fn ranked(&self, added: &[usize], filter: &dyn Fn(&[f64]) -> Vec<f64>) -> Vec<Ranked> {
+    fn ranked(
+        &self,
+        added: &[usize],
+        filter: &dyn Fn(&[f64]) -> Vec<f64>,
+        blocks: &(Vec<usize>, usize),
+    ) -> Vec<Ranked> {
         let known = self.filtered(added, filter);
         let e = outside(&known, &filter(&self.residual));
         let chance = self.layout.values().ln();
@@ -133,7 +137,7 @@ impl Data<'_> {
             .filter_map(|number| {
                 let columns: Vec<Vec<f64>> =
                     self.columns[number].iter().map(|column| filter(column)).collect();
-                let score = score(&own_basis(&known, &columns)?, &e, self.blocks());
+                let score = score(&own_basis(&known, &columns)?, &e, by_reference(blocks));
                 let by_chance = score.variance.max(1.0) * score.columns as f64 * chance;
                 Some(Ranked { number, score, worth: score.gain - by_chance })
             })
@@ -152,6 +156,10 @@ impl Data<'_> {
             self.columns[number].iter().map(|column| filter(column)).collect();
         let own = own_basis(&known, &columns)?;
         let e = outside(&known, &filter(&self.residual));
-        Some(score(&own, &e, self.blocks()).p_value)
+        Some(score(&own, &e, by_reference(&self.white_blocks)).p_value)
     }
+}
+
+fn by_reference(blocks: &(Vec<usize>, usize)) -> (&[usize], usize) {
+    (&blocks.0, blocks.1)
 }

@@ -129,8 +129,8 @@ pub(super) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{bench, dr300, starts_at_rest};
-    use crate::{Measured, Observer, Setting};
+    use crate::testing::{bench, dr300};
+    use crate::{Measured, Observer, Setting, Start};
 
     #[test]
     fn the_path_is_the_run_that_made_the_recording() {
@@ -138,7 +138,7 @@ mod tests {
         let recording = bench(&drive, 2.0, 0.001);
         let measured = Measured::new(&drive, &recording).expect("it can be used");
         let setting = Setting::new(&drive, Observer::NONE);
-        let (noise, starts) = ([0.01, 0.3], starts_at_rest(&measured));
+        let (noise, starts) = ([0.01, 0.3], [Start::REST]);
         let case = Case {
             drive: &drive,
             measured: &measured,

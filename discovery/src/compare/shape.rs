@@ -15,7 +15,7 @@ pub(super) const FLUX_SPEED_KNOTS: [f64; 4] = [0.0, 0.2, 0.5, 1.0];
 /// Share of the usual top current.
 pub(super) const CURRENT_KNOTS: [f64; 6] = [0.0, 0.04, 0.12, 0.3, 0.6, 1.0];
 /// Knots over the time of a recording.
-pub(super) const TIME_KNOTS: usize = 7;
+pub(super) const TIME_KNOTS: usize = 5;
 /// Frequencies of a bank of oscillators that the acceleration excites, Hz: elastic and loose
 /// couplings below them and between them are combinations.
 pub(super) const RESONANCES_HZ: [f64; 5] = [6.0, 11.0, 18.0, 28.0, 45.0];

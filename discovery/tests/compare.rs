@@ -57,7 +57,7 @@ fn first(hidden: &str) -> Option<&'static str> {
 #[test]
 fn the_variable_of_what_is_hidden_comes_first() {
     for (hidden, variable) in [
-        ("[[effect]]\nkind = \"cogging\"\na = 0.004\nN = 6", "theta"),
+        ("[[effect]]\nkind = \"cogging\"\na = 0.004\nb = 0.0\nN = 6", "theta"),
         ("[[effect]]\nkind = \"constant_load\"\nT_0 = 0.003", "omega_sign"),
         ("[[effect]]\nkind = \"quadratic_drag\"\nc = 1.5e-7", "omega"),
         (
@@ -122,7 +122,7 @@ fn a_drive_that_was_not_fitted_is_said_not_to_be() {
 
 #[test]
 fn several_recordings_are_one_machine_and_must_be_alike() {
-    let hidden = with("[[effect]]\nkind = \"cogging\"\na = 0.004\nN = 6");
+    let hidden = with("[[effect]]\nkind = \"cogging\"\na = 0.004\nb = 0.0\nN = 6");
     let one = |seed| noisy(bench(&hidden, 4.0, 0.001), SD, seed);
     let found = compared(&evidence(&[one(1), one(2)]), &OPTIONS);
     assert_eq!(found.findings.first().map(|it| it.variable), Some("theta"));

@@ -145,10 +145,10 @@ mod tests {
             });
             hits.count() as f64 / RUNS as f64
         };
-        // 600 runs know 5 % to +-0.9 % (one standard deviation); four of them, and what blocks of
-        // five correlation times leave.
+        // 600 runs know 5 % to +-0.9 %. Blocks of five correlation times leave up to twice the
+        // stated rate in noise that was not whitened; a comparison whitens first.
         let found = below(0.05);
-        assert!((0.015..0.09).contains(&found), "{found}");
+        assert!((0.015..0.10).contains(&found), "{found}");
     }
 
     #[test]

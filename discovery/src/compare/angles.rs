@@ -38,7 +38,7 @@ pub(super) fn wave_numbers(maker: &Maker<'_>, known: &DMatrix<f64>, residual: &[
     let (low, high) =
         all().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
     let travel = high - low;
-    if !(travel > 0.0) {
+    if !travel.is_finite() || travel <= 0.0 {
         return Vec::new();
     }
     let speeds = maker.paths.iter().flat_map(|path| path.omega.iter().map(|v| v.abs()));

@@ -25,8 +25,9 @@ use super::shape::CURRENT_KNOTS;
 const DRAWS: usize = 400;
 /// Share of the draws within the band.
 const WITHIN: f64 = 0.95;
-/// Directions of the information below this share of the largest are not told.
-const TOLD: f64 = 1e-6;
+/// Directions of the information below this share of the largest are not told: nearly the base's
+/// own, they would only widen every band.
+const TOLD: f64 = 1e-3;
 /// Knots on each side of zero, as shares of the usual top.
 const SIDE: [f64; 5] = [0.0, 0.05, 0.2, 0.5, 1.0];
 /// Knots over a period of the angle, over time, over the losses.

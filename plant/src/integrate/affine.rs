@@ -12,6 +12,7 @@ const COLUMNS: usize = 5;
 
 /// The exact step of `N` drives in one direction of motion.
 #[derive(Debug, Clone)]
+#[repr(align(64))]
 pub(super) struct Affine<R, const N: usize> {
     /// `matrix[row][column][lane]`; rows current, speed, position (less its start).
     matrix: [[[R; N]; COLUMNS]; OWN],

@@ -5,7 +5,7 @@ use drivescope_numerics::Real;
 use super::dispatch::{Work, widest};
 use super::step::{Stages, may_dip, step};
 use super::{Integrator, Pace, Plan, State};
-use crate::model::{Applied, Model, OWN, SPEED};
+use crate::model::{Applied, Model, OWN, Rows, SPEED};
 
 /// Up to this share of the lanes, one in `FEW`, those that cannot take the exact step are made
 /// alone; beyond it sub-steps of the whole block cost less.
@@ -19,9 +19,12 @@ pub struct Block<R, const N: usize> {
     plan: Option<Plan<R, N>>,
     room: Stages<R, N>,
     saved: Vec<[R; N]>,
+    /// The state during sub-steps.
+    moving: Rows<R, N>,
     /// One integrator a lane, once that has met an event.
     alone: Vec<Option<Integrator<R>>>,
-    redo: [bool; N],
+    /// 1 where the sub-steps do not stand: a number, so that a loop over it is vector code.
+    redo: [u64; N],
 }
 
 impl<R: Real, const N: usize> Block<R, N> {
@@ -40,7 +43,8 @@ impl<R: Real, const N: usize> Block<R, N> {
     fn with(model: Model<R, N>, pace: Pace) -> Self {
         let room = Stages::new(model.states());
         let saved = vec![[R::zero(); N]; model.states()];
-        Self { model, pace, plan: None, room, saved, alone: Vec::new(), redo: [false; N] }
+        let moving = Rows::zero(model.states());
+        Self { model, pace, plan: None, room, saved, moving, alone: Vec::new(), redo: [0; N] }
     }
 
     /// The drives.
@@ -105,13 +109,13 @@ impl<R: Real, const N: usize> Block<R, N> {
         let others = lanes.filter(|(exact, sign)| **exact == 0 && **sign != 0.0).count();
         if plan.forward.is_some() && others <= N / FEW {
             state.x[..OWN].copy_from_slice(&exact.next);
-            self.redo = [true; N];
+            self.redo = [1; N];
         } else {
             widest(SubSteps { block: self, state, applied });
             exact.put_into(&mut state.x);
         }
         for l in 0..N {
-            if self.redo[l] && exact.lanes[l] == 0 {
+            if self.redo[l] == 1 && exact.lanes[l] == 0 {
                 self.redo_alone(l, state, applied);
             }
         }
@@ -223,26 +227,32 @@ impl<R: Real, const N: usize> Work for SubSteps<'_, R, N> {
     #[inline(always)]
     fn run(self) {
         let Self { block, state, applied } = self;
-        let Block { model, plan, room, redo, .. } = block;
+        let Block { model, plan, room, moving, redo, .. } = block;
         let Some(plan) = plan else { return };
         let h = plan.h.scaled(1.0 / plan.substeps as f64);
+        let seconds = h.value();
+        let sign = state.sign;
+        moving.copy_from_slice(&state.x);
+        let directed = u64::from(model.directed());
+        let mut suspect = [0; N];
         for l in 0..N {
-            redo[l] = model.dry() && state.sign[l] == 0.0;
+            suspect[l] = u64::from(model.dry() & (sign[l] == 0.0));
         }
         for k in 0..plan.substeps {
-            let time = applied.time + k as f64 * h.value();
-            let held = Applied { time, ..*applied };
-            let before = state.x[SPEED];
-            step(model, &mut state.x, &held, &state.sign, h, &plan.armature, room);
-            let (after, [start, end]) = (&state.x[SPEED], room.accelerations());
+            let time = applied.time + k as f64 * seconds;
+            let before = moving[SPEED];
+            step(model, moving, (applied, time), &sign, h, &plan.armature, room);
+            let (after, [start, end]) = (&moving[SPEED], room.accelerations());
             for l in 0..N {
-                let sign = state.sign[l];
                 let (first, last) = (before[l].value(), after[l].value());
-                let [falls, rises] = [start, end].map(|slope| sign * slope[l].value() * h.value());
-                let dips = may_dip((sign * first, sign * last), (falls, rises));
-                let event = model.directed() & ((sign * last < 0.0) | dips);
-                redo[l] |= event | plan.grain.too_coarse(l, first, last);
+                let falls = sign[l] * start[l].value() * seconds;
+                let rises = sign[l] * end[l].value() * seconds;
+                let dips = may_dip((sign[l] * first, sign[l] * last), (falls, rises));
+                let event = directed & u64::from((sign[l] * last < 0.0) | dips);
+                suspect[l] |= event | u64::from(plan.grain.too_coarse(l, first, last));
             }
         }
+        state.x.copy_from_slice(moving);
+        *redo = suspect;
     }
 }

@@ -47,6 +47,7 @@ const MOST_SUBSTEPS: usize = 100_000;
 
 /// The state of `N` drives: current, speed, position, own states; and the sign of the motion.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
 pub struct State<R, const N: usize> {
     /// `x[state][lane]`, in the order of [`crate::model`].
     pub x: Vec<[R; N]>,

@@ -4,6 +4,7 @@ mod build;
 mod control;
 mod field;
 mod motor;
+mod rows;
 
 use std::sync::Arc;
 
@@ -16,7 +17,9 @@ use crate::effects::registry::{Kind, Placed, REGISTRY};
 pub use control::{Control, Controlled, Controls};
 pub(crate) use field::field_at;
 pub use field::{Rest, field, rest};
+pub(crate) use motor::Inverses;
 pub use motor::{Motor, Motors};
+pub(crate) use rows::Rows;
 
 /// Index of the armature current in the state.
 pub const CURRENT: usize = 0;
@@ -29,6 +32,7 @@ pub const OWN: usize = 3;
 
 /// What acts on the drive from outside at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub struct Applied<R, const N: usize> {
     /// Armature voltage, V, or the commanded force signal; with continuous control the command:
     /// the reference less what disturbs the tachometer, rad/s (m/s).
@@ -48,7 +52,7 @@ pub struct Model<R, const N: usize> {
     pub force: bool,
     placed: Vec<Placed>,
     laws: Arc<[Law]>,
-    p: Vec<[R; N]>,
+    p: Rows<R, N>,
     own_states: usize,
     stiff: Vec<bool>,
     dry: bool,
@@ -102,7 +106,7 @@ impl<R: Real> Model<R, 1> {
             force,
             placed,
             laws,
-            p,
+            p: Rows::copied(&p),
             own_states: stiff.len() - OWN,
             stiff,
             dry,
@@ -129,13 +133,13 @@ impl<R: Real, const N: usize> Model<R, N> {
         for (l, model) in of.iter().enumerate() {
             motors.set_lane(l, model.motors.lane(0));
         }
-        let p = (0..first.p.len()).map(|k| of.map(|m| m.p[k][0])).collect();
+        let p: Vec<[R; N]> = (0..first.p.len()).map(|k| of.map(|m| m.p[k][0])).collect();
         Self {
             motors,
             force: first.force,
             placed: first.placed.clone(),
             laws: first.laws.clone(),
-            p,
+            p: Rows::copied(&p),
             own_states: first.own_states,
             stiff: first.stiff.clone(),
             dry: first.dry,
@@ -159,7 +163,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             force: self.force,
             placed: self.placed.clone(),
             laws: self.laws.clone(),
-            p: self.p.iter().map(|values| [values[l]]).collect(),
+            p: Rows::copied(&self.p.iter().map(|values| [values[l]]).collect::<Vec<_>>()),
             own_states: self.own_states,
             stiff: self.stiff.clone(),
             dry: self.dry,

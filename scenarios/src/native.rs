@@ -3,7 +3,7 @@
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::OutputLanes;
 use drivescope_plant::fault::{FaultLanes, Faults, Mechanism};
-use drivescope_plant::integrate::{Block, Integrator, Stepper};
+use drivescope_plant::integrate::{Block, Integrator, Stepper, prefetch, turned};
 use drivescope_plant::model::Model;
 use drivescope_plant::sampled::{
     InputLanes, Inputs, Sampled, Samples, SignalLanes, Span, speed_bound,
@@ -60,24 +60,23 @@ impl<const N: usize> ClosedLoops<N> {
     }
 }
 
-/// A recording of a run over those inputs, without a row yet.
+/// A recording of a run over those inputs, its rows still to be written.
 fn empty(inputs: &Recording) -> Recording {
     let signals = RECORDED.map(|name| Signal {
         name: name.to_owned(),
         unit: String::new(),
-        values: Vec::with_capacity(inputs.len()),
+        values: vec![0.0; inputs.len()],
     });
     let name = inputs.name.clone();
     Recording { name, start_s: inputs.start_s, period_s: inputs.period_s, signals: signals.into() }
 }
 
-/// Makes the recording of another run one without a row over those inputs.
+/// Makes the recording of another run one over those inputs, its rows still to be written.
 fn reuse(made: &mut Recording, inputs: &Recording) {
     made.name.clone_from(&inputs.name);
     (made.start_s, made.period_s) = (inputs.start_s, inputs.period_s);
     for signal in &mut made.signals {
-        signal.values.clear();
-        signal.values.reserve(inputs.len());
+        signal.values.resize(inputs.len(), 0.0);
     }
 }
 
@@ -91,6 +90,8 @@ struct Columns<'a, const N: usize> {
     noise_reference: Column<'a, N>,
     noise_t: Column<'a, N>,
     noise_i_m: Column<'a, N>,
+    /// Every column once, to be asked for ahead.
+    streams: Vec<&'a [f64]>,
     /// Lane, mechanism and sizes of every fault.
     faults: Vec<(usize, usize, &'a [f64])>,
 }
@@ -112,17 +113,16 @@ impl<'a, const N: usize> Columns<'a, N> {
                 }
             }
         }
-        Self {
-            reference: column("reference"),
-            load: column("noise_T_l"),
-            noise_reference: column("noise_reference"),
-            noise_t: column("noise_T"),
-            noise_i_m: column("noise_I_m"),
-            faults,
-        }
+        let names = ["reference", "noise_T_l", "noise_reference", "noise_T", "noise_I_m"];
+        let columns = names.map(column);
+        let mut streams: Vec<&[f64]> = columns.iter().flatten().flatten().copied().collect();
+        streams.dedup_by(|a, b| std::ptr::eq(*a, *b));
+        let [reference, load, noise_reference, noise_t, noise_i_m] = columns;
+        Self { reference, load, noise_reference, noise_t, noise_i_m, streams, faults }
     }
 
     /// The inputs of the samples from `first` on, into as many rows as there are.
+    #[inline(always)]
     fn fill(&self, first: usize, rows: &mut [InputLanes<f64, N>]) {
         turn(&self.reference, first, rows, |row| &mut row.reference);
         turn(&self.load, first, rows, |row| &mut row.load);
@@ -164,7 +164,7 @@ impl<'a, const N: usize> Columns<'a, N> {
     }
 }
 
-/// Turns a column a lane into lanes a sample, some lanes at a time: neighbours are stored at once.
+/// Turns a column a lane into lanes a sample, two lanes and two samples at a time.
 #[inline(always)]
 fn turn<const N: usize>(
     column: &Column<'_, N>,
@@ -173,34 +173,54 @@ fn turn<const N: usize>(
     place: impl Fn(&mut InputLanes<f64, N>) -> &mut [f64; N],
 ) {
     let Some(column) = column else { return };
-    let (fours, rest) = column.as_chunks::<4>();
-    for (group, columns) in fours.iter().enumerate() {
-        let [a, b, c, d] = columns.map(|values| &values[first..first + rows.len()]);
-        for (k, row) in rows.iter_mut().enumerate() {
-            let lanes = &mut place(row).as_chunks_mut::<4>().0[group];
-            *lanes = [a[k], b[k], c[k], d[k]];
+    let samples = first..first + rows.len();
+    let (row_pairs, last_row) = rows.as_chunks_mut::<2>();
+    let (lane_pairs, last_lane) = column.as_chunks::<2>();
+    for (pair, columns) in lane_pairs.iter().enumerate() {
+        let [(a, a_last), (b, b_last)] =
+            columns.map(|values| values[samples.clone()].as_chunks::<2>());
+        for (two, (a, b)) in row_pairs.iter_mut().zip(a.iter().zip(b)) {
+            let [this, next] = two.each_mut().map(|row| &mut place(row).as_chunks_mut().0[pair]);
+            [*this, *next] = turned([*a, *b]);
+        }
+        for (row, (a, b)) in last_row.iter_mut().zip(a_last.iter().zip(b_last)) {
+            place(row).as_chunks_mut().0[pair] = [*a, *b];
         }
     }
-    for (l, values) in rest.iter().enumerate() {
-        for (row, value) in rows.iter_mut().zip(&values[first..]) {
-            place(row)[N - rest.len() + l] = *value;
+    for values in last_lane {
+        for (row, value) in rows.iter_mut().zip(&values[samples.clone()]) {
+            place(row)[N - 1] = *value;
         }
     }
 }
 
-/// Samples that are made at once: their inputs and signals stay in the fastest cache.
+/// Samples that are turned at once: their inputs and signals stay in the fastest cache.
 const TILE: usize = 16;
 
-/// Inputs and recorded signals of some samples, lane beside lane.
-struct Tile<const N: usize> {
-    first: usize,
+/// Inputs and recorded signals of some samples, lane beside lane, between the columns that they
+/// come from and the recordings of the first lanes that they go to. Both are turned as part of
+/// the run, which is compiled for the widest instruction set.
+#[repr(align(64))]
+struct Tile<'a, const N: usize> {
     inputs: [InputLanes<f64, N>; TILE],
     kept: [[[f64; N]; RECORDED.len()]; TILE],
+    columns: &'a Columns<'a, N>,
+    made: &'a mut [Recording],
+    /// The samples in the tile, and where the next one ends at the latest.
+    first: usize,
+    until: usize,
+    end: usize,
 }
 
-impl<const N: usize> Samples<N> for Tile<N> {
+impl<const N: usize> Samples<N> for Tile<'_, N> {
     #[inline(always)]
     fn inputs(&mut self, k: usize) -> &InputLanes<f64, N> {
+        if k == self.until {
+            self.first = k;
+            self.until = self.end.min(k + TILE);
+            self.columns.fill(k, &mut self.inputs[..self.until - k]);
+        }
+        self.ask_ahead(k - self.first);
         &self.inputs[k - self.first]
     }
 
@@ -209,10 +229,59 @@ impl<const N: usize> Samples<N> for Tile<N> {
         let [c_m, t, i_m, i, omega, theta] = &mut self.kept[k - self.first];
         (*c_m, *t, *i_m) = (signals.c_m, signals.t, signals.i_m);
         (*i, *omega, *theta) = (shown.i, shown.omega, shown.theta);
+        if k + 1 == self.until {
+            self.record();
+        }
     }
 }
 
-/// Runs the loops over their inputs and adds the signals to the recordings of the first lanes.
+impl<const N: usize> Tile<'_, N> {
+    /// Asks, a few of them at each sample, for the inputs of the next tile and for the places of
+    /// this one's signals: what is far from the processor arrives while it computes.
+    #[inline(always)]
+    fn ask_ahead(&mut self, sample: usize) {
+        let share = |of: usize| sample * of / TILE..(sample + 1) * of / TILE;
+        let next = self.first + TILE..self.first + 2 * TILE;
+        for column in &self.columns.streams[share(self.columns.streams.len())] {
+            prefetch(column.get(next.clone()).unwrap_or(&[]));
+        }
+        for made in &self.made[share(self.made.len())] {
+            for signal in &made.signals {
+                prefetch(&signal.values[self.first..self.until]);
+            }
+        }
+    }
+
+    /// Writes the signals of the tile into the recordings, two lanes and two samples at a time.
+    #[inline(always)]
+    fn record(&mut self) {
+        let samples = self.first..self.until;
+        let (kept_pairs, last_kept) = self.kept[..samples.len()].as_chunks::<2>();
+        let (lane_pairs, last_lane) = self.made.as_chunks_mut::<2>();
+        for signal in 0..RECORDED.len() {
+            for (pair, made) in lane_pairs.iter_mut().enumerate() {
+                let [(a, a_last), (b, b_last)] = made
+                    .each_mut()
+                    .map(|made| made.signals[signal].values[samples.clone()].as_chunks_mut::<2>());
+                for (two, (a, b)) in kept_pairs.iter().zip(a.iter_mut().zip(b)) {
+                    let lanes = two.each_ref().map(|rows| rows[signal].as_chunks().0[pair]);
+                    [*a, *b] = turned(lanes);
+                }
+                for (rows, (a, b)) in last_kept.iter().zip(a_last.iter_mut().zip(b_last)) {
+                    [*a, *b] = rows[signal].as_chunks().0[pair];
+                }
+            }
+            for made in last_lane.iter_mut() {
+                let values = &mut made.signals[signal].values[samples.clone()];
+                for (value, rows) in values.iter_mut().zip(&self.kept) {
+                    *value = rows[signal][2 * lane_pairs.len()];
+                }
+            }
+        }
+    }
+}
+
+/// Runs the loops over their inputs and writes the signals into the recordings of the first lanes.
 fn run<const N: usize, S: Stepper<N>>(
     sampled: &mut Sampled<N, S>,
     inputs: [&Recording; N],
@@ -221,29 +290,20 @@ fn run<const N: usize, S: Stepper<N>>(
     let Some(first) = inputs.first() else { return };
     let zero = vec![0.0; first.len()];
     let columns = Columns::new(inputs, &zero);
-    let mut tile = Tile {
-        first: 0,
+    let mut tile = Tile::<N> {
         inputs: [InputLanes::splat(Inputs::NONE); TILE],
         kept: [[[0.0; N]; RECORDED.len()]; TILE],
+        columns: &columns,
+        made,
+        first: 0,
+        until: 0,
+        end: 0,
     };
-    for until in columns.changes(first.len()) {
-        let faults = columns.faults(tile.first);
-        while tile.first < until {
-            let samples = TILE.min(until - tile.first);
-            columns.fill(tile.first, &mut tile.inputs[..samples]);
-            let span = Span {
-                start_s: first.start_s,
-                period_s: first.period_s,
-                samples: tile.first..tile.first + samples,
-            };
-            sampled.run(&span, &faults, &mut tile);
-            for (l, made) in made.iter_mut().enumerate() {
-                for (k, signal) in made.signals.iter_mut().enumerate() {
-                    signal.values.extend(tile.kept[..samples].iter().map(|kept| kept[k][l]));
-                }
-            }
-            tile.first += samples;
-        }
+    for end in columns.changes(first.len()) {
+        let samples = std::mem::replace(&mut tile.end, end)..end;
+        let faults = columns.faults(samples.start);
+        let span = Span { start_s: first.start_s, period_s: first.period_s, samples };
+        sampled.run(&span, &faults, &mut tile);
     }
 }
 

@@ -12,7 +12,7 @@ fn drives(folder: &Path) {
     let text = text.replace("torque = 1.0e-3", "").replace("torque_time = 0.05", "");
     let kept = text.lines().filter(|line| !line.contains("noise.torque"));
     let text: String = kept.flat_map(|line| [line, "\n"]).collect();
-    let hidden = "[[effect]]\nkind = \"cogging\"\na = 0.005\nN = 4\n\n[controller]";
+    let hidden = "[[effect]]\nkind = \"cogging\"\na = 0.005\nb = 0.0\nN = 4\n\n[controller]";
     put(folder, "hidden.toml", text.replacen("[controller]", hidden, 1));
     put(folder, "base.toml", text);
 }

@@ -138,7 +138,9 @@ fn the_memory_holds_what_a_delay_has_yet_to_give() {
     other.restore(&memory).expect("it is the memory of this drive");
     assert!(other.restore(&memory[1..]).is_err());
     for unit in [&mut unit, &mut other] {
-        assert_eq!(get(unit, "armature.u"), 7.0, "set at 0.035 s, acting from 0.0473 s on");
+        let acting = unit.sampled.applied(unit.time).u[0];
+        assert_eq!(acting, 7.0, "set at 0.035 s, acting from 0.0473 s on");
+        assert_eq!(get(unit, "armature.u"), 9.0, "what a recording shows is not delayed");
         unit.step(0.005).expect("it steps");
     }
     assert_eq!(unit.memory(), other.memory());

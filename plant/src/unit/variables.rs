@@ -233,7 +233,14 @@ fn outputs(list: &mut Vec<Variable>, drive: &Drive, controlled: bool) {
         add("I_g", "A".into(), "generator current", GeneratorCurrent, Role::Output, false);
     }
     let unit = input_unit(drive).to_owned();
-    add("armature.u", unit, "input that acts on the motor", Voltage, Role::Local, false);
+    add(
+        "armature.u",
+        unit,
+        "input of the motor, before its delay if it has one",
+        Voltage,
+        Role::Local,
+        false,
+    );
     add("shaft.T_l", si("N m"), "load torque that acts on the shaft", Load, Role::Local, false);
 }
 

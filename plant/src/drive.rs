@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::effects::custom::Target;
+use crate::effects::learned::{Curve, KnotError, Over};
 
 /// Whether the drive turns or slides; it decides the units of every label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -60,8 +61,36 @@ pub struct EffectData {
     pub id: String,
     /// Parameter names and values, in the order of the law.
     pub parameters: Vec<(String, f64)>,
-    /// What a custom law gives, and its text.
-    pub law: Option<(Target, String)>,
+    /// The law, if it stands in the drive file.
+    pub law: Option<LawData>,
+}
+
+/// A law that the drive file gives.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LawData {
+    /// A typed one.
+    Typed {
+        /// What it gives.
+        target: Target,
+        /// Its text.
+        text: String,
+    },
+    /// A curve, by its values at knots: the effect's parameters.
+    Learned {
+        /// What it gives.
+        target: Target,
+        /// What it goes over.
+        over: Over,
+        /// Its knots, SI.
+        knots: Vec<f64>,
+    },
+}
+
+impl LawData {
+    /// Name of the value of a learned curve at the knot of that number, from 0.
+    pub fn value_name(number: usize) -> String {
+        format!("v_{number}")
+    }
 }
 
 /// PI speed control (force-driven linear axes too: error in rad/s or m/s).
@@ -142,6 +171,14 @@ pub struct GeneratorData {
     pub gain: f64,
     /// Greatest current, A.
     pub limit: Option<f64>,
+}
+
+impl Motion {
+    /// The curve over those knots: over the angle of a rotary drive it repeats.
+    pub(crate) fn curve(self, over: Over, knots: &[f64]) -> Result<Curve, KnotError> {
+        let repeats = over == Over::Position && self == Self::Rotary;
+        Curve::new(over, knots, repeats.then_some(2.0 * PI))
+    }
 }
 
 /// A whole drive.

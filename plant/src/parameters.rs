@@ -8,7 +8,8 @@ mod fields;
 
 use thiserror::Error;
 
-use crate::drive::{Drive, EffectData, Input};
+use crate::drive::{Drive, EffectData, Input, LawData};
+use crate::effects::custom::Target;
 use crate::effects::law::Parameter;
 use crate::effects::registry::Entry;
 use crate::units::for_motion;
@@ -112,6 +113,8 @@ fn registered(effect: &EffectData, name: &str) -> Option<&'static Parameter> {
     Entry::find(&effect.kind)?.parameters.iter().find(|parameter| parameter.name == name)
 }
 
+const AT_KNOT: &str = "value of the learned curve at a knot";
+
 impl Drive {
     /// Every number of the drive in one order: motor, effects as the file lists them,
     /// controller, amplifier, generator, sensors, noise. What the drive does not have is absent.
@@ -148,12 +151,17 @@ impl Drive {
 
     fn of_effect(&self, effect: &EffectData, name: &str, value: f64) -> NamedParameter {
         let known = registered(effect, name);
+        let of_file = match effect.law {
+            Some(LawData::Learned { target: Target::Torque, .. }) => ("N m", AT_KNOT),
+            Some(LawData::Learned { .. }) => ("V", AT_KNOT),
+            Some(LawData::Typed { .. }) | None => ("", "coefficient of the typed law"),
+        };
         NamedParameter {
             name: format!("{}.{name}", effect.id),
             value,
-            unit: known.map_or_else(String::new, |p| for_motion(self.motion, p.unit)),
+            unit: for_motion(self.motion, known.map_or(of_file.0, |p| p.unit)),
             range: known.map_or(fields::ANY, |p| p.range),
-            description: known.map_or("coefficient of the typed law", |p| p.description),
+            description: known.map_or(of_file.1, |p| p.description),
             nominal: magnitude(value, known.map_or(1.0, |p| p.nominal)),
             role: Role::Physics,
         }

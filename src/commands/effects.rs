@@ -5,6 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use comfy_table::{ContentArrangement, Table, presets};
 use drivescope_plant::effects::custom::Target;
+use drivescope_plant::effects::learned::Over;
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 use serde::Serialize;
 
@@ -48,8 +49,10 @@ struct Quantity {
     description: &'static str,
 }
 
-/// The effect that the registry does not list: the user types its law.
+/// An effect that the registry does not list: the user types its law.
 const CUSTOM: &str = "custom";
+/// Another: a curve by its values at knots, as a discovery learns it.
+const LEARNED: &str = "learned";
 
 impl Run for Effects {
     fn run(self, session: &Session) -> miette::Result<Ending> {
@@ -59,6 +62,7 @@ impl Run for Effects {
                 session.answer(&table(&all), &all)?;
             }
             Some(CUSTOM) => session.answer(&custom(), &custom_keys())?,
+            Some(LEARNED) => session.answer(&learned(), &learned_keys())?,
             Some(id) => {
                 let entry = Entry::find(id).ok_or_else(|| unknown(id))?;
                 let effect = shown(entry);
@@ -70,7 +74,8 @@ impl Run for Effects {
 }
 
 fn unknown(id: &str) -> Failure {
-    let known: Vec<_> = REGISTRY.iter().map(|entry| entry.info.id).chain([CUSTOM]).collect();
+    let known: Vec<_> =
+        REGISTRY.iter().map(|entry| entry.info.id).chain([CUSTOM, LEARNED]).collect();
     Failure::UnknownEffect { id: id.to_owned(), known: known.join(", ") }
 }
 
@@ -125,7 +130,8 @@ fn table(all: &[Shown]) -> String {
         ]);
     }
     format!(
-        "{table}\n`drivescope effects ID` shows one in detail; `{CUSTOM}` is a law of your own.\n"
+        "{table}\n`drivescope effects ID` shows one in detail; `{CUSTOM}` is a law of your own, \
+         `{LEARNED}` a curve.\n"
     )
 }
 
@@ -189,5 +195,20 @@ fn custom() -> String {
          [[effect]]\nkind = \"custom\"\nid = \"fan\"\n\
          torque = \"-c * omega * abs(omega)\"\nparameters = {{ c = 3.0e-7 }}\n",
         keys.join(", "),
+    )
+}
+
+fn learned_keys() -> serde_json::Value {
+    let variables: Vec<_> = Over::ALL.iter().map(|(name, _)| *name).collect();
+    serde_json::json!({ "id": LEARNED, "balance": ["torque", "voltage"], "over": variables })
+}
+
+fn learned() -> String {
+    let variables: Vec<_> = Over::ALL.iter().map(|(name, _)| *name).collect();
+    format!(
+        "{LEARNED}\n  a curve in the balance of torques or voltages over one of {}\n\n\
+         [[effect]]\nkind = \"learned\"\nbalance = \"torque\"\nover = \"omega\"\n\
+         knots = [-100.0, 0.0, 100.0]\nvalues = [0.002, 0.0, -0.003]\n",
+        variables.join(", "),
     )
 }

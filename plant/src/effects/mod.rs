@@ -1,7 +1,7 @@
 //! The library of physical effects: one file an effect, and its line in the registry.
 //!
 //! [`law`] says what an effect is and [`info`] what is known of it; [`registry`] lists them and dispatches to them;
-//! [`custom`] is the one kind whose law the user types.
+//! [`custom`] and [`learned`] are the kinds whose law stands in the drive file.
 
 pub mod armature_reaction;
 pub mod asymmetric_friction;
@@ -13,11 +13,13 @@ pub mod coulomb;
 pub mod current_offset;
 pub mod custom;
 pub mod dead_time;
+pub mod delay;
 pub mod flexible_coupling;
 pub mod friction_drift;
 pub mod info;
 pub mod iron_loss;
 pub mod law;
+pub mod learned;
 pub mod load_friction;
 pub mod presliding;
 pub mod quadratic_drag;

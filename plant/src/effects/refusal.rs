@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::info::Info;
-use super::registry::Entry;
+use super::registry::{Entry, Kind};
 use crate::drive::{Drive, Input, Motion};
 
 /// Why an effect cannot stand in a drive, and what to do instead.
@@ -21,6 +21,9 @@ pub enum Refusal {
          it, or take `cogging` with N = 2 pi over the spatial period in m"
     )]
     NoRevolution,
+    /// It holds u back, and a continuous controller has no u that is held.
+    #[error("the controller is continuous; remove it, or give the controller a `period`")]
+    ContinuousControl,
     /// It is the same part of the drive as another effect.
     #[error("it and `{other}` are one part of the drive; remove one of them")]
     Excluded {
@@ -50,6 +53,10 @@ impl Info {
 impl Drive {
     /// Why the effect cannot be added to this drive (under a name of its own).
     pub fn refuses(&self, entry: &Entry) -> Option<Refusal> {
+        let continuous = self.controller.is_some_and(|controller| controller.period.is_none());
+        if entry.kind == Kind::Delay && continuous {
+            return Some(Refusal::ContinuousControl);
+        }
         entry.info.impossible(self.motion, self.motor.input).or_else(|| {
             let kinds = self.effects.iter().map(|effect| effect.kind.as_str());
             let other = entry.info.excluded_by(kinds)?;
@@ -78,6 +85,9 @@ mod tests {
         assert_eq!(refused(EMPS, "brush_drop"), Some(Refusal::NoCircuit));
         assert_eq!(refused(EMPS, "unbalance"), Some(Refusal::NoRevolution));
         assert_eq!(refused(EMPS, "cogging"), None);
+        assert_eq!(refused(DR300, "delay"), None);
+        let continuous = DR300.replace("period = 0.005", "").replace("\"controller.period\"", "#");
+        assert_eq!(refused(&continuous, "delay"), Some(Refusal::ContinuousControl));
         let coupled = format!(
             "{DR300}\n[[effect]]\nkind = \"flexible_coupling\"\nid = \"belt\"\nk = 1\nd = 0\n\
              ratio = 0.5\n"

@@ -37,11 +37,11 @@ pub struct Entry {
 
 macro_rules! registry {
     ($($effect:ident in $module:ident),+ $(,)?) => {
-        /// Which law; `Custom` is one that the user typed, by its number in the drive.
+        /// Which law; `Custom` is one of the drive file, by its number in the drive.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Kind {
             $(#[allow(missing_docs)] $effect,)+
-            /// A typed law: its number among the drive's custom laws.
+            /// A typed law or a learned curve: its number among the laws of the drive file.
             Custom(usize),
         }
 
@@ -147,6 +147,7 @@ registry! {
     Presliding in presliding,
     FlexibleCoupling in flexible_coupling,
     Backlash in backlash,
+    Delay in delay,
     SpeedSensorLag in speed_sensor_lag,
     TachoEccentricity in tacho_eccentricity,
     TachoGain in tacho_gain,

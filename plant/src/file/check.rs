@@ -8,9 +8,11 @@ use super::effects;
 use super::error::{Flaw, Problem};
 use super::layout::{Layout, MotorTable, NoiseTable, Origin, TachoName};
 use crate::drive::{
-    AmplifierData, ControllerData, Drive, GeneratorData, Input, Motion, MotorData, NoiseData,
-    SensorData, TachoUnit,
+    AmplifierData, ControllerData, Drive, EffectData, GeneratorData, Input, LawData, Motion,
+    MotorData, NoiseData, SensorData, TachoUnit,
 };
+use crate::effects::refusal::Refusal;
+use crate::effects::registry::{Entry, Kind};
 use crate::parameters::{FIELDS, NamedParameter, Role, allowed, nearest, possible};
 use crate::units::name_for_motion;
 
@@ -60,6 +62,7 @@ pub(super) fn drive(document: &Document<'_>, layout: Layout) -> Result<Drive, Fl
         origin: flat(layout.origin),
     };
     numbers(document, &drive)?;
+    delay(document, &drive)?;
     lists(document, &drive)?;
     Ok(drive)
 }
@@ -181,16 +184,38 @@ fn numbers(document: &Document<'_>, drive: &Drive) -> Result<(), Flaw> {
     Ok(())
 }
 
+/// A delay needs an input that is held.
+fn delay(document: &Document<'_>, drive: &Drive) -> Result<(), Flaw> {
+    let is_delay =
+        |effect: &EffectData| Entry::find(&effect.kind).map(|e| e.kind) == Some(Kind::Delay);
+    let continuous = drive.controller.is_some_and(|controller| controller.period.is_none());
+    let Some(number) = drive.effects.iter().position(is_delay).filter(|_| continuous) else {
+        return Ok(());
+    };
+    let id = drive.effects[number].id.clone();
+    let problem = Problem::Impossible { id, why: Refusal::ContinuousControl };
+    let (table, span) = document.effect(number).expect("the effect was read from it");
+    Err(Flaw::new(problem, Document::spans(table, "kind").map_or(span, |spans| spans.value)))
+}
+
 /// Key as the file has it, and place, of a parameter.
 fn place(document: &Document<'_>, drive: &Drive, name: &str) -> (String, Spans) {
     let (section, key) = name.split_once('.').unwrap_or(("motor", name));
     if let Some(number) = drive.effects.iter().position(|effect| effect.id == section) {
         let (table, span) = document.effect(number).expect("the effect was read from it");
         let coefficients = table.get("parameters").and_then(|value| value.get_ref().as_table());
-        let spans = Document::spans(table, key)
-            .filter(|_| drive.effects[number].law.is_none())
-            .or_else(|| Document::spans(coefficients?, key))
-            .unwrap_or(Spans { key: span.clone(), value: span });
+        let values = || {
+            let names = &drive.effects[number].parameters;
+            let at = names.iter().position(|(name, _)| name == key)?;
+            let span = table.get("values")?.get_ref().get(at)?.span();
+            Some(Spans { key: span.clone(), value: span })
+        };
+        let spans = match drive.effects[number].law {
+            None => Document::spans(table, key),
+            Some(LawData::Typed { .. }) => coefficients.and_then(|all| Document::spans(all, key)),
+            Some(LawData::Learned { .. }) => values(),
+        };
+        let spans = spans.unwrap_or(Spans { key: span.clone(), value: span });
         return (name.to_owned(), spans);
     }
     // A linear drive may write `omega` for `v`.

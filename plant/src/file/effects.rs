@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use toml::de::DeTable;
 
+use super::curve::LEARNED;
 use super::document::{Document, Spans};
 use super::error::{Flaw, Problem};
 use super::law_text::offset_in_source;
 use super::layout::{EffectTable, EffectValue};
-use crate::drive::{EffectData, Input, Motion};
+use crate::drive::{EffectData, Input, LawData, Motion};
 use crate::effects::custom::{Law, Target};
 use crate::effects::law::Parameter;
 use crate::effects::refusal::Refusal;
@@ -42,13 +43,13 @@ fn is_name(text: &str) -> bool {
 }
 
 /// One table with its place.
-struct Reader<'r, 'a> {
+pub(super) struct Reader<'r, 'a> {
     document: &'r Document<'a>,
-    table: &'r DeTable<'a>,
+    pub(super) table: &'r DeTable<'a>,
     span: Range<usize>,
     values: &'r [(String, EffectValue)],
-    motion: Motion,
-    input: Input,
+    pub(super) motion: Motion,
+    pub(super) input: Input,
     /// Name in messages: the id or the kind as far as known.
     name: String,
 }
@@ -86,20 +87,20 @@ pub(super) fn effects(
 }
 
 impl Reader<'_, '_> {
-    fn spans(&self, key: &str) -> Spans {
+    pub(super) fn spans(&self, key: &str) -> Spans {
         let whole = || Spans { key: self.span.clone(), value: self.span.clone() };
         Document::spans(self.table, key).unwrap_or_else(whole)
     }
 
-    fn get(&self, key: &str) -> Option<&EffectValue> {
+    pub(super) fn get(&self, key: &str) -> Option<&EffectValue> {
         self.values.iter().find(|(k, _)| k == key).map(|(_, value)| value)
     }
 
-    fn below(&self, key: &str) -> String {
+    pub(super) fn below(&self, key: &str) -> String {
         format!("{}.{key}", self.name)
     }
 
-    fn of_type(&self, key: &str, expected: &str) -> Flaw {
+    pub(super) fn of_type(&self, key: &str, expected: &str) -> Flaw {
         let span = self.spans(key).value;
         let value = self.table.get(key).expect("the key was read").get_ref();
         let found = super::document::shown(self.document.text, value, span.clone());
@@ -107,12 +108,12 @@ impl Reader<'_, '_> {
         Flaw::new(Problem::Type { key, found, expected: expected.to_owned() }, span)
     }
 
-    fn missing(&self, key: &str, why: &str) -> Flaw {
+    pub(super) fn missing(&self, key: &str, why: &str) -> Flaw {
         let problem = Problem::Missing { key: self.below(key), why: why.to_owned() };
         Flaw::new(problem, self.span.clone())
     }
 
-    fn text(&self, key: &str) -> Result<Option<&str>, Flaw> {
+    pub(super) fn text(&self, key: &str) -> Result<Option<&str>, Flaw> {
         match self.get(key) {
             None => Ok(None),
             Some(EffectValue::Text(text)) => Ok(Some(text)),
@@ -121,7 +122,7 @@ impl Reader<'_, '_> {
     }
 
     /// Refuses every key that is not among these.
-    fn only(&self, known: &[&str]) -> Result<(), Flaw> {
+    pub(super) fn only(&self, known: &[&str]) -> Result<(), Flaw> {
         let Some((key, _)) = self.values.iter().find(|(key, _)| !known.contains(&key.as_str()))
         else {
             return Ok(());
@@ -135,7 +136,7 @@ impl Reader<'_, '_> {
     }
 
     fn read(&mut self) -> Result<EffectData, Flaw> {
-        let kinds = || REGISTRY.iter().map(|entry| entry.info.id).chain([CUSTOM]);
+        let kinds = || REGISTRY.iter().map(|entry| entry.info.id).chain([CUSTOM, LEARNED]);
         let known = kinds().collect::<Vec<_>>().join(", ");
         let Some(kind) = self.text("kind")? else {
             return Err(self.missing("kind", &format!(", one of {known}")));
@@ -151,6 +152,8 @@ impl Reader<'_, '_> {
             self.registered(kind, id, entry)
         } else if kind == CUSTOM {
             self.custom(kind, id)
+        } else if kind == LEARNED {
+            self.learned(kind, id)
         } else {
             let nearest = nearest(&kind, kinds());
             let span = self.spans("kind").value;
@@ -163,7 +166,7 @@ impl Reader<'_, '_> {
         Flaw::new(Problem::Name { key: self.below(key), found: found.to_owned(), reserved }, span)
     }
 
-    fn impossible(&self, id: &str, key: &str, why: Refusal) -> Flaw {
+    pub(super) fn impossible(&self, id: &str, key: &str, why: Refusal) -> Flaw {
         let problem = Problem::Impossible { id: id.to_owned(), why };
         Flaw::new(problem, self.spans(key).value)
     }
@@ -208,7 +211,8 @@ impl Reader<'_, '_> {
             let length = self.document.text[at..].chars().next().map_or(0, char::len_utf8);
             Flaw::new(Problem::Law { key: self.below(key), error }, at..at + length)
         })?;
-        Ok(EffectData { kind, id, law: Some((*target, text.to_owned())), parameters })
+        let law = Some(LawData::Typed { target: *target, text: text.to_owned() });
+        Ok(EffectData { kind, id, law, parameters })
     }
 
     fn coefficients(&self) -> Result<Vec<(String, f64)>, Flaw> {

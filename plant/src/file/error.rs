@@ -7,6 +7,7 @@ use std::ops::Range;
 use thiserror::Error;
 
 use crate::effects::custom::LawError;
+use crate::effects::learned::KnotError;
 use crate::effects::refusal::Refusal;
 use crate::parameters::meant;
 
@@ -198,6 +199,24 @@ pub enum Problem {
         key: String,
         /// What is wrong with the law.
         error: LawError,
+    },
+    /// Knots that make no curve; the place is the knot.
+    #[error("`{key}`: {error}")]
+    Knots {
+        /// The key.
+        key: String,
+        /// What is wrong with the knots.
+        error: KnotError,
+    },
+    /// A learned curve without exactly one value at every knot.
+    #[error("`{id}` has {knots} knots and {values} values: give one value at every knot")]
+    Values {
+        /// Its name.
+        id: String,
+        /// Number of knots.
+        knots: usize,
+        /// Number of values.
+        values: usize,
     },
     /// A custom effect with no law or several.
     #[error("`{id}` has {found}: a custom effect gives exactly one of {known}")]

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use schemars::JsonSchema;
-use serde::de::{self, MapAccess, Visitor};
+use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -160,11 +160,13 @@ pub(super) struct FitTable {
 #[derive(Debug)]
 pub(super) struct EffectTable(pub(super) Vec<(String, EffectValue)>);
 
-/// A value in an effect: a number, a text, or the coefficients of a typed law.
+/// A value in an effect: a number, a text, the knots or values of a curve, or the coefficients of
+/// a typed law.
 #[derive(Debug)]
 pub(super) enum EffectValue {
     Number(f64),
     Text(String),
+    List(Vec<f64>),
     Coefficients(Vec<(String, f64)>),
 }
 
@@ -208,7 +210,7 @@ impl<'de> Deserialize<'de> for EffectValue {
             type Value = EffectValue;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, a text in quotes or a table of numbers")
+                f.write_str("a number, a text in quotes, or a list or a table of numbers")
             }
 
             fn visit_f64<E: de::Error>(self, value: f64) -> Result<EffectValue, E> {
@@ -221,6 +223,14 @@ impl<'de> Deserialize<'de> for EffectValue {
 
             fn visit_str<E: de::Error>(self, value: &str) -> Result<EffectValue, E> {
                 Ok(EffectValue::Text(value.to_owned()))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut all: A) -> Result<EffectValue, A::Error> {
+                let mut list = Vec::new();
+                while let Some(number) = all.next_element()? {
+                    list.push(number);
+                }
+                Ok(EffectValue::List(list))
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<EffectValue, A::Error> {
@@ -265,6 +275,7 @@ impl Serialize for EffectValue {
         match self {
             Self::Number(value) => serializer.serialize_f64(*value),
             Self::Text(text) => serializer.serialize_str(text),
+            Self::List(all) => serializer.collect_seq(all),
             Self::Coefficients(all) => {
                 let mut map = serializer.serialize_map(Some(all.len()))?;
                 for (name, value) in all {

@@ -6,6 +6,7 @@
 //! describes the file to editors.
 
 mod check;
+mod curve;
 mod deserialize;
 mod document;
 mod effects;

@@ -9,10 +9,12 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
+use super::curve::{BALANCES, LEARNED, overs};
 use super::effects::{CUSTOM, targets};
 use super::layout::{EffectTable, Layout};
 use crate::drive::Motion;
 use crate::effects::law::Parameter;
+use crate::effects::learned::{FEWEST_KNOTS, MOST_KNOTS};
 use crate::effects::registry::{Entry, REGISTRY};
 use crate::parameters::{FIELDS, Field};
 use crate::units::for_motion;
@@ -94,7 +96,8 @@ impl JsonSchema for EffectTable {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let kinds: Vec<Value> = REGISTRY.iter().map(registered).chain([custom()]).collect();
+        let kinds: Vec<Value> =
+            REGISTRY.iter().map(registered).chain([custom(), learned()]).collect();
         let mut schema = Schema::default();
         schema.insert("oneOf".to_owned(), Value::Array(kinds));
         schema
@@ -144,6 +147,27 @@ fn custom() -> Value {
     let one: Vec<Value> = targets.iter().map(|(key, _)| json!({ "required": [key] })).collect();
     table["oneOf"] = Value::Array(one);
     table
+}
+
+fn learned() -> Value {
+    let words = |names: Vec<&str>, description: &str| json!({ "type": "string", "enum": names, "description": description });
+    let list = |description: &str| {
+        json!({
+            "type": "array", "items": { "type": "number" }, "description": description,
+            "minItems": FEWEST_KNOTS, "maxItems": MOST_KNOTS
+        })
+    };
+    let balances = BALANCES.iter().map(|(name, _)| *name).collect();
+    let variables = overs(Motion::Linear).iter().map(|(name, _)| *name).collect();
+    let keys = [
+        ("balance", words(balances, "what the curve gives")),
+        ("over", words(variables, "what it goes over")),
+        ("knots", list("where its values stand, increasing")),
+        ("values", list("its values at the knots, in the direction of u or of the motor torque")),
+    ];
+    let keys = keys.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    let needed = ["balance", "over", "knots", "values"];
+    table(LEARNED, "a curve over one variable", keys, &needed)
 }
 
 #[cfg(test)]
@@ -233,7 +257,7 @@ mod tests {
     fn everything_that_is_registered_is_described() {
         let schema = schema();
         let effects = schema["properties"]["effect"]["items"]["oneOf"].as_array().expect("kinds");
-        assert_eq!(effects.len(), REGISTRY.len() + 1);
+        assert_eq!(effects.len(), REGISTRY.len() + 2);
         for (entry, effect) in REGISTRY.iter().zip(effects) {
             assert_eq!(effect["properties"]["kind"]["const"], entry.info.id);
             for parameter in entry.parameters {

@@ -4,12 +4,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::curve::{BALANCES, overs};
 use super::effects::targets;
 use super::layout::{
     ControllerTable, EffectTable, EffectValue, FitTable, GainTable, GeneratorTable, Layout,
     MotorTable, NoiseTable, Origin, SensorTable, TachoName,
 };
-use crate::drive::{Drive, EffectData, Motion, NoiseData, SensorData, TachoUnit};
+use crate::drive::{Drive, EffectData, LawData, Motion, NoiseData, SensorData, TachoUnit};
 
 /// The tables of a drive.
 pub(super) fn layout(drive: &Drive) -> Layout {
@@ -58,17 +59,30 @@ fn effect(effect: &EffectData, motion: Motion) -> EffectTable {
     if effect.id != effect.kind {
         table.push(text("id", &effect.id));
     }
-    if let Some((target, law)) = &effect.law {
-        // The last key of a target is the motion's own.
-        let key = targets(motion).into_iter().rfind(|(_, other)| other == target);
-        table.push(text(key.expect("every target has a key").0, law));
-        if !effect.parameters.is_empty() {
-            let coefficients = EffectValue::Coefficients(effect.parameters.clone());
-            table.push(("parameters".to_owned(), coefficients));
+    match &effect.law {
+        None => {
+            let number =
+                |(name, value): &(String, f64)| (name.clone(), EffectValue::Number(*value));
+            table.extend(effect.parameters.iter().map(number));
         }
-    } else {
-        let number = |(name, value): &(String, f64)| (name.clone(), EffectValue::Number(*value));
-        table.extend(effect.parameters.iter().map(number));
+        Some(LawData::Typed { target, text: law }) => {
+            // The last key of a target is the motion's own.
+            let key = targets(motion).into_iter().rfind(|(_, other)| other == target);
+            table.push(text(key.expect("every target has a key").0, law));
+            if !effect.parameters.is_empty() {
+                let coefficients = EffectValue::Coefficients(effect.parameters.clone());
+                table.push(("parameters".to_owned(), coefficients));
+            }
+        }
+        Some(LawData::Learned { target, over, knots }) => {
+            let balance = BALANCES.iter().find(|(_, other)| other == target);
+            let of_motion = overs(motion).into_iter().rfind(|(_, other)| other == over);
+            let list = |key: &str, all: Vec<f64>| (key.to_owned(), EffectValue::List(all));
+            table.push(text("balance", balance.expect("a curve acts in a balance").0));
+            table.push(text("over", of_motion.expect("every variable has a name").0));
+            table.push(list("knots", knots.clone()));
+            table.push(list("values", effect.parameters.iter().map(|(_, v)| *v).collect()));
+        }
     }
     EffectTable(table)
 }

@@ -154,6 +154,8 @@ pub struct Integrator<R> {
     model: Model<R, 1>,
     pace: Pace,
     plan: Option<Plan<R, 1>>,
+    /// The plan for the length before: a delayed input splits every interval into two.
+    other_plan: Option<Plan<R, 1>>,
     room: Stages<R, 1>,
     saved: Vec<[R; 1]>,
 }
@@ -173,7 +175,7 @@ impl<R: Real> Integrator<R> {
 
     fn with(model: Model<R, 1>, pace: Pace) -> Self {
         let room = Stages::new(model.states());
-        Self { model, pace, plan: None, room, saved: Vec::new() }
+        Self { model, pace, plan: None, other_plan: None, room, saved: Vec::new() }
     }
 
     /// The drive.
@@ -188,13 +190,17 @@ impl<R: Real> Integrator<R> {
         if self.model.states() != states {
             *self = Self::with(self.model.clone(), self.pace);
         }
-        self.plan = None;
+        (self.plan, self.other_plan) = (None, None);
     }
 
-    /// The plan for intervals of length `h`, from the last call if that is unchanged.
+    /// The plan for intervals of length `h`, from one of the last two calls if it was theirs.
     #[inline]
     fn ready(&mut self, h: R) {
-        if self.plan.as_ref().is_none_or(|plan| plan.h != h) {
+        let other = |plan: &Option<Plan<R, 1>>| plan.as_ref().is_none_or(|plan| plan.h != h);
+        if other(&self.plan) {
+            std::mem::swap(&mut self.plan, &mut self.other_plan);
+        }
+        if other(&self.plan) {
             let steps = self.pace.substeps(&self.model, h.value());
             self.plan = Some(Plan::new(&self.model, h, steps));
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use drivescope_numerics::Real;
 
 use super::{Model, Motor, Part};
-use crate::drive::{Drive, EffectData, Input};
+use crate::drive::{Drive, EffectData, Input, LawData, Motion};
 use crate::effects::custom::Law;
 use crate::effects::registry::{Entry, Kind};
 
@@ -28,7 +28,7 @@ impl Drive {
     ///
     /// # Panics
     /// If an effect's kind is not in the registry, its parameters are not those of its kind, or
-    /// its law cannot be parsed: reading the drive file excludes all three.
+    /// its law is wrong: reading the drive file excludes all three.
     pub fn model_of<R: Real>(&self, values: impl Fn(&str) -> R) -> Model<R, 1> {
         self.build(self.motor.tie_k, values)
     }
@@ -52,7 +52,7 @@ impl Drive {
             .effects
             .iter()
             .map(|effect| Part {
-                kind: kind(effect, &mut laws),
+                kind: kind(effect, self.motion, &mut laws),
                 parameters: effect
                     .parameters
                     .iter()
@@ -64,20 +64,30 @@ impl Drive {
     }
 }
 
-/// The kind of an effect; a typed law is parsed and gets the next number.
-fn kind(effect: &EffectData, laws: &mut Vec<Law>) -> Kind {
+/// The kind of an effect; a law of the drive file gets the next number.
+fn kind(effect: &EffectData, motion: Motion, laws: &mut Vec<Law>) -> Kind {
     let names: Vec<&str> = effect.parameters.iter().map(|(name, _)| name.as_str()).collect();
-    let Some((target, text)) = &effect.law else {
-        let entry = Entry::find(&effect.kind).expect("the kind is in the registry");
-        assert!(
-            entry.parameters.iter().map(|parameter| parameter.name).eq(names),
-            "`{}` takes its own parameters in their order",
-            effect.kind
-        );
-        return entry.kind;
+    let law = match &effect.law {
+        None => {
+            let entry = Entry::find(&effect.kind).expect("the kind is in the registry");
+            assert!(
+                entry.parameters.iter().map(|parameter| parameter.name).eq(names),
+                "`{}` takes its own parameters in their order",
+                effect.kind
+            );
+            return entry.kind;
+        }
+        Some(LawData::Typed { target, text }) => {
+            let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
+            Law::parse(*target, text, &names).expect("the law was parsed with the drive file")
+        }
+        Some(LawData::Learned { target, over, knots }) => {
+            assert_eq!(knots.len(), names.len(), "`{}` has a value at every knot", effect.id);
+            let curve = motion.curve(*over, knots).expect("the knots were read with the file");
+            Law::learned(*target, curve)
+        }
     };
-    let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
-    laws.push(Law::parse(*target, text, &names).expect("the law was parsed with the drive file"));
+    laws.push(law);
     Kind::Custom(laws.len() - 1)
 }
 

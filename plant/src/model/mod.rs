@@ -264,6 +264,12 @@ impl<R: Real, const N: usize> Model<R, N> {
         }
     }
 
+    /// The delays of u, s, if the drive has one; whoever steps it holds u back by them.
+    pub fn delays(&self) -> Option<[R; N]> {
+        let delay = self.placed.iter().find(|part| part.kind == Kind::Delay)?;
+        Some(self.p[delay.p])
+    }
+
     /// Speed beyond which lane `l` is affine in its state; infinite if nowhere.
     pub(crate) fn affine_beyond(&self, l: usize) -> f64 {
         if self.own_states > 0 || self.control.is_some() {

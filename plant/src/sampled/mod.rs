@@ -6,6 +6,7 @@
 
 mod amplifier;
 mod controller;
+mod delay;
 mod sensors;
 
 use crate::drive::{AmplifierData, ControllerData, Drive, GeneratorData, Input, Motion};
@@ -16,6 +17,7 @@ use crate::model::{Applied, Control, Controls, Model, Motors};
 
 use amplifier::amplify;
 use controller::Pi;
+pub use delay::DelayLine;
 pub(crate) use sensors::FROZEN;
 use sensors::Sensors;
 
@@ -132,6 +134,8 @@ pub struct Sampled<const N: usize, S> {
     signals: SignalLanes<f64, N>,
     /// Reference less what disturbs the tachometer: what a continuous controller follows.
     command: [f64; N],
+    /// What holds u back, where the drive has a delay.
+    delay: Option<DelayLine<f64, N>>,
     /// The continuous controllers that the stepper is set up with.
     controls: Option<Controls<f64, N>>,
     /// Sizes of the faults in the motors for which the stepper is set up.
@@ -156,6 +160,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
             state,
             signals: SignalLanes::splat(zero),
             command: [0.0; N],
+            delay: stepper.model().delays().map(DelayLine::new),
             controls: None,
             in_motors: [[0.0; 5]; N],
             stepper,
@@ -189,8 +194,34 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
 
     /// What acts on the continuous drives since the last sample.
     pub fn applied(&self, time: f64) -> Applied<f64, N> {
+        let set = self.set_now(time);
+        let held_back = self.delay.as_ref().and_then(|line| line.acting(time));
+        Applied { u: held_back.unwrap_or(set.u), ..set }
+    }
+
+    /// The same without the delay of u.
+    fn set_now(&self, time: f64) -> Applied<f64, N> {
         let u = if self.is_continuous() { self.command } else { self.signals.u };
         Applied { u, load: self.signals.load, time }
+    }
+
+    /// What holds u back, if the drive has a delay.
+    pub fn delay(&self) -> Option<&DelayLine<f64, N>> {
+        self.delay.as_ref()
+    }
+
+    /// The same, to put back what it remembers.
+    pub fn delay_mut(&mut self) -> Option<&mut DelayLine<f64, N>> {
+        self.delay.as_mut()
+    }
+
+    /// Lets a delay know what is applied from that time on, where another integrator advances
+    /// the drives.
+    pub fn remember_input(&mut self, time: f64) {
+        let u = self.set_now(time).u;
+        if let Some(line) = &mut self.delay {
+            line.set(time, u);
+        }
     }
 
     /// What the controllers remember, V.
@@ -216,6 +247,9 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         changed.state.clone_from(&self.state);
         changed.pi = self.pi;
         changed.signals = self.signals;
+        if let (Some(line), Some(before)) = (&mut changed.delay, &self.delay) {
+            line.restore(before.history());
+        }
         changed
     }
 
@@ -270,8 +304,11 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     /// Moves the drives on by `h` under the held inputs.
     #[inline]
     pub fn advance(&mut self, time: f64, h: f64) {
-        let applied = self.applied(time);
-        self.stepper.advance(&mut self.state, &applied, h);
+        let applied = self.set_now(time);
+        match &mut self.delay {
+            None => self.stepper.advance(&mut self.state, &applied, h),
+            Some(line) => advance_delayed(line, &mut self.stepper, &mut self.state, &applied, h),
+        }
     }
 
     /// Whether a continuous controller closes the loop: it is part of the drives then.
@@ -333,6 +370,20 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
                 model.motors.set_lane(l, faults.lane(l).in_motor(&healthy.lane(l)));
             }
         });
+    }
+}
+
+/// An interval in the pieces of a delay.
+#[inline(never)]
+fn advance_delayed<const N: usize, S: Stepper<N>>(
+    line: &mut DelayLine<f64, N>,
+    stepper: &mut S,
+    state: &mut State<f64, N>,
+    applied: &Applied<f64, N>,
+    h: f64,
+) {
+    for (held, length) in line.pieces(applied, h) {
+        stepper.advance(state, held, *length);
     }
 }
 

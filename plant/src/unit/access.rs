@@ -57,9 +57,17 @@ impl Unit {
             OutputSlot::Tacho => self.signals().t,
             OutputSlot::MeasuredCurrent => self.signals().i_m,
             OutputSlot::GeneratorCurrent => self.signals().i_g,
+            OutputSlot::Voltage if self.sampled.delay().is_some() => self.acting_input(),
             OutputSlot::Voltage => self.signals().u,
             OutputSlot::Load => self.signals().load,
         }
+    }
+
+    /// The input that acts now, where a delay holds it back.
+    fn acting_input(&self) -> f64 {
+        let mut sampled = self.sampled.clone();
+        sampled.apply(&self.input_lanes(), &FaultLanes::splat(self.faults));
+        sampled.applied(self.time).u[0]
     }
 
     /// The signals now: held since the last sample where controlled, else read now.

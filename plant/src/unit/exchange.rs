@@ -22,7 +22,7 @@ const LEVEL_SHIFT: f64 = 1e-10;
 pub struct Update {
     /// Continuous states were set anew.
     pub states_changed: bool,
-    /// Time of the next sample, s.
+    /// Time of the next sample, or of the next change of a delayed input, s.
     pub next_event: Option<f64>,
 }
 
@@ -91,8 +91,11 @@ impl Unit {
                 self.sample();
             }
         }
+        self.sampled.remember_input(self.time);
         let states_changed = self.sampled.model().directed() && self.update_sign();
-        let next_event = self.period.map(|period| self.sample_time(period));
+        let sample = self.period.map(|period| self.sample_time(period));
+        let change = self.sampled.delay().and_then(|line| line.next_change(self.time));
+        let next_event = [sample, change].into_iter().flatten().reduce(f64::min);
         Update { states_changed, next_event }
     }
 
@@ -201,8 +204,11 @@ impl Unit {
         model
     }
 
-    /// How the acting u follows the input u: the actuator's gain.
+    /// How the acting u follows the input u: the actuator's gain, or not at once.
     fn input_gain(&self) -> f64 {
+        if self.sampled.delay().is_some() {
+            return 0.0;
+        }
         (1.0 + self.faults.actuator) * (1.0 + self.faults.supply)
     }
 

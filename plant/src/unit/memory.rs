@@ -40,6 +40,9 @@ impl Unit {
         numbers.push(self.sampled.state().sign[0]);
         numbers.extend(self.continuous_states());
         numbers.extend(self.drive.parameters().iter().map(|parameter| parameter.value));
+        if let Some(line) = self.sampled.delay() {
+            numbers.extend(line.history().flat_map(|(time, [u])| [time, u]));
+        }
         numbers
     }
 
@@ -48,8 +51,13 @@ impl Unit {
     /// # Errors
     /// Numbers that are not the memory of a unit of this drive; the unit is then as before.
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), MemoryError> {
-        let expected = self.memory().len();
-        if numbers.len() != expected {
+        // What a delay remembers comes last, and may be any number of pairs.
+        let remembered = self.sampled.delay().map_or(0, |line| 2 * line.history().count());
+        let expected = self.memory().len() - remembered;
+        let pairs = numbers.len().checked_sub(expected);
+        let right =
+            |more: usize| more == 0 || (self.sampled.delay().is_some() && more.is_multiple_of(2));
+        if !pairs.is_some_and(right) {
             return Err(MemoryError::Length { found: numbers.len(), expected });
         }
         if let Some(place) = numbers.iter().position(|value| value.is_nan()) {
@@ -98,6 +106,10 @@ impl Unit {
         restored.sampled.restore([integral], SignalLanes::splat(signals));
         restored.inputs_changed = true;
         restored.take_changes();
+        if let Some(line) = restored.sampled.delay_mut() {
+            let pairs = numbers[expected..].chunks_exact(2);
+            line.restore(pairs.map(|pair| (pair[0], [pair[1]])));
+        }
         *self = restored;
         Ok(())
     }

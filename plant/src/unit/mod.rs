@@ -155,6 +155,9 @@ impl Unit {
         self.time = start;
         self.next_sample = 0;
         self.inputs_changed = true;
+        if let Some(line) = self.sampled.delay_mut() {
+            line.restore([]);
+        }
         self.take_changes();
     }
 

@@ -91,3 +91,72 @@ fn wrong_references_and_values_are_refused() {
     assert!(matches!(unit.set(r, -1.0), Err(UnitError::Value { .. })));
     assert!(matches!(unit.set(r, f64::NAN), Err(UnitError::Value { .. })));
 }
+
+fn delayed(tau: f64) -> Drive {
+    let mut drive = dr300();
+    let tau = ("tau".to_owned(), tau);
+    let (kind, id) = ("delay".to_owned(), "delay".to_owned());
+    drive.effects.push(crate::drive::EffectData { kind, id, parameters: vec![tau], law: None });
+    drive
+}
+
+/// An open loop under a square wave of u that starts low: speed at the end.
+fn under_a_square_wave(drive: Drive, shift: f64, step: f64) -> f64 {
+    let mut unit = Unit::new(drive, true);
+    unit.initialize(0.0);
+    for k in 0..(0.2 / step).round() as usize {
+        let time = k as f64 * step - shift;
+        let on = time >= 0.0 && (time / 0.01 + 1e-6).floor() % 2.0 == 1.0;
+        set(&mut unit, "u", if on { 12.0 } else { 0.0 });
+        unit.step(step).expect("it steps");
+    }
+    get(&unit, "omega")
+}
+
+/// Accuracy of the steps over speeds of some hundred rad/s.
+const STEPS: f64 = 1e-5;
+
+#[test]
+fn a_delay_shifts_the_input_by_a_fraction_of_a_step() {
+    let shifted = under_a_square_wave(dr300(), 0.0035, 0.0005);
+    let held_back = under_a_square_wave(delayed(0.0035), 0.0, 0.01);
+    assert!((shifted - held_back).abs() < STEPS, "{shifted}, {held_back}");
+    let at_once = under_a_square_wave(dr300(), 0.0, 0.01);
+    assert!((shifted - at_once).abs() > 1.0, "the delay is seen");
+}
+
+#[test]
+fn the_memory_holds_what_a_delay_has_yet_to_give() {
+    let mut unit = Unit::new(delayed(0.0123), true);
+    unit.initialize(0.0);
+    for k in 0..10u8 {
+        set(&mut unit, "u", f64::from(k));
+        unit.step(0.005).expect("it steps");
+    }
+    let memory = unit.memory();
+    let mut other = Unit::new(delayed(0.0123), true);
+    other.restore(&memory).expect("it is the memory of this drive");
+    assert!(other.restore(&memory[1..]).is_err());
+    for unit in [&mut unit, &mut other] {
+        assert_eq!(get(unit, "armature.u"), 7.0, "set at 0.035 s, acting from 0.0473 s on");
+        unit.step(0.005).expect("it steps");
+    }
+    assert_eq!(unit.memory(), other.memory());
+}
+
+/// Model Exchange: an importer is told when a delayed input acts.
+#[test]
+fn a_delayed_input_is_a_time_event() {
+    let mut unit = Unit::new(delayed(0.003), true);
+    unit.initialize(0.0);
+    assert_eq!(unit.update_discrete().next_event, None);
+    unit.set_time(0.01);
+    set(&mut unit, "u", 12.0);
+    let event = unit.update_discrete().next_event.expect("the change that is to come");
+    assert!((event - 0.013).abs() < 1e-12, "{event}");
+    unit.set_time(0.0129);
+    assert_eq!(unit.derivatives()[0], 0.0);
+    unit.set_time(event);
+    assert_eq!(unit.update_discrete().next_event, None);
+    assert_eq!(unit.derivatives()[0], 12.0 / 5e-3);
+}

@@ -1,10 +1,12 @@
-//! The drives of the battery: one for every line of the registry, one with a typed law, one with
-//! everything. No second list of effects: what is registered is tested.
+//! The drives of the battery: one for every line of the registry, one with a typed law, one
+//! with a learned curve, one with everything. No second list of effects: what is registered is tested.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use drivescope_numerics::Real;
 use drivescope_plant::effects::custom::{Law, Target};
+use drivescope_plant::effects::learned::{Curve, Over};
 use drivescope_plant::effects::registry::{Entry, Kind, REGISTRY};
 use drivescope_plant::model::{Model, Part};
 
@@ -91,19 +93,29 @@ fn together() -> impl Iterator<Item = &'static Entry> {
     })
 }
 
+/// A torque over the angle, repeated every revolution.
+fn learned_law() -> Law {
+    let knots = [0.0, 1.0, 2.5, 4.0, 5.5];
+    let curve = Curve::new(Over::Position, &knots, Some(TAU)).expect("right knots");
+    Law::learned(Target::Torque, curve)
+}
+
 /// Every drive of the battery.
 pub(crate) fn cases() -> Vec<Case> {
     let typed = (Kind::Custom(0), vec![3e-7, 0.002]);
-    let laws: Arc<[Law]> = Arc::from([typed_law()]);
+    let learned = (Kind::Custom(1), vec![0.002, -0.001, 0.001, -0.002, 0.0015]);
+    let laws: Arc<[Law]> = Arc::from([typed_law(), learned_law()]);
     let mut cases: Vec<Case> = REGISTRY.iter().map(with).collect();
-    let mut parts = friction();
-    parts.push(typed.clone());
-    cases.push(Case { name: "custom", entry: None, parts, laws: laws.clone() });
+    for (name, law) in [("custom", &typed), ("learned", &learned)] {
+        let mut parts = friction();
+        parts.push(law.clone());
+        cases.push(Case { name, entry: None, parts, laws: laws.clone() });
+    }
     // Everything that leaves the shaft sticking, and everything.
     for (name, sticks) in [("all that stick", true), ("all", false)] {
         let mut parts: Vec<(Kind, Vec<f64>)> =
             together().filter(|entry| !(sticks && entry.info.replaces_dry)).map(nominal).collect();
-        parts.push(typed.clone());
+        parts.extend([typed.clone(), learned.clone()]);
         cases.push(Case { name, entry: None, parts, laws: laws.clone() });
     }
     cases

@@ -4,7 +4,7 @@
 //! code is executed, size and depth are limited, and the same tape runs over `f64`, duals and
 //! lanes, natively and inside an exported FMU. Signs: a torque is added to the motor torque, a
 //! voltage to the applied voltage, heat to the winding; `omega` and `i` are what the sensor
-//! shows.
+//! shows. A learned curve ([`super::learned`]) is another such law, given by knots.
 
 mod parse;
 mod tape;
@@ -15,6 +15,7 @@ pub use parse::LawError;
 use tape::Tape;
 
 use super::law::{OutputLanes, Sums, Views};
+use super::learned::Curve;
 use crate::model::{Motor, Motors};
 
 /// What a typed law gives.
@@ -43,11 +44,28 @@ impl Target {
     ];
 }
 
-/// A parsed law.
+/// A law of the drive file, ready to run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
     target: Target,
-    tape: Tape,
+    form: Form,
+}
+
+/// How the law is given.
+#[derive(Debug, Clone, PartialEq)]
+enum Form {
+    Typed(Tape),
+    Learned(Curve),
+}
+
+impl Form {
+    #[inline(always)]
+    fn run<R: Real, const N: usize>(&self, p: &[[R; N]], at: &Views<'_, R, N>) -> [R; N] {
+        match self {
+            Self::Typed(tape) => tape.run(p, at),
+            Self::Learned(curve) => curve.value(p, at),
+        }
+    }
 }
 
 /// An expression in the time `t` alone, as a reference or input signal is typed.
@@ -89,7 +107,13 @@ impl Law {
     /// # Errors
     /// [`LawError`] with the byte position in the text.
     pub fn parse(target: Target, text: &str, parameters: &[String]) -> Result<Self, LawError> {
-        Ok(Self { target, tape: parse::parse(text, parameters, &parse::DRIVE)? })
+        let form = Form::Typed(parse::parse(text, parameters, &parse::DRIVE)?);
+        Ok(Self { target, form })
+    }
+
+    /// The law of a curve, whose parameters are its values at the knots.
+    pub fn learned(target: Target, curve: Curve) -> Self {
+        Self { target, form: Form::Learned(curve) }
     }
 
     /// What the law gives.
@@ -112,7 +136,7 @@ impl Law {
         if self.senses() {
             return;
         }
-        let value = self.tape.run(p, at);
+        let value = self.form.run(p, at);
         for l in 0..N {
             match self.target {
                 Target::Torque => sum.torque[l] -= value[l],
@@ -131,8 +155,8 @@ impl Law {
         y: &mut OutputLanes<R, N>,
     ) {
         match self.target {
-            Target::Omega => y.omega = self.tape.run(p, at),
-            Target::Current => y.i = self.tape.run(p, at),
+            Target::Omega => y.omega = self.form.run(p, at),
+            Target::Current => y.i = self.form.run(p, at),
             Target::Torque | Target::Voltage | Target::Heat => {}
         }
     }

@@ -1,6 +1,6 @@
 //! Mistakes in numbers, effects and typed laws.
 
-use super::{COEFFICIENTS, LAW, mistaken, told};
+use super::{COEFFICIENTS, Drive, LAW, mistaken, told};
 
 #[test]
 fn numbers_out_of_range() {
@@ -162,6 +162,13 @@ fn effects_that_the_drive_cannot_have() {
         "\"flexible_coupling\"",
         "`belt` cannot stand beside `flexible_coupling` (on line 15): they are one part of the ",
     )]);
+    told(&[(
+        "T_c = 0.016",
+        &after("[[effect]]\nkind = \"delay\"\ntau = 1e-4"),
+        "16:8",
+        "\"delay\"",
+        "`delay` cannot exist for this drive: the controller is continuous; remove it, or give",
+    )]);
     let unbalance = after("[[effect]]\nkind = \"unbalance\"\na = 0\nb = 1");
     let (text, error) =
         mistaken(&[("T_c = 0.016", &unbalance), ("motion = \"rotary\"", "motion = \"linear\"")]);
@@ -228,4 +235,77 @@ fn typed_laws() {
             "`effect.parameters.c` = \"1\": ",
         ),
     ]);
+}
+
+#[test]
+fn learned_curves() {
+    let right = "T_c = 0.016\n[[effect]]\nkind = \"learned\"\nbalance = \"torque\"\nover = \"omega\"\n\
+                 knots = [-1, 0, 2]\nvalues = [0, 1, 0.5]";
+    let (text, _) = mistaken(&[("T_c = 0.016", right), ("schema = 1", "schema = 2")]);
+    assert!(Drive::parse(&text.replace("schema = 2", "schema = 1"), "right.toml").is_ok());
+    for (line, by, place, underlined, message) in [
+        (
+            "\"omega\"",
+            "\"omga\"",
+            "18:8",
+            "\"omga\"",
+            "`learned.over` = \"omga\": it takes \"omega\" or ",
+        ),
+        ("\"omega\"", "\"v\"", "18:8", "\"v\"", "`learned.over` = \"v\": it takes \"omega\" or "),
+        (
+            "\"torque\"",
+            "\"heat\"",
+            "17:11",
+            "\"heat\"",
+            "`learned.balance` = \"heat\": it takes \"torque\" or ",
+        ),
+        (
+            "balance = \"torque\"\n",
+            "",
+            "15:1",
+            "[[effect]]",
+            "`learned.balance` is missing: add it, \"torque\" or",
+        ),
+        (
+            "[-1, 0, 2]",
+            "[-1, 2, 2]",
+            "19:17",
+            "2",
+            "`learned.knots`: 2 after 2: knots are finite and increase",
+        ),
+        ("[-1, 0, 2]", "[-1]", "19:9", "[-1]", "`learned.knots`: 1 knots: give 2 to 64"),
+        ("[-1, 0, 2]", "3", "19:9", "3", "`learned.knots` = 3: it takes a list of numbers"),
+        (
+            "[-1, 0, 2]",
+            "[-1, \"a\", 2]",
+            "19:14",
+            "\"a\"",
+            "`effect.knots` = \"a\": it takes a number",
+        ),
+        (
+            "[0, 1, 0.5]",
+            "[0, 1]",
+            "20:10",
+            "[0, 1]",
+            "`learned` has 3 knots and 2 values: give one",
+        ),
+        (
+            "[0, 1, 0.5]",
+            "[0, nan, 0.5]",
+            "20:14",
+            "nan",
+            "`learned.v_1` = NaN: value of the learned curve",
+        ),
+        (
+            "\"omega\"\nknots = [-1, 0, 2]",
+            "\"theta\"\nknots = [-1, 0, 6]",
+            "19:9",
+            "[-1, 0, 6]",
+            "`learned.knots`: the knots span 7 rad",
+        ),
+    ] {
+        let wrong = right.replacen(line, by, 1);
+        assert_ne!(wrong, right, "{line}");
+        told(&[("T_c = 0.016", &wrong, place, underlined, message)]);
+    }
 }

@@ -9,6 +9,7 @@ use proptest::prelude::*;
 
 use crate::drive::*;
 use crate::effects::custom::Target;
+use crate::effects::learned::Over;
 use crate::effects::registry::{Entry, REGISTRY};
 use crate::parameters::{Role, possible};
 
@@ -106,7 +107,10 @@ fn a_linear_drive_takes_both_names_of_its_signals() {
         let text = format!("[[effect]]\nkind = \"custom\"\n{key} = \"v * 1.01\"\n[fit]");
         read(&EMPS.replace("[fit]", &text)).effects.remove(2).law
     };
-    assert_eq!(law("v"), Some((Target::Omega, "v * 1.01".to_owned())));
+    assert_eq!(
+        law("v"),
+        Some(LawData::Typed { target: Target::Omega, text: "v * 1.01".to_owned() })
+    );
     assert_eq!(law("v"), law("omega"));
 }
 
@@ -150,7 +154,7 @@ fn motor(input: Input) -> impl Strategy<Value = MotorData> {
 /// An effect of the library or a typed one, under the number's own name.
 fn effect(number_of_it: usize, motion: Motion, input: Input) -> BoxedStrategy<EffectData> {
     let id = format!("effect_{number_of_it}");
-    let custom_id = id.clone();
+    let (custom_id, curve_id) = (id.clone(), id.clone());
     let entries: Vec<_> =
         REGISTRY.iter().filter(|entry| entry.info.impossible(motion, input).is_none()).collect();
     let registered = prop::sample::select(entries).prop_flat_map(move |entry| {
@@ -178,10 +182,31 @@ fn effect(number_of_it: usize, motion: Motion, input: Input) -> BoxedStrategy<Ef
             let terms = parameters.iter().map(|(name, _)| format!("{name} *{space}abs(i)"));
             let law = terms.chain(["omega^2".to_owned()]).collect::<Vec<_>>().join(" + ");
             let kind = "custom".to_owned();
-            EffectData { kind, id: custom_id.clone(), parameters, law: Some((target, law)) }
+            let law = Some(LawData::Typed { target, text: law });
+            EffectData { kind, id: custom_id.clone(), parameters, law }
         },
     );
-    prop_oneof![registered, typed].boxed()
+    let curves: Vec<_> = [Target::Torque, Target::Voltage]
+        .into_iter()
+        .filter(|target| input == Input::Voltage || *target == Target::Torque)
+        .flat_map(|target| Over::ALL.map(|(_, over)| (target, over)))
+        .collect();
+    let any_number = number((f64::NEG_INFINITY, f64::INFINITY));
+    let learned = (prop::sample::select(curves), vec((0.01..0.5, any_number), 2..12)).prop_map(
+        move |((target, over), all)| {
+            let mut knot = -1.0;
+            let knots = all.iter().map(|(step, _)| {
+                knot += step;
+                knot
+            });
+            let knots = knots.collect();
+            let named = |(k, (_, value)): (usize, &(f64, f64))| (LawData::value_name(k), *value);
+            let parameters = all.iter().enumerate().map(named).collect();
+            let law = Some(LawData::Learned { target, over, knots });
+            EffectData { kind: "learned".to_owned(), id: curve_id.clone(), parameters, law }
+        },
+    );
+    prop_oneof![registered, typed, learned].boxed()
 }
 
 /// What stands around the motor and the effects.

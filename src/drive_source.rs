@@ -26,19 +26,26 @@ struct WrongDriveFile {
 /// # Errors
 /// No such file or name, a file that cannot be read, or wrong content, with its place.
 pub(crate) fn drive(given: &str) -> miette::Result<Drive> {
+    parse(&text(given)?, given)
+}
+
+/// The text of its drive file.
+///
+/// # Errors
+/// No such file or name, or a file that cannot be read.
+pub(crate) fn text(given: &str) -> miette::Result<String> {
     let path = Path::new(given);
     if !path.exists()
         && let Some((_, text)) = BUILT_IN.iter().find(|(name, _)| *name == given)
     {
-        return parse(text, given);
+        return Ok((*text).to_owned());
     }
     if !path.exists() && !looks_like_a_file(path) {
         let known = BUILT_IN.map(|(name, _)| name).join(", ");
         return Err(Failure::UnknownDrive { name: given.to_owned(), known }.into());
     }
     let read = std::fs::read_to_string(path);
-    let text = read.map_err(|source| Failure::Read { path: path.to_owned(), source })?;
-    parse(&text, given)
+    Ok(read.map_err(|source| Failure::Read { path: path.to_owned(), source })?)
 }
 
 fn looks_like_a_file(path: &Path) -> bool {

@@ -8,6 +8,7 @@
 mod cli;
 mod commands;
 mod drive_source;
+mod evidence;
 mod expression;
 mod failure;
 mod first_drive;

@@ -6,7 +6,7 @@
 //! is delayed; speed and acceleration are central differences. The inverse dynamics is the
 //! drive's own right-hand side: J (a - a_model) is what it lacks.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::model::{Applied, POSITION, SPEED, field};
@@ -95,6 +95,8 @@ fn section(values: &mut [f64], cut: f64, damping: f64) {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use drivescope_recording::{Recording, Signal};
 

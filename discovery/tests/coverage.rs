@@ -44,6 +44,7 @@ fn covered(fits: u64, duration_s: f64, load: Option<(f64, f64)>) -> (f64, f64) {
         }
     }
     let share = |held: &u64| *held as f64 / fits as f64;
+    println!("{:?}", held.iter().map(share).collect::<Vec<_>>());
     let least = held.iter().map(share).fold(1.0, f64::min);
     (held.iter().map(share).sum::<f64>() / held.len() as f64, least)
 }
@@ -64,4 +65,15 @@ fn intervals_cover_93_to_97_per_cent() {
     assert!((0.93..=0.97).contains(&covered), "{covered}");
     // One parameter's share of 500 is known to 0.01; the block errors add a little on the safe side.
     assert!(least > 0.92, "{least}");
+}
+
+/// Under a random load of 6 % of the dry friction, with a memory of 50 ms, the blocks see most of
+/// what colours the residual: about 90 % for the parameters that act at speed. T_b and omega_s,
+/// which the load shifts itself, fall short (70 to 80 %), hence the average.
+#[test]
+#[ignore = "half a minute: run it with --ignored"]
+fn a_random_load_costs_some_coverage() {
+    let (covered, least) = covered(100, 8.0, Some((1e-3, 0.05)));
+    assert!((0.82..=0.97).contains(&covered), "{covered}");
+    assert!(least > 0.6, "{least}");
 }

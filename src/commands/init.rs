@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use drivescope_discovery::with_canonical_names;
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_recording::Recording;
 use serde::Serialize;
@@ -15,7 +16,7 @@ use crate::failure::{Ending, told};
 use crate::first_drive::{FirstDrive, Origin};
 use crate::output;
 use crate::session::Session;
-use crate::simulation::replay::{Fit, fits, replay, start, with_canonical_names};
+use crate::simulation::replay::{Fit, fits, replay, start};
 use crate::simulation::without_noise;
 
 /// Make a first drive file from a recording: signals recognised, rough values, what to fill in.

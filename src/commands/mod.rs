@@ -4,6 +4,7 @@
 mod cosim;
 mod effects;
 mod export;
+mod fit;
 mod fmu;
 mod init;
 mod recording_options;
@@ -13,6 +14,8 @@ mod simulate;
 mod study;
 
 use clap::{Args, Subcommand};
+
+pub(crate) use recording_options::RecordingOptions;
 
 use crate::failure::Ending;
 use crate::session::Session;
@@ -45,6 +48,7 @@ commands! {
     Study: study::Study,
     Simulate: simulate::Simulate,
     Init: init::Init,
+    Fit: fit::Fit,
     Export: export::Export,
     Fmu: fmu::Fmu,
     Cosim: cosim::Cosim,

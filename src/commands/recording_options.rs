@@ -11,7 +11,7 @@ use crate::session::Session;
 /// Options of reading a recording.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Reading the recording")]
-pub(super) struct RecordingOptions {
+pub(crate) struct RecordingOptions {
     /// Columns by name: `u=Voltage,omega=Speed:rpm`.
     #[arg(long, value_name = "NAME=COLUMN[:UNIT],..")]
     columns: Option<String>,
@@ -25,7 +25,7 @@ impl RecordingOptions {
     ///
     /// # Errors
     /// The file, its columns or its time axis cannot be used.
-    pub(super) fn read(
+    pub(crate) fn read(
         &self,
         path: &Path,
         session: &Session,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use drivescope_discovery::with_canonical_names;
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::sampled::speed_bound;
 use drivescope_recording::{Quantity, Recording};
@@ -16,7 +17,7 @@ use crate::failure::{Ending, Failure, told};
 use crate::output;
 use crate::session::Session;
 use crate::simulation::fault::FaultOverTime;
-use crate::simulation::replay::{Fit, fits, replay, start, with_canonical_names};
+use crate::simulation::replay::{Fit, fits, replay, start};
 use crate::simulation::typed::{self, Driven};
 use crate::simulation::{speed, tacho_unit, without_noise};
 

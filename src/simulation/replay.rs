@@ -3,7 +3,7 @@
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::unit::Unit;
-use drivescope_recording::{Recording, Signal, Unit as SignalUnit};
+use drivescope_recording::{Recording, Signal};
 use indicatif::ProgressBar;
 
 use super::start::{FIRST, Start};
@@ -21,26 +21,6 @@ pub(crate) struct Fit {
     pub(crate) rms: f64,
     /// The unit.
     pub(crate) unit: String,
-}
-
-/// The recording with a speed and a current under their own names: where there is none, the
-/// tachometer signal T and the measured current I_m stand in.
-pub(crate) fn with_canonical_names(drive: &Drive, mut recording: Recording) -> Recording {
-    let (speed, unit) = speed(drive);
-    let per_unit = recording.signal("T").and_then(|t| Some((t, SignalUnit::parse(&t.unit)?)));
-    if recording.signal(speed).is_none()
-        && let Some((t, of)) = per_unit.filter(|(_, of)| of.quantity.si() == unit)
-    {
-        let values = t.values.iter().map(|value| of.to_si(*value)).collect();
-        recording.signals.push(Signal { name: speed.to_owned(), unit, values });
-    }
-    if recording.signal("i").is_none()
-        && let Some(i_m) = recording.signal("I_m")
-    {
-        let current = Signal { name: "i".to_owned(), ..i_m.clone() };
-        recording.signals.push(current);
-    }
-    recording
 }
 
 /// The candidate from which the model follows the first samples best, each signal measured by
@@ -208,17 +188,6 @@ mod tests {
             // The first sample of a run without noise is the state itself.
             assert!(fit.percent.is_some_and(|percent| percent > 99.99), "{fit:?}");
         }
-    }
-
-    #[test]
-    fn the_tachometer_stands_in_for_the_speed() {
-        let named = with_canonical_names(
-            &dr300(),
-            recording(vec![signal("T", "rpm", |_| 3000.0), signal("I_m", "A", |_| 0.5)]),
-        );
-        let speed = named.signal("omega").expect("it was added").values[0];
-        assert!((speed - 100.0 * std::f64::consts::PI).abs() < 1e-10, "{speed}");
-        assert_eq!(named.signal("i").map(|i| i.values[0]), Some(0.5));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 mod drive_files;
 mod export;
+mod fit;
 mod fmu;
 mod help;
 mod init;

@@ -1,7 +1,8 @@
 //! Which parameters a recording tells, and which only in combination.
 //!
 //! The information on the parameters (the starts taken out as a Schur complement) is scaled so
-//! that 1 is a change by a parameter's own size. An eigenvalue 1/s^2 of it then is a combination
+//! that 1 is a change by a parameter's own size (or, of one that may have either sign, a change
+//! that moves the outputs by as much as they move at all). An eigenvalue 1/s^2 of it then is a combination
 //! that is known to the share s; beyond [`UNKNOWN`] it is not known, and of the parameters that
 //! take part one is named and kept. This repeats until what remains is known.
 

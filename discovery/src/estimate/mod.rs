@@ -25,9 +25,10 @@ pub use identifiable::NotIdentifiable;
 
 use crate::case::{Case, Setting, Squares};
 use crate::error::Error;
-use crate::measured::Measured;
+use crate::measured::{Channel, Measured};
 use crate::start::{Start, first_starts};
 use problem::Problem;
+use scale::Reach;
 use search::minimise_within;
 use unknowns::{Unknown, Unknowns, Which, set};
 
@@ -56,6 +57,17 @@ impl Evidence {
     /// Measured values in all of them.
     pub fn values(&self) -> usize {
         self.recordings.iter().map(Measured::values).sum()
+    }
+
+    /// Squares of all measured values less their mean, in units of the noise.
+    pub fn power(&self) -> f64 {
+        let of = |(channel, sd): (&Channel, &f64)| {
+            let values = || channel.values.iter().filter(|value| value.is_finite());
+            let mean = values().sum::<f64>() / values().count() as f64;
+            values().map(|y| ((y - mean) / sd).powi(2)).sum::<f64>()
+        };
+        let each = self.recordings.iter().zip(&self.noise);
+        each.flat_map(|(measured, noise)| measured.outputs.iter().zip(noise)).map(of).sum()
     }
 }
 
@@ -247,11 +259,11 @@ fn total(recordings: &[Fit]) -> Squares {
 
 /// The best minimum from up to that many starts, and how many were tried.
 fn search(problem: &Problem<'_>, starts: usize, seed: u64) -> Result<(Vec<f64>, usize), Error> {
-    let bounds = problem.unknowns.bounds();
+    let reaches = problem.unknowns.reaches();
     let values = problem.evidence.values() as f64;
     let limits = Limits { steps: STEPS, relative_decrease: WORTH_A_STEP / values };
     let mut random = Pcg64::seed_from_u64(seed);
-    let mut best = minimise_within(problem, &problem.unknowns.guess, &bounds, limits);
+    let mut best = minimise_within(problem, &problem.unknowns.guess, &reaches, limits);
     let mut tried = 1;
     let floors = problem.evidence.recordings.iter().map(|it| problem.setting.observer.floor(it));
     let floor = AT_THE_FLOOR * floors.fold(1.0, f64::max);
@@ -260,7 +272,7 @@ fn search(problem: &Problem<'_>, starts: usize, seed: u64) -> Result<(Vec<f64>, 
             (0..LOOKED_AT).map(|_| around(&problem.unknowns, &mut random)).collect();
         let looked = drawn.into_iter().map(|point| (problem.sse(&point), point));
         let Some((_, start)) = looked.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        let found = minimise_within(problem, &start, &bounds, limits);
+        let found = minimise_within(problem, &start, &reaches, limits);
         if found.sse < best.sse || !best.sse.is_finite() {
             best = found;
         }
@@ -320,7 +332,7 @@ impl Solved {
     ) -> Estimate {
         let all = base.parameters();
         let known = all.iter().find(|it| it.name == name).expect("a parameter of the drive");
-        let (low, high) = problem.unknowns.scales[k].bounds;
+        let Reach { low, high, .. } = problem.unknowns.scales[k].reach;
         Estimate {
             name: name.to_owned(),
             value: problem.unknowns.scales[k].value(found[k]),
@@ -353,14 +365,27 @@ impl Solved {
 fn not_identifiable(problem: &Problem<'_>, found: &[f64], base: &Drive) -> Vec<NotIdentifiable> {
     let at = problem.linearise(found);
     let variance = (at.sse / problem.evidence.values() as f64).max(1.0);
+    let power = problem.evidence.power();
     let name = |k: usize| match &problem.unknowns.all[k] {
         Unknown::Shared(name) => Some(name.clone()),
         _ => None,
     };
     let shared = (0..found.len()).take_while(|k| name(*k).is_some()).count();
-    let Some(information) = identifiable::marginal(&(at.hessian / variance), shared) else {
+    let sizes: Vec<f64> = (0..shared)
+        .map(|k| match problem.unknowns.scales[k].is_sizeless(problem.unknowns.guess[k]) {
+            // What moves the outputs by as much as they move at all.
+            true if at.hessian[(k, k)] > 0.0 => (power / at.hessian[(k, k)]).sqrt(),
+            _ => 1.0,
+        })
+        .collect();
+    let Some(mut information) = identifiable::marginal(&(at.hessian / variance), shared) else {
         return Vec::new();
     };
+    for j in 0..shared {
+        for k in 0..shared {
+            information[(j, k)] *= sizes[j] * sizes[k];
+        }
+    }
     // A torque constant is read off a data sheet before anything else; then the file's order.
     let mut preference: Vec<usize> = (0..shared).collect();
     preference.sort_by_key(|k| name(*k).as_deref() != Some("K_m"));

@@ -90,7 +90,8 @@ impl Problem<'_> {
         let each = residuals.iter().flat_map(|(residuals, period_s)| {
             residuals.iter().map(|residual| (residual.as_slice(), *period_s))
         });
-        let block_s = block_s(each);
+        let lengths = self.evidence.recordings.iter().map(|it| it.len() as f64 * it.period_s);
+        let block_s = block_s(each, lengths.sum(), coordinates.len());
         (block_s, self.scores(coordinates, block_s))
     }
 

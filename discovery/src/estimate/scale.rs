@@ -12,6 +12,9 @@ use crate::measured::{Measured, Output};
 
 /// Farthest that a positive parameter may go from its start: this factor.
 const FARTHEST: f64 = 1e4;
+/// Longest step of a logarithm: a linearisation says little about a drive of seven times the
+/// inertia.
+const LONGEST: f64 = 2.0;
 /// Samples over which a speed is averaged before it is looked at.
 const AVERAGED: usize = 10;
 /// Standard deviations of an averaged speed within which the shaft may be at rest.
@@ -25,8 +28,19 @@ pub(crate) struct Scale {
     logarithmic: bool,
     /// Unit of a linear coordinate.
     size: f64,
-    /// Least and greatest coordinate.
-    pub(crate) bounds: (f64, f64),
+    /// Where the coordinate may go.
+    pub(crate) reach: Reach,
+}
+
+/// Where a coordinate may go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reach {
+    /// Least value.
+    pub(crate) low: f64,
+    /// Greatest value.
+    pub(crate) high: f64,
+    /// Longest step at once.
+    pub(crate) longest: f64,
 }
 
 impl Scale {
@@ -42,24 +56,32 @@ impl Scale {
             high = high.min(speeds.1.max(parameter.value));
         }
         let value = parameter.value;
-        let bounds = (low.max(value / FARTHEST).ln(), high.min(value * FARTHEST).ln());
-        Self { logarithmic: true, size: 1.0, bounds }
+        let (low, high) = (low.max(value / FARTHEST).ln(), high.min(value * FARTHEST).ln());
+        Self { logarithmic: true, size: 1.0, reach: Reach { low, high, longest: LONGEST } }
     }
 
     /// A coordinate in units of `size`, its value within a range.
     pub(crate) fn linear(size: f64, (low, high): (f64, f64)) -> Self {
-        Self { logarithmic: false, size, bounds: (low / size, high / size) }
+        // A linear model is as good for long steps; a bad one is refused.
+        let reach = Reach { low: low / size, high: high / size, longest: f64::INFINITY };
+        Self { logarithmic: false, size, reach }
     }
 
     /// The coordinate of a value, within the bounds.
     pub(crate) fn coordinate(&self, value: f64) -> f64 {
         let coordinate = if self.logarithmic { value.ln() } else { value / self.size };
-        coordinate.clamp(self.bounds.0, self.bounds.1)
+        coordinate.clamp(self.reach.low, self.reach.high)
     }
 
     /// The value at a coordinate.
     pub(crate) fn value(&self, coordinate: f64) -> f64 {
         if self.logarithmic { coordinate.exp() } else { coordinate * self.size }
+    }
+
+    /// Whether the value there says nothing of how large the parameter may be: zero, or one of
+    /// either sign.
+    pub(crate) fn is_sizeless(&self, coordinate: f64) -> bool {
+        !self.logarithmic && (self.reach.low < 0.0 || coordinate == 0.0)
     }
 
     /// d value / d coordinate.
@@ -129,9 +151,9 @@ mod tests {
         let resistance = Scale::of(of("R"), speeds);
         assert!((resistance.value(resistance.coordinate(3.13)) - 3.13).abs() < 1e-12);
         assert!((resistance.slope(resistance.coordinate(3.13)) - 3.13).abs() < 1e-12);
-        assert!(resistance.value(resistance.bounds.0) > 0.0);
+        assert!(resistance.value(resistance.reach.low) > 0.0);
         let friction = Scale::of(of("coulomb.T_c"), speeds);
-        assert_eq!(friction.value(friction.bounds.0), 0.0);
+        assert_eq!(friction.value(friction.reach.low), 0.0);
         assert_eq!((friction.coordinate(0.016), friction.slope(0.5)), (1.0, 0.016));
         let slow = Scale::of(of("stribeck.omega_s"), speeds);
         assert!((slow.value(slow.coordinate(0.1)) - 2.0).abs() < 1e-12);

@@ -2,14 +2,14 @@
 //!
 //! As [`drivescope_numerics::minimise`], but every coordinate stays in its interval: one that
 //! lies on a bound and is pushed outwards is left out of the step (an active set), and a step
-//! that would leave goes to the bound, for which the others are solved again. No coordinate moves by more
-//! than [`LONGEST`] at once: a linearisation says little about a drive of seven times the inertia.
+//! that would leave goes to the bound, for which the others are solved again. No coordinate moves
+//! by more than its longest step at once.
 
 use drivescope_numerics::{Limits, Linearisation, Minimum, Residuals, Stop};
 use nalgebra::{DMatrix, DVector};
 
-/// Longest step of a coordinate: a factor of e^2, or twice a parameter's size.
-const LONGEST: f64 = 2.0;
+use super::scale::Reach;
+
 /// First damping, relative to the scaled diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
 /// Beyond this damping a step no longer changes the parameters.
@@ -22,7 +22,7 @@ const SMALLEST_SCALE: f64 = 1e-12;
 pub(crate) fn minimise_within(
     problem: &impl Residuals,
     start: &[f64],
-    bounds: &[(f64, f64)],
+    reaches: &[Reach],
     limits: Limits,
 ) -> Minimum {
     let mut p = start.to_vec();
@@ -36,7 +36,7 @@ pub(crate) fn minimise_within(
         for (k, scale) in scale.iter_mut().enumerate() {
             *scale = scale.max(at.hessian[(k, k)]);
         }
-        let free = free(&p, &at, bounds);
+        let free = free(&p, &at, reaches);
         if free.is_empty() {
             break Stop::Converged;
         }
@@ -44,7 +44,7 @@ pub(crate) fn minimise_within(
             break Stop::StepLimit;
         }
         steps += 1;
-        let Some(trial) = step(&p, &at, &free, &scale, damping, bounds) else {
+        let Some(trial) = step(&p, &at, &free, &scale, damping, reaches) else {
             (damping, growth) = (damping * growth, growth * 2.0);
             continue;
         };
@@ -66,9 +66,9 @@ pub(crate) fn minimise_within(
 }
 
 /// Coordinates that are not held at a bound by the slope.
-fn free(p: &[f64], at: &Linearisation, bounds: &[(f64, f64)]) -> Vec<usize> {
+fn free(p: &[f64], at: &Linearisation, reaches: &[Reach]) -> Vec<usize> {
     let held = |k: usize| {
-        let (low, high) = bounds[k];
+        let Reach { low, high, .. } = reaches[k];
         (p[k] <= low && at.gradient[k] > 0.0) || (p[k] >= high && at.gradient[k] < 0.0)
     };
     (0..p.len()).filter(|k| !held(*k)).collect()
@@ -83,7 +83,7 @@ fn step(
     free: &[usize],
     scale: &[f64],
     damping: f64,
-    bounds: &[(f64, f64)],
+    reaches: &[Reach],
 ) -> Option<Vec<f64>> {
     let smallest = SMALLEST_SCALE * scale.iter().fold(0.0, |most: f64, s| most.max(*s));
     let mut free = free.to_vec();
@@ -100,8 +100,8 @@ fn step(
         let solved = damped.cholesky()?.solve(&gradient);
         let (mut left, mut outside) = (Vec::new(), false);
         for (a, &k) in free.iter().enumerate() {
-            let (low, high) = bounds[k];
-            let wanted = p[k] - solved[a].clamp(-LONGEST, LONGEST);
+            let Reach { low, high, longest } = reaches[k];
+            let wanted = p[k] - solved[a].clamp(-longest, longest);
             trial[k] = wanted.clamp(low, high);
             if trial[k] == wanted {
                 left.push(k);
@@ -153,7 +153,8 @@ mod tests {
     }
 
     fn found(start: [f64; 2], bounds: [(f64, f64); 2]) -> Vec<f64> {
-        let minimum = minimise_within(&Valley, &start, &bounds, LIMITS);
+        let reach = |(low, high)| Reach { low, high, longest: 2.0 };
+        let minimum = minimise_within(&Valley, &start, &bounds.map(reach), LIMITS);
         assert_eq!(minimum.stop, Stop::Converged, "{minimum:?}");
         minimum.parameters
     }
@@ -192,7 +193,12 @@ mod tests {
 
     #[test]
     fn an_overflow_at_the_start_is_said() {
-        let minimum = minimise_within(&Overflow, &[1.0], &[(0.0, 2.0)], LIMITS);
+        let minimum = minimise_within(
+            &Overflow,
+            &[1.0],
+            &[Reach { low: 0.0, high: 2.0, longest: 1.0 }],
+            LIMITS,
+        );
         assert_eq!((minimum.stop, minimum.parameters), (Stop::NoDescent, vec![1.0]));
     }
 }

@@ -23,11 +23,17 @@ const LARGEST_SHARE: f64 = 0.9;
 const BLOCKS_AN_UNKNOWN: usize = 2;
 
 /// Length of a block, s, for residuals (one list an output and recording, NaN left out): several
-/// times the longest correlation time, within [`SHORTEST_S`] and [`LONGEST_S`].
-pub(super) fn block_s<'a>(residuals: impl Iterator<Item = (&'a [f64], f64)>) -> f64 {
+/// times the longest correlation time, within [`SHORTEST_S`] and [`LONGEST_S`], but so that there
+/// are enough blocks for that many unknowns.
+pub(super) fn block_s<'a>(
+    residuals: impl Iterator<Item = (&'a [f64], f64)>,
+    duration_s: f64,
+    unknowns: usize,
+) -> f64 {
     let times =
         residuals.map(|(residual, period_s)| period_s * correlation_samples(residual, period_s));
-    (TIMES * times.fold(0.0, f64::max)).clamp(SHORTEST_S, LONGEST_S)
+    let wanted = (TIMES * times.fold(0.0, f64::max)).clamp(SHORTEST_S, LONGEST_S);
+    wanted.min(duration_s / (BLOCKS_AN_UNKNOWN * unknowns.max(1)) as f64).max(SHORTEST_S)
 }
 
 /// Sum of the autocorrelations up to where they are lost in their own uncertainty, samples.
@@ -171,7 +177,7 @@ mod tests {
     #[test]
     fn a_block_is_longer_than_the_memory() {
         let white = gaussian(8000, 5);
-        assert_eq!(block_s([(white.as_slice(), 1e-3)].into_iter()), SHORTEST_S);
+        assert_eq!(block_s([(white.as_slice(), 1e-3)].into_iter(), 8.0, 8), SHORTEST_S);
         let mut state = 0.0;
         let slow = white.iter().map(|draw| {
             state = 0.98 * state + draw;
@@ -179,7 +185,8 @@ mod tests {
         });
         let slow: Vec<f64> = slow.collect();
         // 49 samples of memory, five times over.
-        let found = block_s([(white.as_slice(), 1e-3), (slow.as_slice(), 1e-3)].into_iter());
+        let found =
+            block_s([(white.as_slice(), 1e-3), (slow.as_slice(), 1e-3)].into_iter(), 8.0, 8);
         assert!((0.15..0.4).contains(&found), "{found}");
     }
 }

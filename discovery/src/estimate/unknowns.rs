@@ -8,7 +8,7 @@ use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::parameters::NamedParameter;
 
 use super::Evidence;
-use super::scale::{Scale, recorded_speeds};
+use super::scale::{Reach, Scale, recorded_speeds};
 use crate::measured::{Measured, Output};
 use crate::start::Start;
 
@@ -116,8 +116,8 @@ impl Unknowns {
         self.weights.push(weight);
     }
 
-    pub(crate) fn bounds(&self) -> Vec<(f64, f64)> {
-        self.scales.iter().map(|scale| scale.bounds).collect()
+    pub(crate) fn reaches(&self) -> Vec<Reach> {
+        self.scales.iter().map(|scale| scale.reach).collect()
     }
 
     /// Numbers of the unknowns that a recording's run depends on.

@@ -2,13 +2,14 @@
 //!
 //! `document` parses the text and keeps the places; `deserialize` reads it into the tables of
 //! `layout`; `check` and `effects` apply the rules between keys, the registry and the list of
-//! [`crate::parameters`], and put a [`Drive`] together. `write` goes the other way, and `schema`
-//! describes the file to editors.
+//! [`crate::parameters`], and put a [`Drive`] together. `write` goes the other way, `edit` changes
+//! values in a file and keeps its comments, and `schema` describes the file to editors.
 
 mod check;
 mod curve;
 mod deserialize;
 mod document;
+mod edit;
 mod effects;
 mod error;
 mod law_text;
@@ -23,6 +24,7 @@ use std::path::Path;
 
 use crate::drive::Drive;
 
+pub use edit::Change;
 pub use error::{DriveFileError, Place, Problem};
 pub use schema::schema_json;
 

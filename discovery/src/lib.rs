@@ -13,7 +13,12 @@
 
 mod canonical;
 mod case;
+mod discover;
 mod doubt;
+pub use discover::{
+    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung, Step,
+    Unwatched, Verdict, Watch, Where, add, bic_of, discover,
+};
 mod error;
 mod estimate;
 mod force;

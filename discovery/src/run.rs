@@ -6,6 +6,7 @@
 use drivescope_numerics::Real;
 use drivescope_plant::integrate::{Integrator, State};
 use drivescope_plant::model::{Applied, CURRENT, POSITION, SPEED};
+use drivescope_plant::sampled::DelayLine;
 
 use crate::case::Case;
 use crate::measured::Measured;
@@ -17,6 +18,8 @@ pub(crate) struct Runner<'a, R> {
     measured: &'a Measured,
     gains: Option<Gains>,
     integrator: Integrator<R>,
+    /// What holds u back, where the drive has a delay.
+    delay: Option<DelayLine<R, 1>>,
     state: State<R, 1>,
     /// Current, speed and position at the beginning of each piece.
     starts: Vec<[R; 3]>,
@@ -48,6 +51,7 @@ impl<R: Real> Runner<'_, R> {
         Runner {
             measured: case.measured,
             gains: case.setting.observer.gains(case.measured),
+            delay: model.delays().map(DelayLine::new),
             integrator: Integrator::paced(model, case.setting.longest_s),
             state,
             starts,
@@ -78,7 +82,14 @@ impl<R: Real> Runner<'_, R> {
         let shown = self.integrator.model().outputs(&self.state.x, &applied);
         let shown = [shown.i[0], shown.omega[0], shown.theta[0]];
         self.correct(k, &shown);
-        self.integrator.advance(&mut self.state, &applied, self.period);
+        match &mut self.delay {
+            None => self.integrator.advance(&mut self.state, &applied, self.period),
+            Some(line) => {
+                for (held, length) in line.pieces(&applied, self.period) {
+                    self.integrator.advance(&mut self.state, held, *length);
+                }
+            }
+        }
         shown
     }
 
@@ -90,6 +101,7 @@ impl<R: Real> Runner<'_, R> {
     fn begin(&mut self) {
         let model = self.integrator.model();
         self.state = State::at_rest(model);
+        self.delay = model.delays().map(DelayLine::new);
         let [current, speed, position] = self.starts[self.next_piece];
         self.state.x[CURRENT] = [current];
         self.state.x[POSITION] = [position];

@@ -91,6 +91,9 @@ pub(crate) fn effect(drive: &Drive, rest: &Rest) -> Option<EffectData> {
     Some(EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) })
 }
 
+/// A form, and its text for a coefficient.
+type Form = (Box<dyn Fn(f64) -> f64>, Box<dyn Fn(f64) -> String>);
+
 /// The simplest formula that holds the curve: one coefficient, or two with a width.
 fn formula(curve: &Curve, values: &[f64]) -> Option<String> {
     if curve.period.is_some() || curve.factor != Factor::One {
@@ -103,7 +106,7 @@ fn formula(curve: &Curve, values: &[f64]) -> Option<String> {
     };
     let largest = curve.knots.iter().fold(0.0_f64, |most, knot| most.max(knot.abs()));
     // Forms and their texts; what the base has (constant friction, proportional) is taken out.
-    let mut forms: Vec<(Box<dyn Fn(f64) -> f64>, Box<dyn Fn(f64) -> String>)> = vec![
+    let mut forms: Vec<Form> = vec![
         (Box::new(|x| x * x.abs()), Box::new(move |c| format!("{c:.4e} * {z} * abs({z})"))),
         (Box::new(|x| x * x * x), Box::new(move |c| format!("{c:.4e} * {z}^3"))),
         (Box::new(|x| x * x), Box::new(move |c| format!("{c:.4e} * {z}^2"))),

@@ -4,12 +4,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Evidence, Measured, Noise, NoiseSource, doubts, noise};
+use drivescope_discovery::{Evidence, Measured};
 use drivescope_plant::drive::Drive;
-use serde::Serialize;
 
 use crate::commands::RecordingOptions;
-use crate::failure::{Failure, told};
+use crate::failure::told;
+use crate::read_evidence::{KnownNoise, given_noise, read_evidence};
 use crate::session::Session;
 
 /// Share of a single recording that is held out.
@@ -33,19 +33,6 @@ pub(crate) struct EvidenceOptions {
     reading: RecordingOptions,
 }
 
-/// The noise of one output of a recording.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct NamedNoise {
-    /// The output.
-    pub(crate) name: &'static str,
-    /// Standard deviation, SI.
-    pub(crate) sd: f64,
-    /// Its unit.
-    pub(crate) unit: String,
-    /// Where it comes from.
-    pub(crate) source: NoiseSource,
-}
-
 /// Recordings to fit to, and others to judge by.
 #[derive(Debug)]
 pub(crate) struct Gathered {
@@ -54,7 +41,7 @@ pub(crate) struct Gathered {
     /// To judge by.
     pub(crate) validation: Evidence,
     /// Noise of the recordings to fit to, then of those to judge by.
-    pub(crate) noise: Vec<Vec<NamedNoise>>,
+    pub(crate) noise: Vec<Vec<KnownNoise>>,
     /// How the validation was chosen, in words.
     pub(crate) split: String,
     /// What makes the recordings doubtful.
@@ -67,76 +54,26 @@ impl EvidenceOptions {
     /// # Errors
     /// A recording that cannot be read or used with that drive.
     pub(crate) fn gather(&self, drive: &Drive, session: &Session) -> miette::Result<Gathered> {
-        let given = self.given(drive)?;
-        let read = |path: &PathBuf| -> miette::Result<Measured> {
-            let (recording, _) = self.reading.read(path, session)?;
-            Measured::new(drive, &recording).map_err(told)
-        };
-        let mut estimation = self.recordings.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-        let mut validation = self.validate.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-        let mut found = Vec::new();
-        for measured in estimation.iter().chain(&validation) {
-            found.extend(doubts(drive, measured).map_err(told)?.iter().map(ToString::to_string));
-        }
+        let given = given_noise(drive, self.noise.as_deref())?;
+        let read = |files: &[PathBuf]| read_evidence(drive, files, &given, &self.reading, session);
+        let (first, second) = (read(&self.recordings)?, read(&self.validate)?);
+        let mut estimation = first.evidence.recordings;
+        let mut validation = second.evidence.recordings;
         // The noise is known best over the whole of a recording.
-        let of = |measured: &Measured| noise(drive, measured, &given);
-        let mut noises: Vec<Vec<Noise>> = estimation.iter().chain(&validation).map(of).collect();
+        let mut noises: Vec<Vec<KnownNoise>> =
+            first.noise.into_iter().chain(second.noise).collect();
         let split = split(&mut estimation, &mut validation, &mut noises)?;
-        for doubt in &found {
-            session.remark(doubt);
-        }
-        let named = |(measured, noise): (&Measured, &Vec<Noise>)| {
-            let each = measured.outputs.iter().zip(noise);
-            each.map(|(channel, noise)| NamedNoise {
-                name: channel.name,
-                sd: noise.sd,
-                unit: channel.unit.clone(),
-                source: noise.source,
-            })
-            .collect()
-        };
-        let all = estimation.iter().chain(&validation);
-        let noise = all.zip(&noises).map(named).collect();
-        let mut sds = noises.iter().map(|noise| noise.iter().map(|noise| noise.sd).collect());
-        let estimation_noise = sds.by_ref().take(estimation.len()).collect();
-        let validation_noise = sds.collect();
+        let sds = |noise: &Vec<KnownNoise>| noise.iter().map(|it| it.sd).collect();
+        let mut known = noises.iter().map(sds);
+        let estimation_noise = known.by_ref().take(estimation.len()).collect();
+        let validation_noise = known.collect();
         Ok(Gathered {
             estimation: Evidence { recordings: estimation, noise: estimation_noise },
             validation: Evidence { recordings: validation, noise: validation_noise },
-            noise,
+            noise: noises,
             split,
-            doubts: found,
+            doubts: first.doubts.into_iter().chain(second.doubts).collect(),
         })
-    }
-
-    /// The standard deviations of the command line.
-    fn given(&self, drive: &Drive) -> miette::Result<Vec<(String, f64)>> {
-        let wrong = |what: String| Failure::Usage {
-            what,
-            instead:
-                "give standard deviations above 0 in SI units, such as --noise i=0.01,omega=0.3"
-                    .to_owned(),
-        };
-        let known = ["i", "omega", "theta"]
-            .map(|name| drivescope_plant::units::name_for_motion(drive.motion, name));
-        let items = self.noise.as_deref().unwrap_or_default().split(',').map(str::trim);
-        let mut given = Vec::new();
-        for item in items.filter(|item| !item.is_empty()) {
-            let parsed = item.split_once('=').and_then(|(name, sd)| {
-                Some((name.trim().to_owned(), sd.trim().parse::<f64>().ok()?))
-            });
-            let Some((name, sd)) = parsed.filter(|(_, sd)| sd.is_finite() && *sd > 0.0) else {
-                return Err(wrong(format!("--noise: `{item}` is no NAME=SD")).into());
-            };
-            if !known.contains(&name.as_str()) {
-                let known = known.join(", ");
-                return Err(
-                    wrong(format!("--noise: there is no output `{name}`, only {known}")).into()
-                );
-            }
-            given.push((name, sd));
-        }
-        Ok(given)
     }
 }
 
@@ -144,7 +81,7 @@ impl EvidenceOptions {
 fn split(
     estimation: &mut Vec<Measured>,
     validation: &mut Vec<Measured>,
-    noises: &mut Vec<Vec<Noise>>,
+    noises: &mut Vec<Vec<KnownNoise>>,
 ) -> miette::Result<String> {
     let names =
         |some: &[Measured]| some.iter().map(|it| it.name.as_str()).collect::<Vec<_>>().join(", ");

@@ -16,6 +16,7 @@ mod fmu_file;
 mod interrupt;
 mod output;
 mod panics;
+mod read_evidence;
 pub mod report;
 mod session;
 mod simulation;

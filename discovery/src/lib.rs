@@ -13,18 +13,16 @@
 
 mod canonical;
 mod case;
+pub mod compare;
 mod discover;
 mod doubt;
-pub use discover::{
-    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung, Step,
-    Unwatched, Verdict, Watch, Where, add, bic_of, discover,
-};
 mod error;
 mod estimate;
 mod force;
 mod measured;
 mod noise;
 mod observer;
+mod passes;
 mod run;
 mod sensitivity;
 mod start;
@@ -34,6 +32,10 @@ mod testing;
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, Setting, Squares};
 pub use doubt::{Doubt, doubts};
+pub use discover::{
+    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung, Step,
+    Unwatched, Verdict, Watch, Where, add, bic_of, discover,
+};
 pub use error::Error;
 pub use estimate::{
     Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Options, evaluate, fit, with_own,

@@ -18,9 +18,9 @@ pub(crate) struct Runner<'a, R> {
     measured: &'a Measured,
     gains: Option<Gains>,
     integrator: Integrator<R>,
+    state: State<R, 1>,
     /// What holds u back, where the drive has a delay.
     delay: Option<DelayLine<R, 1>>,
-    state: State<R, 1>,
     /// Current, speed and position at the beginning of each piece.
     starts: Vec<[R; 3]>,
     next_piece: usize,
@@ -48,12 +48,13 @@ impl<R: Real> Runner<'_, R> {
             scalar(name, known.expect("a drive has what its model asks for").value)
         });
         let state = State::at_rest(&model);
+        let delay = model.delays().map(DelayLine::new);
         Runner {
             measured: case.measured,
             gains: case.setting.observer.gains(case.measured),
-            delay: model.delays().map(DelayLine::new),
             integrator: Integrator::paced(model, case.setting.longest_s),
             state,
+            delay,
             starts,
             next_piece: 0,
             period: R::constant(case.measured.period_s),
@@ -82,15 +83,20 @@ impl<R: Real> Runner<'_, R> {
         let shown = self.integrator.model().outputs(&self.state.x, &applied);
         let shown = [shown.i[0], shown.omega[0], shown.theta[0]];
         self.correct(k, &shown);
+        self.advance(&applied);
+        shown
+    }
+
+    #[inline]
+    fn advance(&mut self, applied: &Applied<R, 1>) {
         match &mut self.delay {
-            None => self.integrator.advance(&mut self.state, &applied, self.period),
+            None => self.integrator.advance(&mut self.state, applied, self.period),
             Some(line) => {
-                for (held, length) in line.pieces(&applied, self.period) {
+                for (held, length) in line.pieces(applied, self.period) {
                     self.integrator.advance(&mut self.state, held, *length);
                 }
             }
         }
-        shown
     }
 
     /// Leaves out the pieces before that one.
@@ -120,6 +126,11 @@ impl<R: Real> Runner<'_, R> {
         let speed = self.state.x[SPEED][0] + error.scaled(gains.speed);
         self.state.set_speed(self.integrator.model(), 0, speed);
         self.state.x[POSITION][0] += error.scaled(gains.position);
+    }
+
+    /// The state in which the next sample finds the drive.
+    pub(crate) fn state(&self) -> &State<R, 1> {
+        &self.state
     }
 
     /// Whether nothing has overflowed.

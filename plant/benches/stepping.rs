@@ -97,10 +97,7 @@ fn stepping(criterion: &mut Criterion) {
         group.bench_function(name, |b| b.iter(|| run(1)));
     };
     time("four effects, scalar", 1, Box::new(scalar(drive::<f64>(&four()))));
-    time("four effects, 8 lanes", 8, Box::new(lanes::<8>(&drive(&four()))));
-    time("four effects, 16 lanes", 16, Box::new(lanes::<16>(&drive(&four()))));
     time("four effects, 32 lanes", 32, Box::new(lanes::<32>(&drive(&four()))));
-    time("four effects, 64 lanes", 64, Box::new(lanes::<64>(&drive(&four()))));
     time("four effects, Dual<8>", 1, Box::new(scalar(drive::<Dual<8>>(&four()))));
     time("all effects, scalar", 1, Box::new(scalar(drive::<f64>(&all()))));
     time("all effects, 32 lanes", 32, Box::new(lanes::<32>(&drive(&all()))));

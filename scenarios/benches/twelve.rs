@@ -7,7 +7,7 @@ use drivescope_recording::Recording;
 use drivescope_scenarios::drives::built_in;
 use drivescope_scenarios::experiment::{Experiment, Stream};
 use drivescope_scenarios::faults::twelve;
-use drivescope_scenarios::native::{closed_loop, closed_loops};
+use drivescope_scenarios::native::{ClosedLoops, closed_loop};
 use drivescope_scenarios::results::TorqueReading;
 use drivescope_scenarios::study::SAMPLES;
 
@@ -21,7 +21,11 @@ fn twelve_runs(criterion: &mut Criterion) {
         .collect();
     let drive = &experiment.drive;
     criterion.bench_function("twelve runs of 5000 samples in 16 lanes", |b| {
-        b.iter(|| closed_loops::<16>(drive, &inputs));
+        let mut loops = ClosedLoops::<16>::new(drive);
+        b.iter(|| loops.run(&inputs).len());
+    });
+    criterion.bench_function("the same in fresh memory", |b| {
+        b.iter(|| ClosedLoops::<16>::new(drive).run(&inputs).len());
     });
     criterion.bench_function("one run of 5000 samples", |b| {
         b.iter(|| closed_loop(drive, &inputs[0]));

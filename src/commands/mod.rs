@@ -1,6 +1,7 @@
 //! The commands: one file each, and its line in the list below. Help, completions and the manual
 //! page derive from it.
 
+mod compare;
 mod cosim;
 mod effects;
 mod export;
@@ -48,6 +49,7 @@ commands! {
     Study: study::Study,
     Simulate: simulate::Simulate,
     Init: init::Init,
+    Compare: compare::Compare,
     Fit: fit::Fit,
     Export: export::Export,
     Fmu: fmu::Fmu,

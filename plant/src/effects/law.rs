@@ -12,8 +12,10 @@ macro_rules! lanes {
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct $one<R> { $($(#[$field_doc])* pub $field: R),+ }
 
-        #[doc = concat!("[`", stringify!($one), "`] of `N` lanes, as a structure of arrays.")]
+        #[doc = concat!("[`", stringify!($one), "`] of `N` lanes, as a structure of arrays; it")]
+        #[doc = "starts at a cache line, for vectors across two lines cost twice."]
         #[derive(Debug, Clone, Copy, PartialEq)]
+        #[repr(align(64))]
         pub struct $many<R, const N: usize> { $($(#[$field_doc])* pub $field: [R; N]),+ }
 
         impl<R> $one<R> {

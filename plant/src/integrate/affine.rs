@@ -12,6 +12,7 @@ const COLUMNS: usize = 5;
 
 /// The exact step of `N` drives in one direction of motion.
 #[derive(Debug, Clone)]
+#[repr(align(64))]
 pub(super) struct Affine<R, const N: usize> {
     /// `matrix[row][column][lane]`; rows current, speed, position (less its start).
     matrix: [[[R; N]; COLUMNS]; OWN],
@@ -22,8 +23,9 @@ pub(super) struct Affine<R, const N: usize> {
     quadrature: [[f64; N]; COLUMNS],
     /// Whether any lane does.
     rings: bool,
-    sign: f64,
-    /// Speed beyond which each lane is affine.
+    /// The direction of motion, +1 or -1.
+    pub(super) sign: f64,
+    /// Speed beyond which each lane is affine; without dry friction that is everywhere.
     beyond: [f64; N],
     seconds: f64,
 }
@@ -106,6 +108,18 @@ fn exponential<R: Real>(a: &Square<R>) -> Square<R> {
     (0..squarings).fold(sum, |power, _| product(&power, &power))
 }
 
+/// The exponential over `h` of current, speed and position with two unit slopes beside them.
+fn augmented_exponential<R: Real>(a: &[[R; 2]; 2], h: R) -> Square<R> {
+    let mut augmented = [[R::zero(); SIZE]; SIZE];
+    for row in 0..2 {
+        augmented[row][0] = a[row][0] * h;
+        augmented[row][1] = a[row][1] * h;
+        augmented[row][3 + row] = h;
+    }
+    augmented[2][1] = h;
+    exponential(&augmented)
+}
+
 impl<R: Real, const N: usize> Affine<R, N> {
     /// The step over `h` of every lane in the direction `sign`; nothing if a lane is affine
     /// nowhere.
@@ -118,6 +132,7 @@ impl<R: Real, const N: usize> Affine<R, N> {
         let mut acceleration = [[0.0; N]; COLUMNS];
         let mut quadrature = [[0.0; N]; COLUMNS];
         let mut rings = false;
+        let mut last = None;
         for l in 0..N {
             let Continuous { a, b } = Continuous::read(model, l, sign, beyond[l]);
             let row = [a[1][0], a[1][1], b[1][0], b[1][1], b[1][2]];
@@ -141,14 +156,12 @@ impl<R: Real, const N: usize> Affine<R, N> {
                     quadrature[column][l] = (jerk + decay * own) / (-root).sqrt();
                 }
             }
-            let mut augmented = [[R::zero(); SIZE]; SIZE];
-            for row in 0..2 {
-                augmented[row][0] = a[row][0] * h;
-                augmented[row][1] = a[row][1] * h;
-                augmented[row][3 + row] = h;
-            }
-            augmented[2][1] = h;
-            let phi = exponential(&augmented);
+            // Lanes that differ in no parameter share the exponential of the one before.
+            let phi = match last {
+                Some((same, phi)) if same == a => phi,
+                _ => augmented_exponential(&a, h),
+            };
+            last = Some((a, phi));
             for row in 0..OWN {
                 matrix[row][0][l] = phi[row][0];
                 matrix[row][1][l] = phi[row][1];
@@ -158,38 +171,55 @@ impl<R: Real, const N: usize> Affine<R, N> {
                 }
             }
         }
+        let beyond = if model.dry() { beyond } else { [f64::NEG_INFINITY; N] };
         Some(Self { matrix, acceleration, quadrature, rings, sign, beyond, seconds: h.value() })
     }
 
-    /// Whether lane `l` stays in its affine zone from `x` to `next`, also in between: the speed
-    /// can dip below both ends only if it starts out falling, and no further than at that rate;
-    /// one that rings never falls faster than at the amplitude of its acceleration.
+    /// The step of one lane.
+    pub(super) fn lane(&self, l: usize) -> Affine<R, 1> {
+        Affine {
+            matrix: self.matrix.map(|row| row.map(|column| [column[l]])),
+            acceleration: self.acceleration.map(|column| [column[l]]),
+            quadrature: self.quadrature.map(|column| [column[l]]),
+            rings: self.rings,
+            sign: self.sign,
+            beyond: [self.beyond[l]],
+            seconds: self.seconds,
+        }
+    }
+
+    /// Which lanes go this way and stay in their affine zone from `x` to `next`, also in between:
+    /// the speed can dip below both ends only if it starts out falling, and no further than at
+    /// that rate; one that rings never falls faster than at the amplitude of its acceleration.
+    /// A number a lane, 1 or 0: loops over truth values do not become vector code.
     #[inline(always)]
     pub(super) fn holds(
         &self,
-        l: usize,
-        x: &[[R; N]],
+        (x, sign): (&[[R; N]], &[f64; N]),
         next: &[[R; N]; OWN],
         applied: &Applied<R, N>,
-    ) -> bool {
-        let along = |row: &[[f64; N]; COLUMNS]| {
-            row[0][l] * x[CURRENT][l].value()
-                + row[1][l] * x[SPEED][l].value()
-                + row[2][l] * applied.u[l].value()
-                + row[3][l] * applied.load[l].value()
-                + row[4][l]
-        };
-        let rate = along(&self.acceleration);
-        let outward = self.sign * rate;
-        let mut fall = if outward < 0.0 { -outward } else { 0.0 };
-        if self.rings {
-            let quadrature = along(&self.quadrature);
-            let amplitude = (rate * rate + quadrature * quadrature).sqrt();
-            fall = if quadrature != 0.0 { amplitude } else { fall };
+    ) -> [u64; N] {
+        let rate = along(&self.acceleration, x, applied);
+        let mut fall = [0.0; N];
+        for l in 0..N {
+            let outward = self.sign * rate[l];
+            fall[l] = if outward < 0.0 { -outward } else { 0.0 };
         }
-        let first = self.sign * x[SPEED][l].value() - fall * self.seconds;
-        let last = self.sign * next[SPEED][l].value();
-        (first > self.beyond[l]) & (last > self.beyond[l])
+        if self.rings {
+            let quadrature = along(&self.quadrature, x, applied);
+            for l in 0..N {
+                let amplitude = (rate[l] * rate[l] + quadrature[l] * quadrature[l]).sqrt();
+                fall[l] = if quadrature[l] != 0.0 { amplitude } else { fall[l] };
+            }
+        }
+        let mut holds = [0; N];
+        for l in 0..N {
+            let first = self.sign * x[SPEED][l].value() - fall[l] * self.seconds;
+            let last = self.sign * next[SPEED][l].value();
+            let clear = (first > self.beyond[l]) & (last > self.beyond[l]);
+            holds[l] = u64::from(clear & (sign[l] == self.sign));
+        }
+        holds
     }
 
     /// The state a step later.
@@ -209,6 +239,24 @@ impl<R: Real, const N: usize> Affine<R, N> {
         }
         next
     }
+}
+
+/// What a row over the columns gives for each lane.
+#[inline(always)]
+fn along<R: Real, const N: usize>(
+    row: &[[f64; N]; COLUMNS],
+    x: &[[R; N]],
+    applied: &Applied<R, N>,
+) -> [f64; N] {
+    let mut sum = [0.0; N];
+    for l in 0..N {
+        sum[l] = row[0][l] * x[CURRENT][l].value()
+            + row[1][l] * x[SPEED][l].value()
+            + row[2][l] * applied.u[l].value()
+            + row[3][l] * applied.load[l].value()
+            + row[4][l];
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ pub(super) fn advance<R: Real>(
     room: &mut Stages<R, 1>,
     start: &[[R; 1]],
 ) {
-    step(model, x, applied, &[*sign], h, armature, room);
+    step(model, x, (applied, applied.time), &[*sign], h, armature, room);
     if model.directed() && may_change(model, (start, x), *sign, applied, h.value(), room) {
         x.copy_from_slice(start);
         through_events(model, x, sign, applied, h, room);
@@ -114,7 +114,7 @@ fn stepped<R: Real>(
     room: &mut Stages<R, 1>,
 ) -> Vec<[R; 1]> {
     let mut next = x.to_vec();
-    step(model, &mut next, applied, &[sign], h, &Armature::new(model, h), room);
+    step(model, &mut next, (applied, applied.time), &[sign], h, &Armature::new(model, h), room);
     next
 }
 

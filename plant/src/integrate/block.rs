@@ -5,7 +5,7 @@ use drivescope_numerics::Real;
 use super::dispatch::{Work, widest};
 use super::step::{Stages, may_dip, step};
 use super::{Integrator, Pace, Plan, State};
-use crate::model::{Applied, Model, OWN, SPEED};
+use crate::model::{Applied, Model, OWN, Rows, SPEED};
 
 /// Up to this share of the lanes, one in `FEW`, those that cannot take the exact step are made
 /// alone; beyond it sub-steps of the whole block cost less.
@@ -19,9 +19,12 @@ pub struct Block<R, const N: usize> {
     plan: Option<Plan<R, N>>,
     room: Stages<R, N>,
     saved: Vec<[R; N]>,
-    /// One integrator a lane, for those that meet events.
-    alone: Vec<Integrator<R>>,
-    redo: [bool; N],
+    /// The state during sub-steps.
+    moving: Rows<R, N>,
+    /// One integrator a lane, once that has met an event.
+    alone: Vec<Option<Integrator<R>>>,
+    /// 1 where the sub-steps do not stand: a number, so that a loop over it is vector code.
+    redo: [u64; N],
 }
 
 impl<R: Real, const N: usize> Block<R, N> {
@@ -40,7 +43,8 @@ impl<R: Real, const N: usize> Block<R, N> {
     fn with(model: Model<R, N>, pace: Pace) -> Self {
         let room = Stages::new(model.states());
         let saved = vec![[R::zero(); N]; model.states()];
-        Self { model, pace, plan: None, room, saved, alone: Vec::new(), redo: [false; N] }
+        let moving = Rows::zero(model.states());
+        Self { model, pace, plan: None, room, saved, moving, alone: Vec::new(), redo: [0; N] }
     }
 
     /// The drives.
@@ -60,43 +64,141 @@ impl<R: Real, const N: usize> Block<R, N> {
 
     /// Advances every lane by `h`, the inputs held.
     pub fn advance(&mut self, state: &mut State<R, N>, applied: &Applied<R, N>, h: R) {
+        widest(Advance { block: self, state, applied, h });
+    }
+
+    /// The same as part of work that is compiled for an instruction set already.
+    #[inline(always)]
+    pub(super) fn advance_inlined(
+        &mut self,
+        state: &mut State<R, N>,
+        applied: &Applied<R, N>,
+        h: R,
+    ) {
         if self.plan.as_ref().is_none_or(|plan| plan.h != h) {
             self.ready(h);
         }
-        widest(Advance { block: self, state, applied });
-        self.redo_alone(state, applied);
+        let Some(plan) = &self.plan else { return };
+        let exact = Exact::new(plan, state, applied);
+        if exact.everywhere() {
+            state.x[..OWN].copy_from_slice(&exact.next);
+        } else {
+            self.advance_others(state, applied, &exact);
+        }
     }
 
-    /// The plan for intervals of length `h`, the same for the block and for its lanes alone.
+    /// The plan for intervals of length `h`; the lanes alone make theirs when they need it.
+    #[cold]
     fn ready(&mut self, h: R) {
         let steps = self.pace.substeps(&self.model, h.value());
-        let plan = Plan::new(&self.model, h, steps);
-        self.alone.clear();
-        for l in 0..N {
-            let mut alone = Integrator::with(self.model.lane(l), self.pace);
-            alone.plan = Some(Plan::new(alone.model(), h, steps));
-            self.alone.push(alone);
-        }
-        self.plan = Some(plan);
+        self.plan = Some(Plan::new(&self.model, h, steps));
+        self.alone = vec![None; N];
     }
 
-    fn redo_alone(&mut self, state: &mut State<R, N>, applied: &Applied<R, N>) {
+    /// Makes the lanes that the exact step does not take, the others taking it.
+    #[inline(never)]
+    fn advance_others(
+        &mut self,
+        state: &mut State<R, N>,
+        applied: &Applied<R, N>,
+        exact: &Exact<R, N>,
+    ) {
+        let Some(plan) = &self.plan else { return };
+        self.saved.clone_from(&state.x);
+        let lanes = exact.lanes.iter().zip(&state.sign);
+        let others = lanes.filter(|(exact, sign)| **exact == 0 && **sign != 0.0).count();
+        if plan.forward.is_some() && others <= N / FEW {
+            state.x[..OWN].copy_from_slice(&exact.next);
+            self.redo = [1; N];
+        } else {
+            widest(SubSteps { block: self, state, applied });
+            exact.put_into(&mut state.x);
+        }
         for l in 0..N {
-            if !self.redo[l] {
-                continue;
-            }
-            let mut alone = State {
-                x: self.saved.iter().map(|values| [values[l]]).collect(),
-                sign: [state.sign[l]],
-            };
-            let held = Applied { u: [applied.u[l]], load: [applied.load[l]], time: applied.time };
-            self.alone[l].advance_planned(&mut alone, &held);
-            state.sign[l] = alone.sign[0];
-            for (values, value) in state.x.iter_mut().zip(&alone.x) {
-                values[l] = value[0];
+            if self.redo[l] == 1 && exact.lanes[l] == 0 {
+                self.redo_alone(l, state, applied);
             }
         }
     }
+
+    /// Makes lane `l` anew from the saved state, by the automaton.
+    fn redo_alone(&mut self, l: usize, state: &mut State<R, N>, applied: &Applied<R, N>) {
+        let Some(plan) = &self.plan else { return };
+        let integrator = self.alone[l].get_or_insert_with(|| {
+            let mut made = Integrator::with(self.model.lane(l), self.pace);
+            made.plan = Some(plan.lane(l, made.model()));
+            made
+        });
+        let mut alone = State {
+            x: self.saved.iter().map(|values| [values[l]]).collect(),
+            sign: [state.sign[l]],
+        };
+        let held = Applied { u: [applied.u[l]], load: [applied.load[l]], time: applied.time };
+        integrator.advance_planned(&mut alone, &held);
+        state.sign[l] = alone.sign[0];
+        for (values, value) in state.x.iter_mut().zip(&alone.x) {
+            values[l] = value[0];
+        }
+    }
+}
+
+/// What the exact step gives.
+struct Exact<R, const N: usize> {
+    next: [[R; N]; OWN],
+    /// 1 where it holds, else 0.
+    lanes: [u64; N],
+}
+
+impl<R: Real, const N: usize> Exact<R, N> {
+    #[inline(always)]
+    fn new(plan: &Plan<R, N>, state: &State<R, N>, applied: &Applied<R, N>) -> Self {
+        let mut made = Self { next: [[R::zero(); N]; OWN], lanes: [0; N] };
+        for affine in [&plan.forward, &plan.backward].into_iter().flatten() {
+            if !any_goes(&state.sign, affine.sign) {
+                continue;
+            }
+            let there = affine.step(&state.x, applied);
+            let holds = affine.holds((&state.x, &state.sign), &there, applied);
+            for row in 0..OWN {
+                for l in 0..N {
+                    made.next[row][l] = R::select(holds[l] == 1, there[row][l], made.next[row][l]);
+                }
+            }
+            for l in 0..N {
+                made.lanes[l] |= holds[l];
+            }
+        }
+        made
+    }
+
+    /// Whether it holds in every lane.
+    #[inline(always)]
+    fn everywhere(&self) -> bool {
+        let mut all = 1;
+        for l in 0..N {
+            all &= self.lanes[l];
+        }
+        all == 1
+    }
+
+    /// Puts it into the states of the lanes where it holds.
+    fn put_into(&self, x: &mut [[R; N]]) {
+        for (values, next) in x.iter_mut().zip(&self.next) {
+            for l in 0..N {
+                values[l] = R::select(self.lanes[l] == 1, next[l], values[l]);
+            }
+        }
+    }
+}
+
+/// Whether any lane goes that way.
+#[inline(always)]
+fn any_goes<const N: usize>(signs: &[f64; N], sign: f64) -> bool {
+    let mut any = 0u64;
+    for l in 0..N {
+        any |= u64::from(signs[l] == sign);
+    }
+    any != 0
 }
 
 /// One interval of a block.
@@ -104,65 +206,53 @@ struct Advance<'a, R, const N: usize> {
     block: &'a mut Block<R, N>,
     state: &'a mut State<R, N>,
     applied: &'a Applied<R, N>,
+    h: R,
 }
 
 impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
     #[inline(always)]
     fn run(self) {
+        self.block.advance_inlined(self.state, self.applied, self.h);
+    }
+}
+
+/// The sub-steps of an interval, every lane; those that meet an event are to be redone.
+struct SubSteps<'a, R, const N: usize> {
+    block: &'a mut Block<R, N>,
+    state: &'a mut State<R, N>,
+    applied: &'a Applied<R, N>,
+}
+
+impl<R: Real, const N: usize> Work for SubSteps<'_, R, N> {
+    #[inline(always)]
+    fn run(self) {
         let Self { block, state, applied } = self;
-        let Block { model, plan, room, saved, redo, .. } = block;
+        let Block { model, plan, room, moving, redo, .. } = block;
         let Some(plan) = plan else { return };
-        saved.copy_from_slice(&state.x);
-        let mut exact = [false; N];
-        let mut next = [[R::zero(); N]; OWN];
-        for way in [1.0, -1.0] {
-            let Some(affine) = plan.affine(way).filter(|_| state.sign.contains(&way)) else {
-                continue;
-            };
-            let there = affine.step(&state.x, applied);
-            for l in 0..N {
-                let holds = !model.dry() | affine.holds(l, &state.x, &there, applied);
-                let goes = holds & (state.sign[l] == way);
-                for row in 0..OWN {
-                    next[row][l] = R::select(goes, there[row][l], next[row][l]);
-                }
-                exact[l] |= goes;
-            }
-        }
-        let others = exact.iter().zip(&state.sign).filter(|(exact, s)| !**exact && **s != 0.0);
-        if plan.forward.is_some() && others.count() <= N / FEW {
-            state.x[..OWN].copy_from_slice(&next);
-            for l in 0..N {
-                redo[l] = !exact[l];
-            }
-            return;
-        }
         let h = plan.h.scaled(1.0 / plan.substeps as f64);
+        let seconds = h.value();
+        let sign = state.sign;
+        moving.copy_from_slice(&state.x);
+        let directed = u64::from(model.directed());
+        let mut suspect = [0; N];
         for l in 0..N {
-            redo[l] = model.dry() && state.sign[l] == 0.0;
+            suspect[l] = u64::from(model.dry() & (sign[l] == 0.0));
         }
         for k in 0..plan.substeps {
-            let time = applied.time + k as f64 * h.value();
-            let held = Applied { time, ..*applied };
-            let before = state.x[SPEED];
-            step(model, &mut state.x, &held, &state.sign, h, &plan.armature, room);
-            let (after, [start, end]) = (&state.x[SPEED], room.accelerations());
+            let time = applied.time + k as f64 * seconds;
+            let before = moving[SPEED];
+            step(model, moving, (applied, time), &sign, h, &plan.armature, room);
+            let (after, [start, end]) = (&moving[SPEED], room.accelerations());
             for l in 0..N {
-                let sign = state.sign[l];
                 let (first, last) = (before[l].value(), after[l].value());
-                let [falls, rises] = [start, end].map(|slope| sign * slope[l].value() * h.value());
-                let dips = may_dip((sign * first, sign * last), (falls, rises));
-                let event = model.directed() & ((sign * last < 0.0) | dips);
-                redo[l] |= event | plan.grain.too_coarse(l, first, last);
+                let falls = sign[l] * start[l].value() * seconds;
+                let rises = sign[l] * end[l].value() * seconds;
+                let dips = may_dip((sign[l] * first, sign[l] * last), (falls, rises));
+                let event = directed & u64::from((sign[l] * last < 0.0) | dips);
+                suspect[l] |= event | u64::from(plan.grain.too_coarse(l, first, last));
             }
         }
-        for (values, next) in state.x.iter_mut().zip(&next) {
-            for l in 0..N {
-                values[l] = R::select(exact[l], next[l], values[l]);
-            }
-        }
-        for l in 0..N {
-            redo[l] &= !exact[l];
-        }
+        state.x.copy_from_slice(moving);
+        *redo = suspect;
     }
 }

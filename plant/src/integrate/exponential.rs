@@ -8,6 +8,7 @@ use drivescope_numerics::Real;
 
 /// Coefficients for decay rates `lambda` and a step `h`, one lane each.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub(super) struct Exponential<R, const N: usize> {
     /// e^(-lambda h / 2).
     pub half: [R; N],

@@ -24,6 +24,11 @@ impl<const N: usize> Grain<N> {
         Self(std::array::from_fn(|l| model.grain(l)))
     }
 
+    /// That of one lane.
+    pub(super) fn lane(&self, l: usize) -> Grain<1> {
+        Grain([self.0[l]])
+    }
+
     /// Into how many parts a step of lane `l` from speed `first` to `last` should be split.
     #[inline(always)]
     pub(super) fn parts(&self, l: usize, first: f64, last: f64) -> f64 {

@@ -19,7 +19,7 @@
 mod affine;
 mod automaton;
 mod block;
-mod dispatch;
+pub(crate) mod dispatch;
 mod exponential;
 mod grain;
 mod step;
@@ -32,6 +32,7 @@ use grain::Grain;
 use step::{Armature, Stages};
 
 pub use block::Block;
+pub use dispatch::{prefetch, turned};
 
 /// Sub-step times fastest rate. A free oscillation is off by x^4 / 120 a radian at order four:
 /// 1e-8, which an armature that rings over several radians with all of its current sums to 4e-8.
@@ -47,6 +48,7 @@ const MOST_SUBSTEPS: usize = 100_000;
 
 /// The state of `N` drives: current, speed, position, own states; and the sign of the motion.
 #[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
 pub struct State<R, const N: usize> {
     /// `x[state][lane]`, in the order of [`crate::model`].
     pub x: Vec<[R; N]>,
@@ -96,6 +98,19 @@ impl<R: Real, const N: usize> Plan<R, N> {
         let forward = Affine::new(model, 1.0, h);
         let backward = if model.dry() { Affine::new(model, -1.0, h) } else { None };
         Self { h, substeps, armature, grain: Grain::new(model), forward, backward }
+    }
+
+    /// The plan of one lane, for the model of that lane: what it holds was made lane by lane.
+    fn lane(&self, l: usize, model: &Model<R, 1>) -> Plan<R, 1> {
+        let lane = |affine: &Affine<R, N>| affine.lane(l);
+        Plan {
+            h: self.h,
+            substeps: self.substeps,
+            armature: Armature::new(model, self.h.scaled(1.0 / self.substeps as f64)),
+            grain: self.grain.lane(l),
+            forward: self.forward.as_ref().map(lane),
+            backward: self.backward.as_ref().map(lane),
+        }
     }
 
     /// The exact step in that direction of motion, if there is one.
@@ -223,24 +238,37 @@ impl<R: Real> Integrator<R> {
         }
         if let Some(affine) = plan.affine(*sign) {
             let next = affine.step(x, applied);
-            if !model.dry() || affine.holds(0, x, &next, applied) {
+            if affine.holds((x, &[*sign]), &next, applied) == [1] {
                 x[..OWN].copy_from_slice(&next);
                 return;
             }
         }
-        let h = plan.h.scaled(1.0 / plan.substeps as f64);
-        for k in 0..plan.substeps {
-            let time = applied.time + k as f64 * h.value();
-            let held = Applied { time, ..*applied };
-            saved.clone_from(x);
-            let before = *sign;
-            automaton::advance(model, (x, sign), &held, h, &plan.armature, room, saved);
-            let parts = plan.grain.parts(0, saved[SPEED][0].value(), x[SPEED][0].value());
-            if parts > 1.0 {
-                x.clone_from(saved);
-                *sign = before;
-                automaton::advance_in_parts(model, (x, sign), &held, h, parts, room, saved);
-            }
+        sub_steps(model, plan, (x, sign), applied, room, saved);
+    }
+}
+
+/// The sub-steps of an interval, each through the automaton.
+#[inline(never)]
+fn sub_steps<R: Real>(
+    model: &Model<R, 1>,
+    plan: &Plan<R, 1>,
+    (x, sign): (&mut Vec<[R; 1]>, &mut f64),
+    applied: &Applied<R, 1>,
+    room: &mut Stages<R, 1>,
+    saved: &mut Vec<[R; 1]>,
+) {
+    let h = plan.h.scaled(1.0 / plan.substeps as f64);
+    for k in 0..plan.substeps {
+        let time = applied.time + k as f64 * h.value();
+        let held = Applied { time, ..*applied };
+        saved.clone_from(x);
+        let before = *sign;
+        automaton::advance(model, (x, sign), &held, h, &plan.armature, room, saved);
+        let parts = plan.grain.parts(0, saved[SPEED][0].value(), x[SPEED][0].value());
+        if parts > 1.0 {
+            x.clone_from(saved);
+            *sign = before;
+            automaton::advance_in_parts(model, (x, sign), &held, h, parts, room, saved);
         }
     }
 }
@@ -253,7 +281,8 @@ pub trait Stepper<const N: usize> {
     /// Changes the drives' parameters.
     fn change(&mut self, change: impl FnOnce(&mut Model<f64, N>));
 
-    /// Advances the state by `h` seconds, the inputs held.
+    /// Advances the state by `h` seconds, the inputs held. The exact step is inlined, so that it
+    /// is compiled for the instruction set of the run around it.
     fn advance(&mut self, state: &mut State<f64, N>, applied: &Applied<f64, N>, h: f64);
 }
 
@@ -266,7 +295,7 @@ impl Stepper<1> for Integrator<f64> {
         Self::change(self, change);
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance(&mut self, state: &mut State<f64, 1>, applied: &Applied<f64, 1>, h: f64) {
         Self::advance(self, state, applied, h);
     }
@@ -281,7 +310,8 @@ impl<const N: usize> Stepper<N> for Block<f64, N> {
         Self::change(self, change);
     }
 
+    #[inline(always)]
     fn advance(&mut self, state: &mut State<f64, N>, applied: &Applied<f64, N>, h: f64) {
-        Self::advance(self, state, applied, h);
+        self.advance_inlined(state, applied, h);
     }
 }

@@ -3,24 +3,24 @@
 use drivescope_numerics::Real;
 
 use super::exponential::Exponential;
-use crate::model::{Applied, CURRENT, Model, OWN, SPEED, field_at};
+use crate::model::{Applied, CURRENT, Inverses, Model, OWN, Rows, SPEED, field_at};
 
 /// Room for the stages of a step; allocated once, reused by every step.
 #[derive(Debug, Clone)]
 pub(super) struct Stages<R, const N: usize> {
     /// Slopes N(x) = x' + lambda x at the start, twice in the middle and at the end.
-    slopes: [Vec<[R; N]>; 4],
+    slopes: [Rows<R, N>; 4],
     /// State at a stage, and the middle stage that the last one starts from.
-    stage: Vec<[R; N]>,
-    middle: Vec<[R; N]>,
-    lambda: Vec<[R; N]>,
+    stage: Rows<R, N>,
+    middle: Rows<R, N>,
+    lambda: Rows<R, N>,
     /// Coefficients of the stiff own states, made anew at each step.
     stiff: Vec<Option<Exponential<R, N>>>,
 }
 
 impl<R: Real, const N: usize> Stages<R, N> {
     pub(super) fn new(states: usize) -> Self {
-        let zero = vec![[R::zero(); N]; states];
+        let zero = Rows::zero(states);
         Self {
             slopes: [zero.clone(), zero.clone(), zero.clone(), zero.clone()],
             stage: zero.clone(),
@@ -42,11 +42,12 @@ impl<R: Real, const N: usize> Stages<R, N> {
     }
 }
 
-/// The armature's decay and its coefficients for one step size.
+/// The armature's decay, its coefficients for one step size, and what else is made once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Armature<R, const N: usize> {
     rate: [R; N],
     coefficients: Exponential<R, N>,
+    inverses: Inverses<R, N>,
 }
 
 impl<R: Real, const N: usize> Armature<R, N> {
@@ -58,7 +59,7 @@ impl<R: Real, const N: usize> Armature<R, N> {
                 rate[l] = model.motors.r[l] / model.motors.l[l];
             }
         }
-        Self { rate, coefficients: Exponential::new(&rate, h) }
+        Self { rate, coefficients: Exponential::new(&rate, h), inverses: model.motors.inverses() }
     }
 }
 
@@ -137,23 +138,27 @@ fn close_decayed<R: Real, const N: usize>(
     }
 }
 
-/// Advances the state `x` by `h`. `armature` was made for the same model and step.
+/// Advances the state `x` by `h` from that time, the inputs held. `armature` was made for the
+/// same model and step.
 #[inline(always)]
 pub(super) fn step<R: Real, const N: usize>(
     model: &Model<R, N>,
     x: &mut [[R; N]],
-    applied: &Applied<R, N>,
+    (applied, start): (&Applied<R, N>, f64),
     sign: &[f64; N],
     h: R,
     armature: &Armature<R, N>,
     room: &mut Stages<R, N>,
 ) {
-    let Stages { slopes: [n0, na, nb, nc], stage, middle, lambda, stiff } = room;
+    let Stages { slopes, stage, middle, lambda, stiff } = room;
+    let [n0, na, nb, nc] = slopes.each_mut().map(|rows| &mut **rows);
+    let (stage, middle, lambda) = (&mut **stage, &mut **middle, &mut **lambda);
     let half = h.scaled(0.5);
     let seconds = h.value();
-    let at = |share: f64| applied.time + share * seconds;
+    let fixed = (sign, &armature.inverses);
+    let at = |share: f64| start + share * seconds;
     lambda[CURRENT] = armature.rate;
-    field_at(model, x, applied, at(0.0), sign, n0, Some(lambda));
+    field_at(model, x, (applied, at(0.0)), fixed, n0, Some(lambda));
     for j in OWN..x.len() {
         if model.is_stiff(j) {
             stiff[j] = Some(Exponential::new(&lambda[j], h));
@@ -170,21 +175,21 @@ pub(super) fn step<R: Real, const N: usize>(
             Some(c) => decayed(&mut middle[j], &x[j], c, &mut n0[j], (&lambda[j], &x[j])),
         }
     }
-    field_at(model, middle, applied, at(0.5), sign, na, None);
+    field_at(model, middle, (applied, at(0.5)), fixed, na, None);
     for j in 0..x.len() {
         match coefficients(j) {
             None => forward(&mut stage[j], &x[j], half, &na[j]),
             Some(c) => decayed(&mut stage[j], &x[j], c, &mut na[j], (&lambda[j], &middle[j])),
         }
     }
-    field_at(model, stage, applied, at(0.5), sign, nb, None);
+    field_at(model, stage, (applied, at(0.5)), fixed, nb, None);
     for j in 0..x.len() {
         match coefficients(j) {
             None => forward(&mut stage[j], &x[j], h, &nb[j]),
             Some(c) => decayed_last(&mut stage[j], &middle[j], c, (&n0[j], &mut nb[j]), &lambda[j]),
         }
     }
-    field_at(model, stage, applied, at(1.0), sign, nc, None);
+    field_at(model, stage, (applied, at(1.0)), fixed, nc, None);
     for j in 0..x.len() {
         let slopes = [&n0[j], &na[j], &nb[j], &nc[j]];
         match coefficients(j) {

@@ -9,7 +9,7 @@
 
 use drivescope_numerics::Real;
 
-use super::{Applied, CURRENT, Model, OWN, POSITION, SPEED};
+use super::{Applied, CURRENT, Inverses, Model, OWN, POSITION, SPEED};
 use crate::effects::law::{Sum, Sums, Views};
 
 /// What the effects see at `time`, lane by lane.
@@ -27,39 +27,45 @@ pub(super) fn views<'a, R: Real, const N: usize>(
     Views { motors, i, omega, theta, direction, u, load, time }
 }
 
-/// What the effects add up to, without the acceleration, which closes the balances.
+/// Sums before any effect, with the inverse of the inertia that the motor alone has.
 #[inline(always)]
-fn sums<R: Real, const N: usize>(
+fn empty<R: Real, const N: usize>(inverses: &Inverses<R, N>) -> Sums<R, N> {
+    let zero = R::zero();
+    Sums {
+        inverse_inertia: inverses.j,
+        ..Sums::splat(Sum {
+            voltage: zero,
+            torque: zero,
+            forward: zero,
+            backward: zero,
+            flux: R::one(),
+            resistance: R::one(),
+            heat: zero,
+            inverse_inertia: zero,
+            load: zero,
+            acceleration: zero,
+        })
+    }
+}
+
+/// Adds up the effects, without the acceleration, which closes the balances. In place: the sums
+/// of a block of lanes are too large to be handed on by value.
+#[inline(always)]
+fn add_up<R: Real, const N: usize>(
     model: &Model<R, N>,
     x: &[[R; N]],
     at: &Views<'_, R, N>,
-) -> Sums<R, N> {
+    sum: &mut Sums<R, N>,
+) {
     let motors = &model.motors;
-    let zero = R::zero();
-    let mut sum = Sums::splat(Sum {
-        voltage: zero,
-        torque: zero,
-        forward: zero,
-        backward: zero,
-        flux: R::one(),
-        resistance: R::one(),
-        heat: zero,
-        inverse_inertia: zero,
-        load: zero,
-        acceleration: zero,
-    });
     sum.load = *at.load;
-    for l in 0..N {
-        sum.inverse_inertia[l] = R::one() / motors.j[l];
-    }
     for part in &model.placed {
-        part.share(&model.laws, &model.p, &x[OWN..], at, &mut sum);
+        part.share(&model.laws, &model.p, &x[OWN..], at, sum);
     }
     for l in 0..N {
         sum.forward[l] *= motors.friction[l];
         sum.backward[l] *= motors.friction[l];
     }
-    sum
 }
 
 /// Torque on the shaft without dry friction, one lane.
@@ -85,17 +91,17 @@ pub fn field<R: Real, const N: usize>(
     dx: &mut [[R; N]],
     lambda: Option<&mut [[R; N]]>,
 ) {
-    field_at(model, x, applied, applied.time, sign, dx, lambda);
+    let inverses = model.motors.inverses();
+    field_at(model, x, (applied, applied.time), (sign, &inverses), dx, lambda);
 }
 
-/// The same at another time, the inputs held.
+/// The same at another time, the inputs held, with inverses made once for many calls.
 #[inline(always)]
 pub(crate) fn field_at<R: Real, const N: usize>(
     model: &Model<R, N>,
     x: &[[R; N]],
-    applied: &Applied<R, N>,
-    time: f64,
-    sign: &[f64; N],
+    (applied, time): (&Applied<R, N>, f64),
+    (sign, inverses): (&[f64; N], &Inverses<R, N>),
     dx: &mut [[R; N]],
     lambda: Option<&mut [[R; N]]>,
 ) {
@@ -103,13 +109,14 @@ pub(crate) fn field_at<R: Real, const N: usize>(
     let applied = match &model.control {
         None => applied,
         Some(_) => {
-            integrate_error(model, x, applied, dx);
-            controlled = model.under_control(x, applied);
+            integrate_error(model, x, &Applied { time, ..*applied }, dx);
+            controlled = model.under_control(x, &Applied { time, ..*applied });
             &controlled
         }
     };
     let at = views(model, x, applied, time, sign);
-    let mut sum = sums(model, x, &at);
+    let mut sum = empty(inverses);
+    add_up(model, x, &at, &mut sum);
     let motors = &model.motors;
     for l in 0..N {
         let net = net(model, &at, &sum, l);
@@ -121,7 +128,7 @@ pub(crate) fn field_at<R: Real, const N: usize>(
     for l in 0..N {
         let drop = motors.r[l] * sum.resistance[l] * at.i[l] + sum.voltage[l];
         let back_emf = motors.k_e[l] * sum.flux[l] * at.omega[l];
-        let electrical = (at.u[l] - drop - back_emf) / motors.l[l];
+        let electrical = (at.u[l] - drop - back_emf) * inverses.l[l];
         dx[CURRENT][l] = if model.force { R::zero() } else { electrical };
         dx[SPEED][l] = sum.acceleration[l];
         dx[POSITION][l] = at.omega[l];
@@ -187,6 +194,7 @@ impl<R: Real> Rest<R> {
 pub fn rest<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], applied: &Applied<R, 1>) -> Rest<R> {
     let applied = &model.under_control(x, applied);
     let at = views(model, x, applied, applied.time, &[0.0]);
-    let sum = sums(model, x, &at);
+    let mut sum = empty(&model.motors.inverses());
+    add_up(model, x, &at, &mut sum);
     Rest { net: net(model, &at, &sum, 0), forward: sum.forward[0], backward: sum.backward[0] }
 }

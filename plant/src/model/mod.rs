@@ -4,6 +4,7 @@ mod build;
 mod control;
 mod field;
 mod motor;
+mod rows;
 
 use std::sync::Arc;
 
@@ -16,7 +17,9 @@ use crate::effects::registry::{Kind, Placed, REGISTRY};
 pub use control::{Control, Controlled, Controls};
 pub(crate) use field::field_at;
 pub use field::{Rest, field, rest};
+pub(crate) use motor::Inverses;
 pub use motor::{Motor, Motors};
+pub(crate) use rows::Rows;
 
 /// Index of the armature current in the state.
 pub const CURRENT: usize = 0;
@@ -29,6 +32,7 @@ pub const OWN: usize = 3;
 
 /// What acts on the drive from outside at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
 pub struct Applied<R, const N: usize> {
     /// Armature voltage, V, or the commanded force signal; with continuous control the command:
     /// the reference less what disturbs the tachometer, rad/s (m/s).
@@ -48,13 +52,15 @@ pub struct Model<R, const N: usize> {
     pub force: bool,
     placed: Vec<Placed>,
     laws: Arc<[Law]>,
-    p: Vec<[R; N]>,
+    p: Rows<R, N>,
     own_states: usize,
     stiff: Vec<bool>,
     dry: bool,
     control: Option<Controls<R, N>>,
     kinked: bool,
     restless: bool,
+    /// Whether an effect distorts what a sensor shows.
+    distorting: bool,
 }
 
 /// An effect to place: its law and the values of its parameters.
@@ -90,10 +96,25 @@ impl<R: Real> Model<R, 1> {
         let kinked = any(|i| i.replaces_dry);
         let dry = any(|i| i.dry) && !kinked;
         let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
-        let motors = Motors::splat(motor);
-        let own_states = stiff.len() - OWN;
-        let control = None;
-        Self { motors, force, placed, laws, p, own_states, stiff, dry, kinked, restless, control }
+        let senses = |kind| match kind {
+            Kind::Custom(k) => laws[k].senses(),
+            other => info(other).is_some_and(Info::senses),
+        };
+        let distorting = parts.iter().any(|part| senses(part.kind));
+        Self {
+            motors: Motors::splat(motor),
+            force,
+            placed,
+            laws,
+            p: Rows::copied(&p),
+            own_states: stiff.len() - OWN,
+            stiff,
+            dry,
+            control: None,
+            kinked,
+            restless,
+            distorting,
+        }
     }
 }
 
@@ -112,13 +133,13 @@ impl<R: Real, const N: usize> Model<R, N> {
         for (l, model) in of.iter().enumerate() {
             motors.set_lane(l, model.motors.lane(0));
         }
-        let p = (0..first.p.len()).map(|k| of.map(|m| m.p[k][0])).collect();
+        let p: Vec<[R; N]> = (0..first.p.len()).map(|k| of.map(|m| m.p[k][0])).collect();
         Self {
             motors,
             force: first.force,
             placed: first.placed.clone(),
             laws: first.laws.clone(),
-            p,
+            p: Rows::copied(&p),
             own_states: first.own_states,
             stiff: first.stiff.clone(),
             dry: first.dry,
@@ -131,6 +152,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             }),
             kinked: first.kinked,
             restless: first.restless,
+            distorting: first.distorting,
         }
     }
 
@@ -141,13 +163,14 @@ impl<R: Real, const N: usize> Model<R, N> {
             force: self.force,
             placed: self.placed.clone(),
             laws: self.laws.clone(),
-            p: self.p.iter().map(|values| [values[l]]).collect(),
+            p: Rows::copied(&self.p.iter().map(|values| [values[l]]).collect::<Vec<_>>()),
             own_states: self.own_states,
             stiff: self.stiff.clone(),
             dry: self.dry,
             control: self.control.map(|controls| Controls::splat(controls.lane(l))),
             kinked: self.kinked,
             restless: self.restless,
+            distorting: self.distorting,
         }
     }
 
@@ -237,7 +260,7 @@ impl<R: Real, const N: usize> Model<R, N> {
         x: &[[R; N]],
         applied: &Applied<R, N>,
     ) -> OutputLanes<R, N> {
-        if self.distorts_sensors() {
+        if self.distorting {
             let at = field::views(self, x, applied, applied.time, &[0.0; N]);
             for part in &self.placed {
                 part.sense(&self.laws, &self.p, &x[OWN..], &at, &mut shown);
@@ -246,22 +269,9 @@ impl<R: Real, const N: usize> Model<R, N> {
         shown
     }
 
-    /// Whether an effect distorts what a sensor shows.
-    #[inline(always)]
-    fn distorts_sensors(&self) -> bool {
-        self.placed.iter().any(|part| self.senses(part.kind))
-    }
-
     /// Whether ideal sensors show the states themselves.
     pub fn shows_state(&self) -> bool {
-        !self.force && !self.distorts_sensors()
-    }
-
-    fn senses(&self, kind: Kind) -> bool {
-        match kind {
-            Kind::Custom(k) => self.laws[k].senses(),
-            other => info(other).is_some_and(Info::senses),
-        }
+        !self.force && !self.distorting
     }
 
     /// The delays of u, s, if the drive has one; whoever steps it holds u back by them.

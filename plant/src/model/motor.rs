@@ -24,6 +24,28 @@ lanes! {
     }
 }
 
+/// Inverses of J and L: a division costs a lane as much as a law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub(crate) struct Inverses<R, const N: usize> {
+    /// 1 / J.
+    pub(crate) j: [R; N],
+    /// 1 / L.
+    pub(crate) l: [R; N],
+}
+
+impl<R: Real, const N: usize> Motors<R, N> {
+    #[inline(always)]
+    pub(crate) fn inverses(&self) -> Inverses<R, N> {
+        let mut inverses = Inverses { j: self.j, l: self.l };
+        for l in 0..N {
+            inverses.j[l] = R::one() / self.j[l];
+            inverses.l[l] = R::one() / self.l[l];
+        }
+        inverses
+    }
+}
+
 impl<R: Real> Motor<R> {
     /// Fastest rate of the balances besides R / L, 1/s: electromechanical oscillation, drag.
     pub(crate) fn fastest(&self, force: bool) -> f64 {

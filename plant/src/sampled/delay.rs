@@ -8,6 +8,8 @@ use std::collections::VecDeque;
 
 use drivescope_numerics::Real;
 
+use super::Sampled;
+use crate::integrate::{State, Stepper};
 use crate::model::Applied;
 
 /// Ends of pieces lie on this many parts of an interval. Pieces of equal samples so have equal
@@ -127,11 +129,49 @@ impl<R: Real, const N: usize> DelayLine<R, N> {
     }
 }
 
+impl<const N: usize> DelayLine<f64, N> {
+    /// Moves the drives on by `h` under the input that is set, held back: not inlined into the
+    /// runs of drives without a delay.
+    #[inline(never)]
+    pub(super) fn advance<S: Stepper<N>>(
+        &mut self,
+        stepper: &mut S,
+        state: &mut State<f64, N>,
+        applied: &Applied<f64, N>,
+        h: f64,
+    ) {
+        for (held, length) in self.pieces(applied, h) {
+            stepper.advance(state, held, *length);
+        }
+    }
+}
+
+impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
+    /// What holds u back, if the drive has a delay.
+    pub fn delay(&self) -> Option<&DelayLine<f64, N>> {
+        self.delay.as_ref()
+    }
+
+    /// The same, to put back what it remembers.
+    pub fn delay_mut(&mut self) -> Option<&mut DelayLine<f64, N>> {
+        self.delay.as_mut()
+    }
+
+    /// Lets a delay know what is applied from that time on, where another integrator advances
+    /// the drives.
+    pub fn remember_input(&mut self, time: f64) {
+        let u = self.set_now(time).u;
+        if let Some(line) = &mut self.delay {
+            line.set(time, u);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::drive::Drive;
-    use crate::integrate::{Integrator, State};
+    use crate::integrate::Integrator;
     use crate::model::{CURRENT, SPEED};
     use drivescope_numerics::Dual;
 

@@ -3,10 +3,12 @@
 //! At sample k (time t_k) the sensors are read, the controller computes C_m from the reference
 //! and T, the amplifier turns it into u; then u, the load and the faults are held while the
 //! drive moves on to t_{k+1}. [`Sampled`] does this for lanes of drives; one drive is a lane.
+//! [`Sampled::run`] makes many samples at once, in vector code over the lanes.
 
 mod amplifier;
 mod controller;
 mod delay;
+mod run;
 mod sensors;
 
 use crate::drive::{AmplifierData, ControllerData, Drive, GeneratorData, Input, Motion};
@@ -18,6 +20,7 @@ use crate::model::{Applied, Control, Controls, Model, Motors};
 use amplifier::amplify;
 use controller::Pi;
 pub use delay::DelayLine;
+pub use run::{Samples, Span};
 pub(crate) use sensors::FROZEN;
 use sensors::Sensors;
 
@@ -193,6 +196,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     }
 
     /// What acts on the continuous drives since the last sample.
+    #[inline(always)]
     pub fn applied(&self, time: f64) -> Applied<f64, N> {
         let set = self.set_now(time);
         let held_back = self.delay.as_ref().and_then(|line| line.acting(time));
@@ -203,25 +207,6 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     fn set_now(&self, time: f64) -> Applied<f64, N> {
         let u = if self.is_continuous() { self.command } else { self.signals.u };
         Applied { u, load: self.signals.load, time }
-    }
-
-    /// What holds u back, if the drive has a delay.
-    pub fn delay(&self) -> Option<&DelayLine<f64, N>> {
-        self.delay.as_ref()
-    }
-
-    /// The same, to put back what it remembers.
-    pub fn delay_mut(&mut self) -> Option<&mut DelayLine<f64, N>> {
-        self.delay.as_mut()
-    }
-
-    /// Lets a delay know what is applied from that time on, where another integrator advances
-    /// the drives.
-    pub fn remember_input(&mut self, time: f64) {
-        let u = self.set_now(time).u;
-        if let Some(line) = &mut self.delay {
-            line.set(time, u);
-        }
     }
 
     /// What the controllers remember, V.
@@ -236,6 +221,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     }
 
     /// What ideal sensors show at that time.
+    #[inline(always)]
     pub fn outputs(&self, time: f64) -> OutputLanes<f64, N> {
         self.stepper.model().outputs(&self.state.x, &self.applied(time))
     }
@@ -256,15 +242,34 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     /// Sample k at time t_k: reads the sensors, runs the controller, and applies its output.
     #[inline]
     pub fn sample(&mut self, time: f64, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
-        self.signals = self.measured(time, inputs, faults);
+        self.sample_inlined(time, inputs, faults, true);
+    }
+
+    /// The same as part of compiled work; the motors are looked at where faults may have changed.
+    #[inline(always)]
+    fn sample_inlined(
+        &mut self,
+        time: f64,
+        inputs: &InputLanes<f64, N>,
+        faults: &FaultLanes<f64, N>,
+        may_have_changed: bool,
+    ) {
+        let shown = self.outputs(time);
+        self.sensors.read(&shown, inputs, faults, &mut self.signals);
+        if self.is_continuous() {
+            self.signals = self.with_continuous(time, self.signals);
+        }
         if let Some(data) = self.controller.as_ref().filter(|data| data.period.is_some()) {
             self.pi.sample(data, &self.sensors, inputs, &mut self.signals);
         }
-        self.apply(inputs, faults);
+        if may_have_changed {
+            self.put_faults_into_motors(faults);
+        }
+        self.apply_held(inputs, faults);
     }
 
     /// The signals with T and I_m read at that time.
-    #[inline]
+    #[inline(always)]
     pub fn measured(
         &self,
         time: f64,
@@ -274,7 +279,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         let mut signals = self.signals;
         self.sensors.read(&self.outputs(time), inputs, faults, &mut signals);
         if self.is_continuous() {
-            self.continuous_signals(time, &mut signals);
+            signals = self.with_continuous(time, signals);
         }
         signals
     }
@@ -284,6 +289,12 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     #[inline]
     pub fn apply(&mut self, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
         self.put_faults_into_motors(faults);
+        self.apply_held(inputs, faults);
+    }
+
+    /// The same with the faults already in the motors.
+    #[inline(always)]
+    fn apply_held(&mut self, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
         if self.controller.is_none() {
             self.signals.c_m = inputs.u;
         }
@@ -293,21 +304,23 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
             let amplifier = if self.controller.is_some() { self.amplifier } else { None };
             amplify(amplifier, faults, &mut self.signals);
         }
+        let generator =
+            self.generator.unwrap_or(GeneratorData { k_m: 0.0, gain: 0.0, limit: None });
         for l in 0..N {
-            let i_g = self.generator.map_or(0.0, |g| limited(g.gain * inputs.c_g[l], g.limit));
-            let braking = self.generator.map_or(0.0, |g| g.k_m * i_g);
+            let i_g = limited(generator.gain * inputs.c_g[l], generator.limit);
             self.signals.i_g[l] = i_g;
-            self.signals.load[l] = inputs.load[l] + self.rated_torque * faults.load[l] + braking;
+            self.signals.load[l] =
+                inputs.load[l] + self.rated_torque * faults.load[l] + generator.k_m * i_g;
         }
     }
 
     /// Moves the drives on by `h` under the held inputs.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&mut self, time: f64, h: f64) {
         let applied = self.set_now(time);
         match &mut self.delay {
             None => self.stepper.advance(&mut self.state, &applied, h),
-            Some(line) => advance_delayed(line, &mut self.stepper, &mut self.state, &applied, h),
+            Some(line) => line.advance(&mut self.stepper, &mut self.state, &applied, h),
         }
     }
 
@@ -318,6 +331,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     }
 
     /// Sets command and gains of the continuous controllers.
+    #[inline(never)]
     fn close_loop(&mut self, inputs: &InputLanes<f64, N>, faults: &FaultLanes<f64, N>) {
         let Some(data) = self.controller else { return };
         for l in 0..N {
@@ -347,8 +361,9 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         }
     }
 
-    /// C_m and u of continuous controllers at that time, into the signals.
-    fn continuous_signals(&self, time: f64, signals: &mut SignalLanes<f64, N>) {
+    /// The signals with C_m and u of the continuous controllers at that time.
+    #[inline(never)]
+    fn with_continuous(&self, time: f64, mut signals: SignalLanes<f64, N>) -> SignalLanes<f64, N> {
         let applied = self.applied(time);
         for l in 0..N {
             if let Some(now) = self.stepper.model().controlled(&self.state.x, &applied, l) {
@@ -356,6 +371,7 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
                 signals.u[l] = now.u;
             }
         }
+        signals
     }
 
     fn put_faults_into_motors(&mut self, faults: &FaultLanes<f64, N>) {
@@ -373,28 +389,10 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
     }
 }
 
-/// An interval in the pieces of a delay.
-#[inline(never)]
-fn advance_delayed<const N: usize, S: Stepper<N>>(
-    line: &mut DelayLine<f64, N>,
-    stepper: &mut S,
-    state: &mut State<f64, N>,
-    applied: &Applied<f64, N>,
-    h: f64,
-) {
-    for (held, length) in line.pieces(applied, h) {
-        stepper.advance(state, held, *length);
-    }
-}
-
 /// The value within plus or minus the limit, if there is one.
 #[inline(always)]
 fn limited(value: f64, limit: Option<f64>) -> f64 {
-    match limit {
-        Some(limit) => {
-            let capped = if value > limit { limit } else { value };
-            if capped < -limit { -limit } else { capped }
-        }
-        None => value,
-    }
+    let limit = limit.unwrap_or(f64::INFINITY);
+    let capped = if value > limit { limit } else { value };
+    if capped < -limit { -limit } else { capped }
 }

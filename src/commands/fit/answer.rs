@@ -11,7 +11,8 @@ use drivescope_discovery::{
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
-use crate::evidence::{Gathered, NamedNoise};
+use crate::evidence::Gathered;
+use crate::read_evidence::KnownNoise;
 
 /// Correlation from which on two parameters are named together.
 const STRONG: f64 = 0.9;
@@ -84,7 +85,7 @@ struct OfRecording {
     held_out: bool,
     values: usize,
     error: f64,
-    noise: Vec<NamedNoise>,
+    noise: Vec<KnownNoise>,
     /// Parameters of this recording alone.
     own: Vec<Estimate>,
 }
@@ -228,7 +229,7 @@ impl Answer {
         let _ = writeln!(text, "{name}, fitted to {}", files(false));
         let _ = writeln!(text, "{}", self.split);
         for it in &self.recordings {
-            for NamedNoise { name, sd, unit, source } in &it.noise {
+            for KnownNoise { name, sd, unit, source } in &it.noise {
                 let how = format!("{source:?}").to_lowercase();
                 let _ = writeln!(text, "noise of {name} in {}: {sd:.4e} {unit} ({how})", it.file);
             }

@@ -84,6 +84,25 @@ fn emps_has_the_published_values() {
     assert_eq!((drive.fixed.as_slice(), drive.motor.r), (["K_m".to_owned()].as_slice(), None));
 }
 
+/// Cogging on a screw is a spatial period, its harmonics effects with names of their own.
+#[test]
+fn cogging_has_harmonics_on_a_shaft_and_on_an_axis() {
+    for (text, first) in [(DR300, 1.0), (EMPS, 2.0 * PI / 0.0025)] {
+        let harmonic = |k: f64| {
+            let n = k * first;
+            format!(
+                "[[effect]]\nkind = \"cogging\"\nid = \"cogging_{k}\"\nN = {n:?}\na = 1e-3\nb = 0\n"
+            )
+        };
+        let drive = read(&format!("{text}\n{}{}", harmonic(1.0), harmonic(48.0)));
+        let all = drive.parameters();
+        let n = all.iter().find(|p| p.name == "cogging_48.N").expect("the harmonic's own");
+        assert_eq!(n.value, 48.0 * first);
+        assert_eq!(read(&drive.to_toml()), drive);
+        assert_eq!(drive.model().states(), 3);
+    }
+}
+
 #[test]
 fn shipped_drives_survive_writing_and_reading() {
     for text in [DR300, EMPS] {

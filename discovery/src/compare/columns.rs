@@ -1,0 +1,161 @@
+//! Columns: what the outputs would do to each unknown, gathered by the [`Layout`].
+
+use super::layout::Layout;
+use super::path::{Path, Scales};
+use super::series::Series;
+use super::shape::Shape;
+use crate::case::Case;
+use crate::measured::Output;
+use crate::sensitivity::Direction;
+
+/// Directions that are computed together: two wide passes.
+const TOGETHER: usize = 16;
+
+/// Residuals and the columns of the base: its fitted parameters, then the starts of all pieces.
+pub(super) fn base(
+    cases: &[Case<'_>],
+    layout: &Layout,
+    parameters: &[String],
+    own: &[String],
+) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut residual = vec![0.0; layout.rows()];
+    let mut columns: Vec<Vec<f64>> = vec![vec![0.0; layout.rows()]; parameters.len()];
+    for (place, case) in cases.iter().enumerate() {
+        let mut directions: Vec<Direction<'_>> =
+            parameters.iter().map(|name| Direction::Parameter(name)).collect();
+        directions.extend(own.iter().map(|name| Direction::Parameter(name)));
+        for (piece, start) in case.starts.iter().enumerate() {
+            let shows_position = case.measured.output(Output::Position).is_some();
+            let states = [(0, true), (1, start.speed != 0.0), (2, shows_position)];
+            let free = states.into_iter().filter(|(_, free)| *free);
+            directions.extend(free.map(|(state, _)| Direction::Start { piece, state }));
+        }
+        // Parameters are shared, everything else belongs to this recording.
+        let first = columns.len();
+        columns.resize(first + directions.len() - parameters.len(), vec![0.0; layout.rows()]);
+        let number = |slot: usize| {
+            if slot < parameters.len() { slot } else { first + slot - parameters.len() }
+        };
+        case.blocks(&directions, |rows| {
+            for (at, (k, j)) in rows.sample.iter().zip(&rows.output).enumerate() {
+                let row = layout.row(place, *k, *j);
+                residual[row] += rows.residual[at];
+                for slot in 0..directions.len() {
+                    columns[number(slot)][row] += rows.columns[(slot, at)];
+                }
+            }
+        });
+    }
+    layout.level(&mut residual);
+    columns.iter_mut().for_each(|column| layout.level(column));
+    (residual, columns)
+}
+
+/// What makes the columns of shapes.
+pub(super) struct Maker<'a> {
+    pub(super) cases: &'a [Case<'a>],
+    pub(super) paths: &'a [Path],
+    pub(super) scales: &'a Scales,
+    pub(super) layout: &'a Layout,
+    pub(super) limit: Option<f64>,
+}
+
+impl Maker<'_> {
+    /// Columns of each shape.
+    pub(super) fn shapes(&self, shapes: &[Shape]) -> Vec<Vec<Vec<f64>>> {
+        let wanted: Vec<(Shape, usize)> =
+            shapes.iter().flat_map(|it| (0..it.columns()).map(|j| (*it, j))).collect();
+        let make = |number: usize, path: &Path| {
+            wanted[number].0.series(wanted[number].1, path, self.scales, self.limit)
+        };
+        let mut flat = self.columns(wanted.len(), &make).into_iter();
+        shapes.iter().map(|it| flat.by_ref().take(it.columns()).collect()).collect()
+    }
+
+    /// Columns of series, made when they are needed.
+    pub(super) fn columns(
+        &self,
+        count: usize,
+        make: &dyn Fn(usize, &Path) -> Series,
+    ) -> Vec<Vec<f64>> {
+        let mut columns = vec![vec![0.0; self.layout.rows()]; count];
+        for (case, path) in self.cases.iter().zip(self.paths) {
+            let mut from = 0;
+            while from < count {
+                let mut balances = Vec::new();
+                let mut to = from;
+                while to < count && balances.len() < TOGETHER {
+                    match make(to, path) {
+                        Series::Torque(b) => balances.push((to, false, b)),
+                        Series::Voltage(b) => balances.push((to, true, b)),
+                        Series::Flux { torque, voltage } => {
+                            balances.push((to, false, torque));
+                            balances.push((to, true, voltage));
+                        }
+                        Series::Shown(output, b) => {
+                            let fed_back =
+                                self.shown(case, path.place, output, &b, &mut columns[to]);
+                            balances.extend(fed_back.map(|b| (to, false, b)));
+                        }
+                    }
+                    to += 1;
+                }
+                from = to;
+                self.respond(case, path.place, &balances, &mut columns);
+            }
+        }
+        columns.iter_mut().for_each(|column| self.layout.level(column));
+        columns
+    }
+
+    /// Adds the responses to torques and voltages to their columns.
+    fn respond(
+        &self,
+        case: &Case<'_>,
+        place: usize,
+        balances: &[(usize, bool, Vec<f64>)],
+        columns: &mut [Vec<f64>],
+    ) {
+        if balances.is_empty() {
+            return;
+        }
+        let directions: Vec<Direction<'_>> = balances
+            .iter()
+            .map(
+                |(_, voltage, b)| {
+                    if *voltage { Direction::Voltage(b) } else { Direction::Torque(b) }
+                },
+            )
+            .collect();
+        case.blocks(&directions, |rows| {
+            for (at, (k, j)) in rows.sample.iter().zip(&rows.output).enumerate() {
+                let row = self.layout.row(place, *k, *j);
+                for (slot, (number, ..)) in balances.iter().enumerate() {
+                    columns[*number][row] += rows.columns[(slot, at)];
+                }
+            }
+        });
+    }
+
+    /// Adds a sensor's error to its own output. An observer that is fed by that sensor corrects
+    /// the speed by the opposite of its gain times the error: as the torque does that is returned.
+    fn shown(
+        &self,
+        case: &Case<'_>,
+        place: usize,
+        output: Output,
+        b: &[f64],
+        column: &mut [f64],
+    ) -> Option<Vec<f64>> {
+        let measured = case.measured;
+        let j = measured.outputs.iter().position(|it| it.output == output)?;
+        for k in measured.pieces.iter().cloned().flatten() {
+            if measured.outputs[j].values[k].is_finite() {
+                column[self.layout.row(place, k, j)] += b[k] / case.noise[j];
+            }
+        }
+        let gains = case.setting.observer.gains(measured).filter(|it| it.output == output)?;
+        let factor = -self.scales.inertia * gains.speed / measured.period_s;
+        Some(b.iter().map(|b| factor * b).collect())
+    }
+}

@@ -1,0 +1,165 @@
+//! Which variables the residual depends on, the most telling first.
+//!
+//! Every shape is scored on the plain residual: what it explains, less what chance would, with
+//! the variance of its coefficients from blocks. The best few are tested with the residual made
+//! white after their removal ([`super::whitening`]); only where none of them stands is the search
+//! repeated on the whitened residual, which sees small effects below a random load. What is found
+//! joins the base, and the rest is tested anew: so every finding is conditional on those before.
+
+use drivescope_plant::effects::info::Variable;
+use nalgebra::{DMatrix, DVector};
+
+use super::layout::Layout;
+use super::score::{Score, basis, outside, own_basis, score};
+use super::shape::Shape;
+use super::whitening::Whitening;
+
+/// Probability, after correction for the number of shapes (Holm, 1979), below which a shape is
+/// reported. One in a thousand and not one in twenty: blocks are few, a random load is no normal
+/// noise, and a real effect of any size falls far below.
+pub(super) const LEVEL: f64 = 1e-3;
+/// Share of the noise's power that a shape must explain to be worth a word: the error then falls
+/// by a quarter of a per cent at least.
+const WORTH: f64 = 0.005;
+/// Shapes that are tested for a variable in first place.
+const TESTED: usize = 3;
+/// Variables that are reported at most.
+const MOST: usize = 4;
+
+/// Residual, base and shapes, as columns of a [`Layout`].
+pub(super) struct Data<'a> {
+    pub(super) layout: &'a Layout,
+    pub(super) residual: Vec<f64>,
+    pub(super) base: Vec<Vec<f64>>,
+    pub(super) shapes: Vec<Shape>,
+    /// Columns of each shape.
+    pub(super) columns: Vec<Vec<Vec<f64>>>,
+    /// Block of each row, and how many there are: of the residual as it is.
+    pub(super) blocks: (Vec<usize>, usize),
+    /// The same of the residual made white, whose memory is shorter.
+    pub(super) white_blocks: (Vec<usize>, usize),
+    /// Squared error of a perfect model, per value.
+    pub(super) floor: f64,
+}
+
+/// A shape that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Found {
+    pub(super) shape: Shape,
+    pub(super) p_value: f64,
+    /// Share of the excess of squared error that it explains.
+    pub(super) share: f64,
+}
+
+/// A shape by its number, with its score less what chance would explain.
+struct Ranked {
+    number: usize,
+    score: Score,
+    worth: f64,
+}
+
+impl Data<'_> {
+    /// The findings, most telling first.
+    pub(super) fn search(&self) -> Vec<Found> {
+        let mut added: Vec<usize> = Vec::new();
+        let mut findings: Vec<Found> = Vec::new();
+        let floor = self.floor * self.layout.values();
+        let excess = (self.left(&added).norm_squared() - floor).max(WORTH * floor);
+        let known = |added: &[usize], variable: Variable| {
+            added.iter().any(|number| self.shapes[*number].variable() == variable)
+        };
+        // A second shape over a variable that is known already is taken, not told again.
+        while added.len() < 2 * MOST && findings.len() < MOST {
+            let Some((number, p_value)) = self.next(&added) else { break };
+            let before = self.left(&added).norm_squared();
+            let variable = self.shapes[number].variable();
+            let again = known(&added, variable);
+            added.push(number);
+            let share = ((before - self.left(&added).norm_squared()) / excess).clamp(0.0, 1.0);
+            match findings.iter_mut().find(|it| again && it.shape.variable() == variable) {
+                Some(first) => first.share = (first.share + share).min(1.0),
+                None => findings.push(Found { shape: self.shapes[number], p_value, share }),
+            }
+        }
+        findings
+    }
+
+    /// The next shape that stands, with its corrected probability.
+    fn next(&self, added: &[usize]) -> Option<(usize, f64)> {
+        let plain = self.ranked(added, &|column| column.to_vec(), &self.blocks);
+        let hypotheses = plain.len() as f64;
+        let worth = WORTH * self.floor * self.layout.values();
+        let judge = |number: usize| {
+            let gain = plain.iter().find(|it| it.number == number)?.score.gain;
+            let p_value = (self.confirmed(added, number)? * hypotheses).min(1.0);
+            (p_value < LEVEL && gain > worth).then_some((number, p_value))
+        };
+        let best = |ranked: &[Ranked]| {
+            let few = ranked.iter().take(TESTED).filter(|it| it.worth > 0.0);
+            few.map(|it| it.number).find_map(judge)
+        };
+        best(&plain).or_else(|| {
+            let filter = Whitening::fit(self.left(added).as_slice(), self.layout);
+            let white = |column: &[f64]| filter.apply(column, self.layout);
+            best(&self.ranked(added, &white, &self.white_blocks))
+        })
+    }
+
+    /// Columns of the base and of what was found.
+    fn known<'b>(&'b self, added: &'b [usize]) -> impl Iterator<Item = &'b [f64]> + 'b {
+        let found = added.iter().flat_map(|number| &self.columns[*number]);
+        self.base.iter().chain(found).map(Vec::as_slice)
+    }
+
+    /// The residual after the base and these shapes are fitted to it.
+    pub(super) fn left(&self, added: &[usize]) -> DVector<f64> {
+        let known = basis(self.known(added), self.layout.rows());
+        outside(&known, &self.residual)
+    }
+
+    fn filtered(&self, added: &[usize], filter: &dyn Fn(&[f64]) -> Vec<f64>) -> DMatrix<f64> {
+        let columns: Vec<Vec<f64>> = self.known(added).map(filter).collect();
+        basis(columns.iter().map(Vec::as_slice), self.layout.rows())
+    }
+
+    /// All other shapes through that filter, the most telling first.
+    fn ranked(
+        &self,
+        added: &[usize],
+        filter: &dyn Fn(&[f64]) -> Vec<f64>,
+        blocks: &(Vec<usize>, usize),
+    ) -> Vec<Ranked> {
+        let known = self.filtered(added, filter);
+        let e = outside(&known, &filter(&self.residual));
+        let chance = self.layout.values().ln();
+        let others = (0..self.shapes.len()).filter(|number| !added.contains(number));
+        let mut ranked: Vec<Ranked> = others
+            .filter_map(|number| {
+                let columns: Vec<Vec<f64>> =
+                    self.columns[number].iter().map(|column| filter(column)).collect();
+                let score = score(&own_basis(&known, &columns)?, &e, by_reference(blocks));
+                let by_chance = score.variance.max(1.0) * score.columns as f64 * chance;
+                Some(Ranked { number, score, worth: score.gain - by_chance })
+            })
+            .collect();
+        ranked.sort_by(|a, b| b.worth.total_cmp(&a.worth));
+        ranked
+    }
+
+    /// Probability of a shape with the residual made white after its removal.
+    fn confirmed(&self, added: &[usize], number: usize) -> Option<f64> {
+        let with: Vec<usize> = added.iter().copied().chain([number]).collect();
+        let whitening = Whitening::fit(self.left(&with).as_slice(), self.layout);
+        let filter = |column: &[f64]| whitening.apply(column, self.layout);
+        let known = self.filtered(added, &filter);
+        let columns: Vec<Vec<f64>> =
+            self.columns[number].iter().map(|column| filter(column)).collect();
+        let own = own_basis(&known, &columns)?;
+        let e = outside(&known, &filter(&self.residual));
+        Some(score(&own, &e, by_reference(&self.white_blocks)).p_value)
+    }
+}
+
+fn by_reference(blocks: &(Vec<usize>, usize)) -> (&[usize], usize) {
+    (&blocks.0, blocks.1)
+}

@@ -1,0 +1,30 @@
+//! What an estimate rests on.
+
+use crate::measured::{Channel, Measured};
+
+/// Recordings of one machine with what is known of their noise.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Evidence {
+    /// The recordings.
+    pub recordings: Vec<Measured>,
+    /// Standard deviation of the noise of each one's outputs, in their units.
+    pub noise: Vec<Vec<f64>>,
+}
+
+impl Evidence {
+    /// Measured values in all of them.
+    pub fn values(&self) -> usize {
+        self.recordings.iter().map(Measured::values).sum()
+    }
+
+    /// Squares of all measured values less their mean, in units of the noise.
+    pub fn power(&self) -> f64 {
+        let of = |(channel, sd): (&Channel, &f64)| {
+            let values = || channel.values.iter().filter(|value| value.is_finite());
+            let mean = values().sum::<f64>() / values().count() as f64;
+            values().map(|y| ((y - mean) / sd).powi(2)).sum::<f64>()
+        };
+        let each = self.recordings.iter().zip(&self.noise);
+        each.flat_map(|(measured, noise)| measured.outputs.iter().zip(noise)).map(of).sum()
+    }
+}

@@ -1,0 +1,68 @@
+//! The search from several starts: the drive's own values, and points drawn around them.
+
+use drivescope_numerics::{Limits, Residuals};
+use rand::SeedableRng;
+use rand::distr::{Distribution, Uniform};
+use rand_pcg::Pcg64;
+
+use super::problem::Problem;
+use super::search::minimise_within;
+use super::unknowns::{Unknown, Unknowns};
+use crate::error::Error;
+
+/// Steps of a search.
+const STEPS: usize = 60;
+/// Decrease of the squared error, in units of the noise, that is no longer worth a step: the
+/// parameters are then within a few per cent of a standard error of the minimum.
+const WORTH_A_STEP: f64 = 1e-3;
+/// Error over the noise floor up to which a search has found it and no further start is tried.
+const AT_THE_FLOOR: f64 = 1.05;
+/// Points that are looked at for each further start.
+const LOOKED_AT: usize = 8;
+/// Further starts lie within this factor of the drive's values.
+const AROUND: f64 = 3.0;
+
+/// The best minimum from up to that many starts, and how many were tried.
+pub(super) fn search(
+    problem: &Problem<'_>,
+    starts: usize,
+    seed: u64,
+) -> Result<(Vec<f64>, usize), Error> {
+    let reaches = problem.unknowns.reaches();
+    let values = problem.evidence.values() as f64;
+    let limits = Limits { steps: STEPS, relative_decrease: WORTH_A_STEP / values };
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut best = minimise_within(problem, &problem.unknowns.guess, &reaches, limits);
+    let mut tried = 1;
+    let floors = problem.evidence.recordings.iter().map(|it| problem.setting.observer.floor(it));
+    let floor = AT_THE_FLOOR * floors.fold(1.0, f64::max);
+    while tried < starts && (best.sse / values).sqrt().total_cmp(&floor).is_gt() {
+        let drawn: Vec<Vec<f64>> =
+            (0..LOOKED_AT).map(|_| around(&problem.unknowns, &mut random)).collect();
+        let looked = drawn.into_iter().map(|point| (problem.sse(&point), point));
+        let Some((_, start)) = looked.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        let found = minimise_within(problem, &start, &reaches, limits);
+        if found.sse < best.sse || !best.sse.is_finite() {
+            best = found;
+        }
+        tried += 1;
+    }
+    if best.sse.is_finite() {
+        return Ok((best.parameters, tried));
+    }
+    Err(Error::Overflow { recording: problem.evidence.recordings[0].name.clone(), starts: tried })
+}
+
+/// A start drawn around the guess: parameters within a factor, states as they are.
+fn around(unknowns: &Unknowns, random: &mut Pcg64) -> Vec<f64> {
+    let range = Uniform::new_inclusive(-AROUND.ln(), AROUND.ln()).expect("a range");
+    let draw = |k: usize| {
+        let factor = range.sample(random).exp();
+        let (guess, scale) = (unknowns.guess[k], &unknowns.scales[k]);
+        match unknowns.all[k] {
+            Unknown::Start { .. } => guess,
+            _ => scale.coordinate(scale.value(guess) * factor),
+        }
+    };
+    (0..unknowns.all.len()).map(draw).collect()
+}

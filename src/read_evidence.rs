@@ -1,0 +1,111 @@
+//! Recordings read as evidence on a drive, with what is known of their noise.
+
+use std::path::PathBuf;
+
+use drivescope_discovery::{Evidence, Measured, NoiseSource, doubts, noise};
+use drivescope_plant::drive::Drive;
+use drivescope_plant::units::name_for_motion;
+use serde::Serialize;
+
+use crate::commands::RecordingOptions;
+use crate::failure::{Failure, told};
+use crate::session::Session;
+
+/// The noise of one output of a recording.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct KnownNoise {
+    /// The output.
+    pub(crate) name: &'static str,
+    /// Standard deviation, SI.
+    pub(crate) sd: f64,
+    /// Its unit.
+    pub(crate) unit: String,
+    /// Where it comes from.
+    pub(crate) source: NoiseSource,
+}
+
+/// Recordings with what was found out about them.
+#[derive(Debug)]
+pub(crate) struct ReadEvidence {
+    /// The recordings.
+    pub(crate) evidence: Evidence,
+    /// Noise of the outputs of each.
+    pub(crate) noise: Vec<Vec<KnownNoise>>,
+    /// What makes them doubtful.
+    pub(crate) doubts: Vec<String>,
+}
+
+/// Reads whole recordings; says what was assumed and what is doubtful.
+///
+/// # Errors
+/// A recording that cannot be read or used with that drive.
+pub(crate) fn read_evidence(
+    drive: &Drive,
+    files: &[PathBuf],
+    given: &[(String, f64)],
+    reading: &RecordingOptions,
+    session: &Session,
+) -> miette::Result<ReadEvidence> {
+    let mut read = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
+    for file in files {
+        let (recording, _) = reading.read(file, session)?;
+        let measured = Measured::new(drive, &recording).map_err(told)?;
+        read.doubts.extend(doubts(drive, &measured).map_err(told)?.iter().map(ToString::to_string));
+        let found = noise(drive, &measured, given);
+        let known = measured.outputs.iter().zip(&found).map(|(channel, noise)| KnownNoise {
+            name: channel.name,
+            sd: noise.sd,
+            unit: channel.unit.clone(),
+            source: noise.source,
+        });
+        read.noise.push(known.collect());
+        read.evidence.noise.push(found.iter().map(|noise| noise.sd).collect());
+        read.evidence.recordings.push(measured);
+    }
+    read.doubts.iter().for_each(|doubt| session.remark(doubt));
+    Ok(read)
+}
+
+/// The standard deviations of the command line: `i=0.01,omega=0.3`.
+///
+/// # Errors
+/// A part that is no name with a number above 0, or a name that is no output of that drive.
+pub(crate) fn given_noise(drive: &Drive, text: Option<&str>) -> miette::Result<Vec<(String, f64)>> {
+    let wrong = |what: String| Failure::Usage {
+        what,
+        instead: "give standard deviations above 0 in SI units, such as --noise i=0.01,omega=0.3"
+            .to_owned(),
+    };
+    let known = ["i", "omega", "theta"].map(|name| name_for_motion(drive.motion, name));
+    let mut given = Vec::new();
+    let items = text.unwrap_or_default().split(',').map(str::trim);
+    for item in items.filter(|item| !item.is_empty()) {
+        let parsed = item
+            .split_once('=')
+            .and_then(|(name, sd)| Some((name.trim().to_owned(), sd.trim().parse::<f64>().ok()?)));
+        let Some((name, sd)) = parsed.filter(|(_, sd)| sd.is_finite() && *sd > 0.0) else {
+            return Err(wrong(format!("--noise: `{item}` is no NAME=SD")).into());
+        };
+        if !known.contains(&name.as_str()) {
+            let known = known.join(", ");
+            return Err(wrong(format!("--noise: there is no output `{name}`, only {known}")).into());
+        }
+        given.push((name, sd));
+    }
+    Ok(given)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_given_by_name() {
+        let drive = crate::drive_source::drive("dr300").expect("it is built in");
+        let given = given_noise(&drive, Some("i=0.01, omega=0.3")).expect("right");
+        assert_eq!(given, [("i".to_owned(), 0.01), ("omega".to_owned(), 0.3)]);
+        for wrong in ["i", "i=-1", "i=x", "v=1"] {
+            assert!(given_noise(&drive, Some(wrong)).is_err(), "{wrong}");
+        }
+    }
+}

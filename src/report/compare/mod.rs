@@ -1,0 +1,152 @@
+//! The report of a comparison: the verdict, where the model fails, and what that rests on.
+
+mod pictures;
+mod tables;
+
+use drivescope_discovery::compare::Comparison;
+use maud::{Markup, html};
+
+use super::page::{figure, page, section};
+use super::words::number;
+
+/// What a report of a comparison tells beside the comparison itself.
+#[derive(Debug, Clone)]
+pub(crate) struct Setting {
+    /// Name of the drive.
+    pub(crate) drive: String,
+    /// Noise of the first recording's outputs: name, value with unit, where it comes from.
+    pub(crate) noise: Vec<(String, String, String)>,
+    /// Error on the recordings that only judge, if there are any.
+    pub(crate) validation_error: Option<f64>,
+    /// Time of the first sample and sampling time of each recording, s.
+    pub(crate) times: Vec<(f64, f64)>,
+    /// What makes the recordings doubtful.
+    pub(crate) doubts: Vec<String>,
+    /// Seed.
+    pub(crate) seed: u64,
+}
+
+/// What is to be seen first.
+pub(crate) fn verdict(compared: &Comparison) -> String {
+    let Some(first) = compared.findings.first() else {
+        let above = compared.error > 1.05 * compared.floor;
+        return if above {
+            "The error is above the noise, but it depends on no variable that was tested: it \
+             looks like a random load."
+                .to_owned()
+        } else {
+            "The model explains these recordings down to their noise.".to_owned()
+        };
+    };
+    let others: Vec<&str> = compared.findings.iter().skip(1).map(|it| it.variable).collect();
+    let also = match others.as_slice() {
+        [] => String::new(),
+        some => format!(" Then over {}.", some.join(", ")),
+    };
+    format!("The model fails over {}: {}.{also}", first.variable, first.words)
+}
+
+/// The second sentence: what the error is, and what fitting could do.
+pub(crate) fn remark(compared: &Comparison) -> String {
+    let floor = if compared.observer_hz > 0.0 {
+        format!("; {} is the floor with the observer", number(compared.floor))
+    } else {
+        "; 1 is the noise floor".to_owned()
+    };
+    let mut text = format!("Its error is {} in units of the noise{floor}.", number(compared.error));
+    if compared.is_unfitted() {
+        text += &format!(
+            " The drive is not fitted to these recordings: other values of its own parameters would \
+             take {:.0} % of the excess away, to about {}. Fit it first: what is said here is what \
+             they could not explain.",
+            100.0 * compared.by_parameters,
+            number(compared.error_if_fitted)
+        );
+    }
+    text
+}
+
+/// One self-contained HTML page.
+pub(crate) fn compare_html(compared: &Comparison, setting: &Setting) -> String {
+    let title = format!("Model against measurement: {}", setting.drive);
+    let body = html! {
+        a.skip href="#main" { "Skip to the findings" }
+        header {
+            h1 { (title) }
+            p.about { "A drive's model compared with recordings of the drive." }
+        }
+        main #main {
+            p.verdict { (verdict(compared)) }
+            p.second { (remark(compared)) }
+            (tables::tiles(compared, setting))
+            (findings(compared))
+            (curves(compared))
+            (recordings(compared, setting))
+            (section("residual", "Is the residual white", &tables::residuals(compared)))
+            (section("setting", "What this rests on", &tables::setting(compared, setting)))
+        }
+        footer {
+            "drivescope compare, seed " (setting.seed) ". The same files and seed give the same \
+             figures."
+        }
+    };
+    page(&title, &body)
+}
+
+fn findings(compared: &Comparison) -> Markup {
+    section("where", "Where it fails", &tables::findings(compared))
+}
+
+fn curves(compared: &Comparison) -> Markup {
+    section(
+        "curves",
+        "What is missing over each variable",
+        &html! {
+            p {
+                "Each curve is the torque, voltage or resistance that the model lacks, estimated from \
+                 the outputs together with the drive\u{2019}s own parameters; the band holds 95 % of a \
+                 bootstrap of time blocks. A band that contains zero everywhere shows nothing \
+                 missing. One effect shows over several variables, for they move together: the table \
+                 above says over which it is told best."
+            }
+            @for (place, curve) in compared.curves.iter().enumerate() {
+                (figure(
+                    &format!("curve-{place}"),
+                    pictures::curve(curve, place).svg(),
+                    curve.words,
+                    &html! { (pictures::caption(curve)) },
+                ))
+            }
+        },
+    )
+}
+
+fn recordings(compared: &Comparison, setting: &Setting) -> Markup {
+    section(
+        "recordings",
+        "Each recording",
+        &html! {
+            @for (place, recording) in compared.recordings.iter().enumerate() {
+                h3 { (recording.name) }
+                (figure(
+                    &format!("recording-{place}"),
+                    pictures::recording(recording, setting.times[place], place).svg(),
+                    &format!("Model and measurement, {}", recording.name),
+                    &html! {
+                        "Measured in the colour of text, model in blue; below, the residual in units \
+                         of the noise. Shaded: spans in which the error is above what noise allows."
+                    },
+                ))
+                @if recording.spans.is_empty() {
+                    p.note { "No span of time stands out." }
+                } @else {
+                    ul.reading {
+                        @for span in &recording.spans {
+                            li { (span.sentence) " (error " (number(span.error)) ")" }
+                        }
+                    }
+                }
+            }
+        },
+    )
+}

@@ -1,0 +1,149 @@
+"""The generators themselves: energy, convergence, sticking, reproducibility.
+
+python -m unittest discover -s tools -t tools
+"""
+
+import unittest
+
+import numpy as np
+
+from . import axis, cases, machine
+from .balance import Bench
+from .laws import catalogue
+from .measuring import ColouredLoad
+from .stepping import run
+
+PERIOD = 1e-3
+
+
+def still(sample, substep):
+    return 0.0
+
+
+def bench(count=4, **more):
+    rng = np.random.default_rng(5)
+    machines, _ = machine.draw(rng, count)
+    return Bench(machine=machines, laws=[], creep=np.zeros(count), **more)
+
+
+def swinging(machines, samples):
+    t = np.arange(samples)[:, None] * PERIOD
+    return 0.4 * machines.volts * np.sin(2 * np.pi * 1.5 * t)
+
+
+class Stepping(unittest.TestCase):
+    def test_energy_is_kept(self):
+        """What goes in is stored, or lost to resistance and friction."""
+        here = bench()
+        m, u = here.machine, swinging(here.machine, 2000)
+        h = PERIOD / 10
+        # Sampled every sub-step, so that the integrals are accurate.
+        fine = run(here, np.repeat(u, 10, axis=0), still, h)
+        stored = 0.5 * m.L * fine.i[-1] ** 2 + 0.5 * m.J * fine.w[-1] ** 2
+        middle = 0.5 * (fine.i[1:] + fine.i[:-1])
+        speed = 0.5 * (fine.w[1:] + fine.w[:-1])
+        given = (fine.u[:-1] * middle).sum(axis=0) * h
+        lost = (m.R * middle**2 + m.B * speed**2 + m.T_c * np.abs(speed)).sum(axis=0) * h
+        # The trapezoidal rule on a path with corners at every sample.
+        np.testing.assert_allclose(given, stored + lost, rtol=2e-4)
+
+    def test_a_shorter_step_changes_little(self):
+        """For every law, through sticking and reversals."""
+        ids = [id for id, law in catalogue().items()]
+        runs = [
+            cases.make(cases.Plan(ids, seed=3, noise="none", samples=500), substeps=n)
+            for n in (10, 30)
+        ]
+        for k, id in enumerate(ids):
+            omega = [made[k].recordings["estimation"]["omega"] for made in runs]
+            error = np.sqrt(np.mean((omega[0] - omega[1]) ** 2)) / np.abs(omega[1]).max()
+            # A tenth of the smallest noise level. Backlash amplifies the timing of its contacts.
+            self.assertLess(error, 1e-3 if id == "backlash" else 1e-4, id)
+
+    def test_a_shaft_below_break_away_stays(self):
+        here = bench()
+        m = here.machine
+        below = np.tile(0.95 * m.T_c / m.K * m.R, (500, 1))
+        held = run(here, below, still, PERIOD)
+        self.assertEqual(np.abs(held.w).max(), 0.0)
+        above = run(here, below / 0.95 * 1.05, still, PERIOD)
+        self.assertTrue((above.w[-1] > 0.0).all())
+
+    def test_dry_friction_alone_stops_a_shaft_on_time(self):
+        """J dw/dt = -T_c from w_0, without current: stops after J w_0 / T_c."""
+        here = bench(force=True)
+        m = here.machine
+        m.B = np.zeros_like(m.B)
+        push = 3.0 * m.T_c / m.K
+        u = np.where(np.arange(400)[:, None] < 100, push, 0.0)
+        trace = run(here, u, still, PERIOD)
+        peak = 0.1 * 2.0 * m.T_c / m.J
+        np.testing.assert_allclose(trace.w[100], peak, rtol=1e-9)
+        # Two pushes' worth of speed against one of friction: at rest 0.2 s later.
+        np.testing.assert_allclose(trace.w[200], 0.5 * peak, rtol=1e-9)
+        self.assertEqual(np.abs(trace.w[302:]).max(), 0.0)
+
+
+class Made(unittest.TestCase):
+    def test_the_same_seed_gives_the_same_bytes(self):
+        plan = cases.Plan([None, "cogging"], seed=11, coloured=True, samples=300)
+        first, second = cases.make(plan), cases.make(plan)
+        for one, other in zip(first, second, strict=True):
+            for kind in cases.KINDS:
+                for name, values in one.recordings[kind].items():
+                    self.assertEqual(values.tobytes(), other.recordings[kind][name].tobytes())
+        plan.seed = 12
+        third = cases.make(plan)[0].recordings["estimation"]["omega"]
+        self.assertFalse(np.array_equal(third, first[0].recordings["estimation"]["omega"]))
+
+    def test_a_neighbour_with_an_effect_changes_nothing(self):
+        """Machines are stepped together, but each for itself."""
+        ids = list(catalogue())
+        plain = speeds_with([None] * len(ids))
+        for k in range(len(ids)):
+            hidden = [ids[j] if j != k else None for j in range(len(ids))]
+            if k % 8 == 0:
+                mixed = speeds_with(hidden, 400)
+                np.testing.assert_allclose(mixed[:, k], plain[:400, k], rtol=1e-12, atol=1e-12)
+
+    def test_every_law_that_can_be_seen_is_seen(self):
+        """At its usual size it moves the outputs by more than the medium noise."""
+        # The touch comes after the end of this run.
+        balanced = [id for id, law in catalogue().items() if law.add is not None]
+        ids = [id for id in balanced if id != "x_touch"]
+        plain, hidden = speeds_with([None] * len(ids)), speeds_with(ids)
+        moved = np.sqrt(np.mean((hidden - plain) ** 2, axis=0)) / np.abs(plain).max(axis=0)
+        for id, share in zip(ids, moved, strict=True):
+            self.assertGreater(share, 1e-3, id)
+
+    def test_a_coloured_load_has_the_stated_spread_and_memory(self):
+        load = ColouredLoad(np.random.default_rng(2), np.full(400, 2.0), np.full(400, 0.05), 1e-3)
+        values = np.array([load(k, 0) for k in range(2000)])
+        self.assertAlmostEqual(values.std(), 2.0, delta=0.05)
+        after = (values[50:] * values[:-50]).mean() / values.var()
+        self.assertAlmostEqual(after, np.exp(-1.0), delta=0.03)
+
+    def test_an_axis_follows_its_path(self):
+        made = axis.make([None, "asymmetric_friction"], seed=4, samples=2000)
+        for case in made:
+            x = case.recordings["estimation"]["x"]
+            self.assertGreater(np.ptp(x), 0.02)
+            self.assertLess(np.abs(x).max(), 0.2)
+
+
+def speeds_with(ids, samples=1000):
+    """Speeds of the same machines under the same input with these hidden, (samples, machines)."""
+    laws = catalogue()
+    rng = np.random.default_rng(8)
+    machines, _ = machine.draw(rng, len(ids))
+    drawn = []
+    for k, id in enumerate(ids):
+        law = laws[id] if id else None
+        own = np.random.default_rng(100 + k)
+        drawn.append((id, law.draw(own, machines.take(k), law.size) if law else {}))
+    here = cases._bench(machines, cases._gather(drawn, laws), laws, np.zeros(len(ids)))
+    return run(here, swinging(machines, samples), still, PERIOD).w
+
+
+if __name__ == "__main__":
+    unittest.main()

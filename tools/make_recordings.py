@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Makes recordings of machines that drivescope did not simulate, with the truth beside them.
+
+    python tools/make_recordings.py OUT [--hidden ID,...|all|none] [--cases N] [--seed S]
+
+Every case is a folder: drive.toml (motor and Coulomb friction, start values 10 to 20 % off),
+estimation.csv, validation.csv, truth.json. Cases take what hides in them in turn from the list.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from generators import axis, cases, files
+from generators.laws import catalogue
+from generators.measuring import LEVELS
+
+
+def hidden_list(text, count, motion):
+    """What hides in each case."""
+    known = catalogue()
+    if text == "none":
+        return [None] * count
+    visible = [law.id for law in known.values() if law.fails_over]
+    names = {"all": visible, "library": [id for id in visible if known[id].known]}.get(text)
+    names = names or text.split(",")
+    if motion == "linear":
+        names = [name for name in names if name in axis.HIDDEN] if text == "all" else names
+    for name in names:
+        if name not in known or (motion == "linear" and name not in axis.HIDDEN):
+            allowed = axis.HIDDEN if motion == "linear" else known
+            sys.exit(f"nothing called `{name}` can hide here; known: {', '.join(allowed)}")
+    return [names[k % len(names)] for k in range(count)]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--hidden", default="all", help="ids, `all`, `library` or `none`")
+    parser.add_argument("--cases", type=int, default=24)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--noise", choices=LEVELS, default="medium")
+    parser.add_argument("--coloured", action="store_true", help="a random load torque in each")
+    parser.add_argument("--smooth", action="store_true", help="another zero-speed law: tanh")
+    parser.add_argument("--size", type=float, default=1.0, help="factor on the usual sizes")
+    parser.add_argument("--motion", choices=("rotary", "linear"), default="rotary")
+    parser.add_argument("--columns", help="keep these columns only, as in `u,omega`")
+    parser.add_argument("--seconds", type=float, default=8.0)
+    options = parser.parse_args()
+    if options.cases < 1 or options.seconds < 1.0:
+        parser.error("at least one case of one second")
+    hidden = hidden_list(options.hidden, options.cases, options.motion)
+    period = 1e-3
+    samples = round(options.seconds / period)
+    columns = options.columns.split(",") if options.columns else None
+    if options.motion == "linear":
+        made = axis.make(hidden, options.seed, options.noise, options.coloured, samples, period)
+        drive = files.axis_drive
+    else:
+        plan = cases.Plan(
+            hidden,
+            options.seed,
+            options.noise,
+            options.coloured,
+            options.smooth,
+            options.size,
+            samples,
+            period,
+        )
+        made, drive = cases.make(plan), files.rotary_drive
+    for case in made:
+        files.write(case, options.out, period, columns, drive)
+    index = [{"case": case.name, "hidden": case.truth["hidden"]} for case in made]
+    files.replace(options.out / "index.json", json.dumps(index, indent=1) + "\n")
+    print(f"{len(made)} cases in {options.out}")
+
+
+if __name__ == "__main__":
+    main()

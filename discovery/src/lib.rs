@@ -31,11 +31,11 @@ mod testing;
 
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, Setting, Squares};
-pub use doubt::{Doubt, doubts};
 pub use discover::{
     Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung, Step,
     Unwatched, Verdict, Watch, Where, add, bic_of, discover,
 };
+pub use doubt::{Doubt, doubts};
 pub use error::Error;
 pub use estimate::{
     Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Options, evaluate, fit, with_own,

@@ -24,9 +24,10 @@ pub(crate) struct Common {
     /// Write the result as JSON to FILE, or with `-` to standard output in place of the text.
     #[arg(long, global = true, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
-    /// Seed of everything random: the same seed gives the same bytes.
-    #[arg(long, global = true, value_name = "N", default_value_t = 1)]
-    pub(crate) seed: u64,
+    /// Seed of everything random: the same seed gives the same bytes; 1 by default, and a fresh
+    /// one for benchmarks.
+    #[arg(long, global = true, value_name = "N")]
+    pub(crate) seed: Option<u64>,
     /// Say nothing but the answer and errors: no progress, no remarks.
     #[arg(long, global = true)]
     pub(crate) quiet: bool,

@@ -5,6 +5,7 @@
 //! answer, and returns a finding or an error; here it becomes the exit code: 0 done, 1 a finding
 //! that `--check` forbids, 2 bad input, 130 stopped by the user.
 
+mod benchmark;
 mod cli;
 mod commands;
 mod drive_source;

@@ -20,15 +20,20 @@ pub(crate) struct Session {
     json: Option<PathBuf>,
     /// Seed of everything random.
     pub(crate) seed: u64,
+    /// The seed that was asked for.
+    pub(crate) given_seed: Option<u64>,
     quiet: bool,
 }
 
+/// Seed where none is given.
+const USUAL_SEED: u64 = 1;
 /// How often a progress bar is drawn.
 const REDRAW: Duration = Duration::from_millis(100);
 
 impl Session {
     pub(crate) fn new(common: &Common) -> Self {
-        Self { json: common.json.clone(), seed: common.seed, quiet: common.quiet }
+        let (seed, given_seed) = (common.seed.unwrap_or(USUAL_SEED), common.seed);
+        Self { json: common.json.clone(), seed, given_seed, quiet: common.quiet }
     }
 
     /// Finds out whether the answer can be written, before the work.
@@ -63,6 +68,16 @@ impl Session {
             // Standard error that cannot be written to leaves nobody to tell.
             let _ = writeln!(std::io::stderr(), "{text}");
         }
+    }
+
+    /// Progress without a known end; hidden when quiet or not on a terminal.
+    pub(crate) fn spinner(&self) -> ProgressBar {
+        if self.quiet || !std::io::stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let spinner = ProgressBar::new_spinner();
+        spinner.enable_steady_tick(REDRAW);
+        spinner
     }
 
     /// A progress bar over that many steps; hidden when quiet or not on a terminal.

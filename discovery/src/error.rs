@@ -80,4 +80,12 @@ pub enum Error {
         /// What the factor between them is likely to mean.
         meaning: String,
     },
+    /// An effect that the user chose cannot be added.
+    #[error("{effect} cannot be added: {reason}")]
+    CannotAdd {
+        /// The effect.
+        effect: String,
+        /// Why, and what to do.
+        reason: String,
+    },
 }

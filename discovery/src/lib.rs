@@ -14,6 +14,7 @@
 mod canonical;
 mod case;
 pub mod compare;
+mod discover;
 mod doubt;
 mod error;
 mod estimate;
@@ -30,6 +31,10 @@ mod testing;
 
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, Setting, Squares};
+pub use discover::{
+    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung, Step,
+    Unwatched, Verdict, Watch, Where, add, bic_of, discover,
+};
 pub use doubt::{Doubt, doubts};
 pub use error::Error;
 pub use estimate::{

@@ -1,8 +1,11 @@
 //! The commands: one file each, and its line in the list below. Help, completions and the manual
 //! page derive from it.
 
+mod add;
+mod benchmark;
 mod compare;
 mod cosim;
+mod discover;
 mod effects;
 mod export;
 mod fit;
@@ -51,6 +54,9 @@ commands! {
     Init: init::Init,
     Compare: compare::Compare,
     Fit: fit::Fit,
+    Discover: discover::Discover,
+    Add: add::Add,
+    Benchmark: benchmark::Benchmark,
     Export: export::Export,
     Fmu: fmu::Fmu,
     Cosim: cosim::Cosim,

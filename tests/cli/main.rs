@@ -2,6 +2,7 @@
 //! with exit code 2, a message that names the place, and nothing half-written.
 
 mod compare;
+mod discover;
 mod drive_files;
 mod effects;
 mod export;

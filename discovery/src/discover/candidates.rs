@@ -1,0 +1,281 @@
+//! What might be missing: every registered effect that the drive can have and lacks.
+//!
+//! A candidate stands in the drive at its null, where it changes nothing, and is differentiated
+//! by its coefficients there. What the derivative depends on besides (the number of periods of a
+//! ripple, a Stribeck speed, a time constant) is a grid of variants, scaled to this drive and
+//! these recordings. Effects that vanish at an infinite stiffness have no derivative at their
+//! null: their variants are points from which a short refit begins.
+
+use std::f64::consts::TAU;
+
+use drivescope_plant::drive::{Drive, EffectData, Motion};
+use drivescope_plant::effects::law::{Place, Variable};
+use drivescope_plant::effects::registry::{Entry, REGISTRY};
+
+use super::scales::Scales;
+use crate::estimate::Evidence;
+use crate::measured::{Measured, Output};
+
+/// Most periods of a ripple a revolution (SCIENCE 7).
+const MOST_PERIODS: usize = 48;
+/// Shortest spatial period on an axis over its travel: finer ones than this are not searched.
+const FINEST_WAVE: f64 = 240.0;
+/// Steps of the search for a spatial period a wave over the travel: two neighbours then differ by
+/// half a wave at its end.
+const STEPS_A_WAVE: f64 = 2.0;
+/// Stribeck speeds over the fastest speed.
+const STRIBECK: [f64; 4] = [0.005, 0.015, 0.04, 0.1];
+/// Currents over which a voltage drop is rounded, over the greatest current.
+const ROUNDED: [f64; 3] = [0.005, 0.02, 0.07];
+/// Time constants of slow changes over the length of the recording.
+const SLOW: [f64; 3] = [0.25, 0.8, 3.0];
+/// Deflections at which bristles slip, rad; on an axis, over its travel.
+const BRISTLES: [f64; 4] = [0.003, 0.03, 0.1, 0.3];
+/// Natural frequencies of a coupling, Hz.
+const COUPLINGS_HZ: [f64; 6] = [8.0, 13.0, 20.0, 30.0, 50.0, 90.0];
+/// Damping ratio of a coupling, and of the contact in a gap.
+const COUPLING_DAMPING: f64 = 0.05;
+const CONTACT_DAMPING: f64 = 0.2;
+/// Natural frequency of the contact in a gap, Hz.
+const CONTACT_HZ: f64 = 60.0;
+/// Shares of the inertia behind a coupling or a gap.
+const BEHIND: [f64; 2] = [0.25, 0.5];
+/// Gaps, rad; on an axis, over its travel.
+const GAPS: [f64; 3] = [0.03, 0.1, 0.3];
+/// Travel of an axis that counts as one radian of a rotor, m a m.
+const AXIS_RADIAN: f64 = 0.02;
+/// Temperature of a winding under the greatest current for a quarter of the recording, K: it
+/// only scales alpha.
+const WARM: f64 = 20.0;
+
+/// An effect at its null with one choice of its shape.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Variant {
+    /// Its parameters, the coefficients at their nulls.
+    pub(crate) effect: EffectData,
+}
+
+/// An effect that may be missing.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidate {
+    /// Its entry in the registry.
+    pub(crate) entry: &'static Entry,
+    /// Its name in the drive.
+    pub(crate) id: String,
+    /// The coefficients that vanish at the null; none where the null is infinite.
+    pub(crate) coefficients: Vec<&'static str>,
+    /// Choices of its shape, at least one.
+    pub(crate) variants: Vec<Variant>,
+    /// Parameters that stay as the variant has them: whole numbers.
+    pub(crate) frozen: Vec<&'static str>,
+}
+
+/// An effect that is not judged, and why.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NotJudged {
+    /// The effect.
+    pub effect: String,
+    /// Why, for a person.
+    pub reason: String,
+}
+
+/// The candidates of a drive with these recordings, and what cannot be judged.
+pub(crate) fn candidates(
+    drive: &Drive,
+    evidence: &Evidence,
+    scales: &Scales,
+) -> (Vec<Candidate>, Vec<NotJudged>) {
+    let (mut found, mut not) = (Vec::new(), Vec::new());
+    for entry in REGISTRY {
+        let own = |reason: String| NotJudged { effect: entry.info.id.to_owned(), reason };
+        if let Some(refusal) = drive.refuses(entry) {
+            not.push(own(format!("impossible in this drive: {refusal}")));
+        } else if let Some(reason) = unseen(entry, drive, evidence) {
+            not.push(own(reason));
+        } else {
+            found.push(candidate(entry, drive, scales));
+        }
+    }
+    (found, not)
+}
+
+/// One candidate by its effect.
+pub(crate) fn candidate(entry: &'static Entry, drive: &Drive, scales: &Scales) -> Candidate {
+    let finite = entry.info.nulls.iter().all(|(_, null)| null.is_finite());
+    let coefficients =
+        if finite { entry.info.nulls.iter().map(|(name, _)| *name).collect() } else { Vec::new() };
+    let id = free_id(drive, entry.info.id);
+    let variants =
+        shapes(entry, drive, scales).into_iter().map(|shape| variant(entry, &id, &shape)).collect();
+    let periodic = entry.parameters.iter().any(|parameter| parameter.name == "N");
+    let frozen = if periodic && drive.motion == Motion::Rotary { vec!["N"] } else { Vec::new() };
+    Candidate { entry, id, coefficients, variants, frozen }
+}
+
+/// The kind's own name, or with the next free number where the drive has one of the kind.
+fn free_id(drive: &Drive, kind: &str) -> String {
+    let taken = |id: &str| drive.effects.iter().any(|effect| effect.id == id);
+    if !taken(kind) {
+        return kind.to_owned();
+    }
+    (2..).map(|k| format!("{kind}_{k}")).find(|id| !taken(id)).unwrap_or_default()
+}
+
+/// Why these recordings cannot show the effect.
+fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence) -> Option<String> {
+    let has = |one: &Measured, output| one.output(output).is_some();
+    let any = |wanted: &[Output]| {
+        evidence.recordings.iter().all(|one| wanted.iter().any(|output| has(one, *output)))
+    };
+    let info = entry.info;
+    let has_kind = |kind: &str| drive.effects.iter().any(|effect| effect.kind == kind);
+    if info.id == "quantisation" {
+        let what = "the steps of a sensor are read off its values, not fitted: they are part of \
+                    the noise";
+        return Some(what.to_owned());
+    }
+    if entry.parameters.is_empty() || info.nulls.is_empty() {
+        return Some("it has no null from which it could be screened".to_owned());
+    }
+    if info.fails_over.contains(&Variable::Theta) && !any(&[Output::Speed, Output::Position]) {
+        return Some("needs the position or the speed, and neither was recorded".to_owned());
+    }
+    if info.acts_on == [Place::Sensor] {
+        let shows_current = info.id == "current_offset";
+        let wanted = if shows_current { Output::Current } else { Output::Speed };
+        if !any(&[wanted]) {
+            let signal = if shows_current { "i" } else { "omega" };
+            return Some(format!("distorts the signal {signal}, which was not recorded"));
+        }
+    }
+    if info.id == "presliding" && !drive.effects.iter().any(dry) {
+        return Some(
+            "bends the dry friction, and the drive has none: add coulomb first".to_owned(),
+        );
+    }
+    if info.id == "coulomb" && has_kind("coulomb") {
+        return Some("the drive has it".to_owned());
+    }
+    None
+}
+
+fn dry(effect: &EffectData) -> bool {
+    Entry::find(&effect.kind).is_some_and(|entry| entry.info.dry)
+}
+
+/// The effect with those values of its shape, nominal ones for the rest and nulls for its
+/// coefficients.
+fn variant(entry: &Entry, id: &str, shape: &[(&str, f64)]) -> Variant {
+    let value = |parameter: &drivescope_plant::effects::law::Parameter| {
+        let null = entry
+            .info
+            .nulls
+            .iter()
+            .find(|(name, null)| *name == parameter.name && null.is_finite());
+        let chosen = shape.iter().find(|(name, _)| *name == parameter.name);
+        let value = chosen.or(null).map_or(parameter.nominal, |(_, value)| *value);
+        (parameter.name.to_owned(), value.clamp(parameter.range.0, parameter.range.1))
+    };
+    let parameters = entry.parameters.iter().map(value).collect();
+    let (kind, id) = (entry.info.id.to_owned(), id.to_owned());
+    Variant { effect: EffectData { kind, id, parameters, law: None } }
+}
+
+/// The grid of shapes of an effect.
+fn shapes(entry: &Entry, drive: &Drive, scales: &Scales) -> Vec<Vec<(&'static str, f64)>> {
+    let single = |name: &'static str, values: Vec<f64>| {
+        values.into_iter().map(|value| vec![(name, value)]).collect::<Vec<_>>()
+    };
+    let of_current = |name| single(name, ROUNDED.map(|share| share * scales.current).to_vec());
+    // One radian of a rotor, or the way of an axis that compares with it.
+    let radian = match drive.motion {
+        Motion::Rotary => 1.0,
+        Motion::Linear => AXIS_RADIAN * scales.travel,
+    };
+    let inertia = drive.motor.j;
+    match entry.info.id {
+        // Once a revolution it is an unbalance.
+        "cogging" => single("N", periods(drive.motion, 2, scales)),
+        "torque_ripple" => single("N", periods(drive.motion, 1, scales)),
+        "stribeck" => single("omega_s", STRIBECK.map(|share| share * scales.speed).to_vec()),
+        "brush_drop" => of_current("i_b"),
+        "dead_time" => of_current("i_d"),
+        "friction_drift" => single("tau", SLOW.map(|share| share * scales.duration_s).to_vec()),
+        "winding_heating" => {
+            let r = drive.motor.r.unwrap_or(1.0);
+            let energy = 0.25 * scales.duration_s * r * scales.current.powi(2);
+            let capacity = energy / WARM;
+            let of = |share: f64| {
+                vec![("C_th", capacity), ("R_th", share * scales.duration_s / capacity)]
+            };
+            SLOW.map(of).to_vec()
+        }
+        "presliding" => {
+            let level: f64 = drive
+                .effects
+                .iter()
+                .flat_map(|effect| &effect.parameters)
+                .filter(|(name, _)| name == "T_c")
+                .map(|(_, level)| *level)
+                .sum();
+            single("sigma_0", BRISTLES.map(|share| level / (share * radian)).to_vec())
+        }
+        "flexible_coupling" => {
+            let mut all = Vec::new();
+            for ratio in BEHIND {
+                for hz in COUPLINGS_HZ {
+                    let (k, d) = contact(inertia, ratio, hz, COUPLING_DAMPING);
+                    all.push(vec![("k", k), ("d", d), ("ratio", ratio)]);
+                }
+            }
+            all
+        }
+        "backlash" => {
+            let mut all = Vec::new();
+            for ratio in BEHIND {
+                let (k, d) = contact(inertia, ratio, CONTACT_HZ, CONTACT_DAMPING);
+                for gap in GAPS {
+                    all.push(vec![("k", k), ("d", d), ("gap", gap * radian), ("ratio", ratio)]);
+                }
+            }
+            all
+        }
+        _ => vec![Vec::new()],
+    }
+}
+
+/// Stiffness and damping between two masses of that natural frequency.
+fn contact(inertia: f64, ratio: f64, hz: f64, damping: f64) -> (f64, f64) {
+    let reduced = inertia * ratio * (1.0 - ratio);
+    let rate = TAU * hz;
+    (reduced * rate * rate, 2.0 * damping * reduced * rate)
+}
+
+/// Periods a revolution, or wave numbers of an axis, rad/m.
+fn periods(motion: Motion, least: usize, scales: &Scales) -> Vec<f64> {
+    match motion {
+        Motion::Rotary => (least..=MOST_PERIODS).map(|n| n as f64).collect(),
+        Motion::Linear => {
+            let waves = (FINEST_WAVE * STEPS_A_WAVE) as usize;
+            let one = TAU / scales.travel.max(f64::MIN_POSITIVE);
+            (4..=waves).map(|k| k as f64 / STEPS_A_WAVE * one).collect()
+        }
+    }
+}
+
+impl Candidate {
+    /// Whether it has a derivative at its null.
+    pub(crate) fn is_linear(&self) -> bool {
+        !self.coefficients.is_empty()
+    }
+
+    /// The drive with this variant in it.
+    pub(crate) fn added(&self, drive: &Drive, variant: &Variant) -> Drive {
+        let mut with = drive.clone();
+        with.effects.push(variant.effect.clone());
+        for name in &self.frozen {
+            with.fixed.push(format!("{}.{name}", self.id));
+        }
+        with
+    }
+}

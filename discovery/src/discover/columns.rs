@@ -1,0 +1,170 @@
+//! Residuals and sensitivities of all recordings, side by side in one long list of values.
+//!
+//! Columns are d y_model / d c in units of the noise. What is shared by the recordings has values
+//! everywhere; a start, or a parameter of one recording's own, is zero in the others.
+
+use drivescope_plant::drive::Drive;
+use nalgebra::DMatrix;
+
+use crate::case::{Case, Setting};
+use crate::estimate::{Evidence, Fit, Fitted, with_own};
+use crate::measured::{Measured, Output};
+use crate::sensitivity::{Direction, Rows};
+use crate::start::Start;
+
+/// Where a value was measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Recording.
+    pub(crate) recording: usize,
+    /// Sample in it.
+    pub(crate) sample: usize,
+    /// Output: 0 current, 1 speed, 2 position.
+    pub(crate) output: usize,
+}
+
+/// A drive, fitted, at the recordings.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct At<'a> {
+    /// The drive.
+    pub(crate) drive: &'a Drive,
+    /// What belongs to each recording.
+    pub(crate) fits: &'a [Fit],
+    /// The recordings.
+    pub(crate) evidence: &'a Evidence,
+    /// What is frozen.
+    pub(crate) setting: &'a Setting,
+}
+
+impl<'a> At<'a> {
+    pub(crate) fn fitted(fitted: &'a Fitted, evidence: &'a Evidence, setting: &'a Setting) -> Self {
+        Self { drive: &fitted.drive, fits: &fitted.recordings, evidence, setting }
+    }
+
+    /// Rows of every recording for those directions; `change` may add to the drive.
+    pub(crate) fn rows(
+        &self,
+        change: impl Fn(&Drive) -> Drive,
+        setting: &Setting,
+        directions: impl for<'b> Fn(usize, &'b Measured) -> Vec<Owned>,
+    ) -> Vec<Rows> {
+        let of = |(recording, fit): (usize, &Fit)| {
+            let drive = change(&with_own(self.drive, fit));
+            let measured = &self.evidence.recordings[recording];
+            let owned = directions(recording, measured);
+            let borrowed: Vec<Direction<'_>> = owned.iter().map(Owned::direction).collect();
+            let case = Case {
+                drive: &drive,
+                measured,
+                noise: &self.evidence.noise[recording],
+                starts: &fit.starts,
+                setting,
+            };
+            case.sensitivities(&borrowed)
+        };
+        self.fits.iter().enumerate().map(of).collect()
+    }
+}
+
+/// A direction that owns what it needs.
+#[derive(Debug, Clone)]
+pub(crate) enum Owned {
+    Parameter(String),
+    Start { piece: usize, state: usize },
+    Torque(Vec<f64>),
+    Voltage(Vec<f64>),
+}
+
+impl Owned {
+    fn direction(&self) -> Direction<'_> {
+        match self {
+            Self::Parameter(name) => Direction::Parameter(name),
+            Self::Start { piece, state } => Direction::Start { piece: *piece, state: *state },
+            Self::Torque(series) => Direction::Torque(series),
+            Self::Voltage(series) => Direction::Voltage(series),
+        }
+    }
+}
+
+/// Residuals and columns of all recordings.
+#[derive(Debug, Clone)]
+pub(crate) struct Columns {
+    /// Where each value was measured.
+    pub(crate) places: Vec<Place>,
+    /// (y - y_model) / sd.
+    pub(crate) residual: Vec<f64>,
+    /// One row a direction, one column a value.
+    pub(crate) columns: DMatrix<f64>,
+}
+
+impl Columns {
+    /// Of one direction list shared by all recordings.
+    pub(crate) fn shared(evidence: &Evidence, rows: &[Rows]) -> Self {
+        let directions = rows.first().map_or(0, |rows| rows.columns.nrows());
+        let values = rows.iter().map(|rows| rows.residual.len()).sum();
+        let mut columns = DMatrix::zeros(directions, values);
+        let (mut places, mut residual) = (Vec::with_capacity(values), Vec::with_capacity(values));
+        for (recording, rows) in rows.iter().enumerate() {
+            columns.columns_mut(places.len(), rows.residual.len()).copy_from(&rows.columns);
+            push(&mut places, recording, rows, &evidence.recordings[recording]);
+            residual.extend_from_slice(&rows.residual);
+        }
+        Self { places, residual, columns }
+    }
+
+    /// The residuals alone.
+    pub(crate) fn residuals(at: &At<'_>) -> Self {
+        let rows = at.rows(Drive::clone, at.setting, |_, _| Vec::new());
+        Self::shared(at.evidence, &rows)
+    }
+
+    /// The base of a fit: its parameters, and what belongs to each recording.
+    pub(crate) fn base(at: &At<'_>, shared: &[String]) -> Self {
+        let own = |recording: usize| -> Vec<Owned> {
+            let fit = &at.fits[recording];
+            let names = fit.own.iter().map(|it| Owned::Parameter(it.name.clone()));
+            let measured = &at.evidence.recordings[recording];
+            let starts = fit.starts.iter().enumerate().flat_map(|(piece, start)| {
+                free_states(measured, start).map(move |state| Owned::Start { piece, state })
+            });
+            names.chain(starts).collect()
+        };
+        let counts: Vec<usize> = (0..at.fits.len()).map(|r| own(r).len()).collect();
+        let rows = at.rows(Drive::clone, at.setting, |recording, _| {
+            let names = shared.iter().cloned().map(Owned::Parameter);
+            names.chain(own(recording)).collect()
+        });
+        let values = rows.iter().map(|rows| rows.residual.len()).sum();
+        let mut columns = DMatrix::zeros(shared.len() + counts.iter().sum::<usize>(), values);
+        let (mut places, mut residual) = (Vec::with_capacity(values), Vec::with_capacity(values));
+        let mut offset = shared.len();
+        for (recording, rows) in rows.iter().enumerate() {
+            let (from, n) = (places.len(), rows.residual.len());
+            let common = rows.columns.rows(0, shared.len());
+            columns.view_mut((0, from), (shared.len(), n)).copy_from(&common);
+            let own = rows.columns.rows(shared.len(), counts[recording]);
+            columns.view_mut((offset, from), (counts[recording], n)).copy_from(&own);
+            offset += counts[recording];
+            push(&mut places, recording, rows, &at.evidence.recordings[recording]);
+            residual.extend_from_slice(&rows.residual);
+        }
+        Self { places, residual, columns }
+    }
+}
+
+fn push(places: &mut Vec<Place>, recording: usize, rows: &Rows, measured: &Measured) {
+    let of = |(sample, output): (&usize, &usize)| Place {
+        recording,
+        sample: *sample,
+        output: measured.outputs[*output].output as usize,
+    };
+    places.extend(rows.sample.iter().zip(&rows.output).map(of));
+}
+
+/// States of a start that a fit estimates.
+fn free_states(measured: &Measured, start: &Start) -> impl Iterator<Item = usize> + use<> {
+    let current = measured.output(Output::Current).map(|_| Output::Current as usize);
+    let speed = (start.speed != 0.0).then_some(Output::Speed as usize);
+    let position = measured.output(Output::Position).map(|_| Output::Position as usize);
+    [current, speed, position].into_iter().flatten()
+}

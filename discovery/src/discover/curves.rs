@@ -1,0 +1,268 @@
+//! Curves of no particular formula: what any law over one variable could explain at most.
+//!
+//! A curve is a sum of hats over a variable (speed, current, angle, time, ...), as a torque, a
+//! voltage or a share of the flux, perhaps with the sign of the motion (friction) or the current
+//! (a resistance) as a factor. Its responses are those to known series along the run, so one
+//! linear step tells how much of the residual a law of that kind could take away. It judges the
+//! shape of a candidate, and is the answer where nobody knows the law.
+
+use std::f64::consts::TAU;
+
+use drivescope_plant::drive::{Drive, Motion};
+use drivescope_plant::effects::law::Variable;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::columns::{At, Columns, Owned};
+use super::ripple::Trajectory;
+use super::scales::Scales;
+use crate::measured::Measured;
+
+/// Hats over a signed variable, over a magnitude, and over an angle or time.
+const SIGNED: usize = 17;
+const MAGNITUDE: usize = 8;
+const AROUND: usize = 12;
+
+/// Where a curve stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Balance {
+    /// A torque (force) against the motion.
+    Torque,
+    /// A voltage lost in the armature circuit.
+    Voltage,
+    /// A share of the flux lost: in both.
+    Flux,
+}
+
+/// What a curve goes over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Over {
+    Speed,
+    SpeedMagnitude,
+    Current,
+    CurrentMagnitude,
+    Position,
+    Time,
+    Acceleration,
+}
+
+/// What multiplies a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Factor {
+    One,
+    Direction,
+    Current,
+}
+
+/// A family of hats.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Curve {
+    pub(crate) balance: Balance,
+    pub(crate) over: Over,
+    pub(crate) factor: Factor,
+    pub(crate) knots: Vec<f64>,
+    /// The period after which it repeats.
+    pub(crate) period: Option<f64>,
+}
+
+impl Curve {
+    /// Variables of a comparison under which it shows.
+    pub(crate) fn variables(&self) -> &'static [Variable] {
+        match (self.over, self.factor) {
+            (Over::Speed | Over::SpeedMagnitude, _) => &[Variable::Omega, Variable::OmegaSign],
+            (Over::Current | Over::CurrentMagnitude, _) => &[Variable::Current, Variable::Limits],
+            (Over::Position, _) => &[Variable::Theta],
+            (Over::Time, _) => &[Variable::Time, Variable::Temperature],
+            (Over::Acceleration, _) => &[Variable::Acceleration],
+        }
+    }
+
+    /// Whether it goes over time, which is another in every recording.
+    pub(crate) fn is_over_time(&self) -> bool {
+        self.over == Over::Time
+    }
+
+    /// Its directions in one recording: one a knot, of a flux two.
+    fn directions(&self, drive: &Drive, measured: &Measured, run: &Trajectory) -> Vec<Owned> {
+        let n = run.speed.len();
+        let h = measured.period_s;
+        let acceleration = |k: usize| {
+            let (a, b) = (k.saturating_sub(1), (k + 1).min(n - 1));
+            (run.speed[b] - run.speed[a]) / ((b - a).max(1) as f64 * h)
+        };
+        let z = |k: usize| match self.over {
+            Over::Speed => run.speed[k],
+            Over::SpeedMagnitude => run.speed[k].abs(),
+            Over::Current => run.current[k],
+            Over::CurrentMagnitude => run.current[k].abs(),
+            Over::Position => run.position[k],
+            Over::Time => measured.time(k) - measured.start_s,
+            Over::Acceleration => acceleration(k),
+        };
+        let factor = |k: usize| match self.factor {
+            Factor::One => 1.0,
+            Factor::Direction if run.speed[k] == 0.0 => 0.0,
+            Factor::Direction => run.speed[k].signum(),
+            Factor::Current => run.current[k],
+        };
+        let mut hats = vec![vec![0.0; n]; self.knots.len()];
+        for k in 0..n {
+            for (knot, share) in self.shares(z(k)) {
+                hats[knot][k] += share * factor(k);
+            }
+        }
+        let times = |hat: &[f64], with: &[f64], by: f64| -> Vec<f64> {
+            hat.iter().zip(with).map(|(hat, with)| by * hat * with).collect()
+        };
+        let against = |hat: Vec<f64>| hat.iter().map(|value| -value).collect();
+        let mut all = Vec::new();
+        for hat in hats {
+            match self.balance {
+                Balance::Torque => all.push(Owned::Torque(against(hat))),
+                Balance::Voltage => all.push(Owned::Voltage(against(hat))),
+                Balance::Flux => {
+                    all.push(Owned::Torque(times(&hat, &run.current, -drive.motor.k_m)));
+                    let k_e = drive.motor.k_e.unwrap_or(0.0);
+                    all.push(Owned::Voltage(times(&hat, &run.speed, k_e)));
+                }
+            }
+        }
+        all
+    }
+
+    /// The knots around a value with their shares.
+    fn shares(&self, z: f64) -> [(usize, f64); 2] {
+        let last = self.knots.len() - 1;
+        if let Some(period) = self.period {
+            let turn = (z - self.knots[0]).rem_euclid(period) / period * (last + 1) as f64;
+            let knot = (turn as usize).min(last);
+            let share = turn - knot as f64;
+            return [(knot, 1.0 - share), ((knot + 1) % (last + 1), share)];
+        }
+        let z = z.clamp(self.knots[0], self.knots[last]);
+        let knot = self.knots.partition_point(|knot| *knot <= z).clamp(1, last) - 1;
+        let share = (z - self.knots[knot]) / (self.knots[knot + 1] - self.knots[knot]);
+        [(knot, 1.0 - share), (knot + 1, share)]
+    }
+}
+
+/// The curves that these recordings can tell.
+pub(crate) fn curves(
+    drive: &Drive,
+    scales: &Scales,
+    periods: &[f64],
+    runs: &[Trajectory],
+) -> Vec<Curve> {
+    use {Balance::*, Factor::*};
+    let uniform = |low: f64, high: f64, count: usize| -> Vec<f64> {
+        (0..count).map(|k| low + (high - low) * k as f64 / (count - 1) as f64).collect()
+    };
+    let signed = |most: f64| uniform(-most, most, SIGNED);
+    let magnitude = |most: f64| uniform(0.0, most, MAGNITUDE);
+    let duration = uniform(0.0, scales.duration_s, AROUND);
+    let most = |of: fn(&Trajectory) -> &Vec<f64>| {
+        let all = runs.iter().flat_map(|run| of(run).iter());
+        all.fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
+    let (speed, current) = (most(|run| &run.speed), most(|run| &run.current));
+    let acceleration = runs.iter().zip(periods).map(|(run, period_s)| {
+        let changes = run.speed.windows(3).map(|three| 0.5 * (three[2] - three[0]).abs());
+        changes.fold(0.0, f64::max) / period_s
+    });
+    let acceleration = acceleration.fold(0.0, f64::max);
+    let mut all = Vec::new();
+    let mut add = |balance, over, factor, knots: Vec<f64>, period| {
+        let increasing = knots.windows(2).all(|pair| pair[0] < pair[1]);
+        if increasing {
+            all.push(Curve { balance, over, factor, knots, period });
+        }
+    };
+    add(Torque, Over::Speed, One, signed(speed), None);
+    add(Torque, Over::Current, One, signed(current), None);
+    add(Torque, Over::CurrentMagnitude, Direction, magnitude(current), None);
+    add(Torque, Over::Time, Direction, duration.clone(), None);
+    add(Torque, Over::Time, One, duration.clone(), None);
+    add(Torque, Over::Acceleration, One, signed(acceleration), None);
+    match drive.motion {
+        Motion::Rotary => {
+            let turn: Vec<f64> = (0..AROUND).map(|k| TAU * k as f64 / AROUND as f64).collect();
+            add(Torque, Over::Position, One, turn.clone(), Some(TAU));
+            add(Torque, Over::Position, Direction, turn, Some(TAU));
+        }
+        Motion::Linear => {
+            let (low, high) = runs
+                .iter()
+                .flat_map(|run| run.position.iter())
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                    (low.min(*x), high.max(*x))
+                });
+            let way = uniform(low, high, AROUND);
+            add(Torque, Over::Position, One, way.clone(), None);
+            add(Torque, Over::Position, Direction, way, None);
+        }
+    }
+    if drive.motor.k_e.is_some() {
+        add(Voltage, Over::Speed, One, signed(speed), None);
+        add(Voltage, Over::Current, One, signed(current), None);
+        add(Voltage, Over::Time, Current, duration, None);
+        add(Flux, Over::SpeedMagnitude, One, magnitude(speed), None);
+        add(Flux, Over::CurrentMagnitude, One, magnitude(current), None);
+    }
+    all
+}
+
+/// Responses to the hats of every curve.
+pub(crate) fn responses(
+    at: &At<'_>,
+    runs: &[Trajectory],
+    curves: &[Curve],
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Vec<DMatrix<f64>> {
+    let of = |curve: &Curve| {
+        if stopped() {
+            return DMatrix::zeros(0, 0);
+        }
+        let rows = at.rows(Drive::clone, at.setting, |recording, measured| {
+            curve.directions(at.drive, measured, &runs[recording])
+        });
+        let all = Columns::shared(at.evidence, &rows).columns;
+        if curve.balance != Balance::Flux {
+            return all;
+        }
+        DMatrix::from_fn(all.nrows() / 2, all.ncols(), |row, value| {
+            all[(2 * row, value)] + all[(2 * row + 1, value)]
+        })
+    };
+    curves.par_iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(knots: &[f64], period: Option<f64>) -> Curve {
+        let (balance, over, factor) = (Balance::Torque, Over::Speed, Factor::One);
+        Curve { balance, over, factor, knots: knots.to_vec(), period }
+    }
+
+    #[test]
+    fn hats_add_up_to_one_and_reproduce_a_line() {
+        let plain = curve(&[-3.0, 0.0, 1.0, 5.0], None);
+        for z in [-3.0, -1.3, 0.0, 0.4, 1.0, 4.9, 5.0] {
+            let shares = plain.shares(z);
+            assert!((shares[0].1 + shares[1].1 - 1.0).abs() < 1e-12);
+            let line: f64 = shares.iter().map(|(knot, share)| share * plain.knots[*knot]).sum();
+            assert!((line - z).abs() < 1e-12, "{line} at {z}");
+        }
+        // Beyond the ends it keeps the end value.
+        assert_eq!(plain.shares(9.0).map(|(knot, share)| knot as f64 * share), [0.0, 3.0]);
+    }
+
+    #[test]
+    fn an_angle_repeats() {
+        let turn = curve(&[0.0, 1.0, 2.0, 3.0], Some(4.0));
+        assert_eq!(turn.shares(3.25), [(3, 0.75), (0, 0.25)]);
+        assert_eq!(turn.shares(-0.75), turn.shares(3.25));
+    }
+}

@@ -1,0 +1,246 @@
+//! The loop: screen, refit, judge, add, until nothing is left or nobody knows.
+
+use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::registry::Entry;
+
+use super::candidates::{Candidate, NotJudged, candidate, candidates};
+use super::columns::Columns;
+use super::experiment;
+use super::gates;
+use super::learned::{LearnedCurve, effect};
+use super::left::Left;
+use super::projection::Projection;
+use super::refit::{Model, refit, with_learned};
+use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
+use super::round::{Judged, Outcome, Round};
+use super::scales::Scales;
+use super::screen::screen;
+use crate::case::Setting;
+use crate::error::Error;
+use crate::estimate::{Evidence, Options};
+use crate::observer::Observer;
+
+/// Starts of the base fit: the file's values may be far off.
+const STARTS: usize = 2;
+
+/// Finds what the drive's model lacks.
+///
+/// # Errors
+/// Those of a fit of the base drive.
+pub fn discover(
+    drive: &Drive,
+    estimation: &Evidence,
+    validation: &Evidence,
+    watch: &dyn Watch,
+) -> Result<Discovery, Error> {
+    let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
+    let first = model.clone();
+    let floor = floor(estimation, found.observer);
+    for round in 0..gates::ROUNDS {
+        if watch.stopped() {
+            break;
+        }
+        let scales = Scales::of(&model.fitted.drive, estimation);
+        let (all, not) = candidates(&model.fitted.drive, estimation, &scales);
+        let turn = Round {
+            model: &model,
+            first: &first,
+            all: &all,
+            scales: &scales,
+            estimation,
+            validation,
+            watch,
+            floor,
+            named: &found.named.clone(),
+        };
+        let outcome = turn.run();
+        if round == 0 {
+            found.not_judged = not;
+            found.not_judged.extend(outcome.imitated.iter().map(|it| imitated(&all[*it])));
+        }
+        let passed = outcome.judged.iter().position(|one| one.refused.is_none());
+        note(&turn, &outcome, passed, &mut found);
+        let Outcome { mut judged, left, misshapen, .. } = outcome;
+        let Some(best) = passed else {
+            let rest = left.as_ref().and_then(|left| left.unknown(floor));
+            found.remaining =
+                if rest.is_some() || misshapen { Verdict::Unknown } else { Verdict::None };
+            found.learned = rest.map(|rest| {
+                LearnedCurve::of(rest, left.as_ref().map_or(1.0, |left| left.excess(floor)))
+            });
+            break;
+        };
+        let kind = all[judged[best].candidate].entry.info.id.to_owned();
+        if !found.named.contains(&kind) {
+            found.named.push(kind.clone());
+        }
+        model = judged.swap_remove(best).model;
+        found.climb(Some(kind), &model, watch);
+    }
+    found.drive = model.fitted.drive;
+    found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };
+    Ok(found)
+}
+
+/// Adds one effect that the user chose, whatever its gates would say; `learned` is the curve that
+/// describes best what the drive lacks.
+///
+/// # Errors
+/// [`Error::CannotAdd`] if these recordings do not tell it or no fit with it ends, and those of a
+/// fit of the base.
+pub fn add(
+    drive: &Drive,
+    kind: &str,
+    estimation: &Evidence,
+    validation: &Evidence,
+    watch: &dyn Watch,
+) -> Result<Discovery, Error> {
+    let (model, mut found) = begin(drive, estimation, validation, watch)?;
+    let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
+    let floor = floor(estimation, found.observer);
+    let scales = Scales::of(&model.fitted.drive, estimation);
+    let at = model.at(estimation);
+    let names = model.names();
+    let base = Columns::base(&at, &names);
+    let added = if kind == "learned" {
+        let other = model.at_validation(validation);
+        let left = Left::of(&at, &base, &names, &other, &scales, &|| watch.stopped());
+        let fits = |rest: &&super::left::Rest| effect(&model.fitted.drive, rest).is_some();
+        let best = left.rests.iter().filter(fits).max_by(|a, b| a.removed.total_cmp(&b.removed));
+        let best = best.ok_or_else(|| cannot("no curve can be told".to_owned()))?;
+        found.learned = Some(LearnedCurve::of(best, left.excess(floor)));
+        let effect = effect(&model.fitted.drive, best).expect("it was asked for");
+        with_learned(&model, effect, estimation, validation)?
+    } else {
+        let Some(entry) = Entry::find(kind) else {
+            return Err(cannot("the library has no effect of that name".to_owned()));
+        };
+        if let Some(refusal) = model.fitted.drive.refuses(entry) {
+            return Err(cannot(refusal.to_string()));
+        }
+        let chosen = [candidate(entry, &model.fitted.drive, &scales)];
+        let projection = Projection::new(base.columns.clone(), &base.residual);
+        let screened = screen(&at, &projection, &chosen, &|| watch.stopped());
+        let Some(best) = screened.first() else {
+            return Err(cannot("the model overflows with it".to_owned()));
+        };
+        if best.is_imitated() {
+            return Err(cannot(imitated(&chosen[0]).reason));
+        }
+        refit(&model, &chosen[0], best, estimation, validation)?
+    };
+    found.named.push(kind.to_owned());
+    found.verdict = Verdict::Named;
+    found.climb(Some(kind.to_owned()), &added, watch);
+    found.drive = added.fitted.drive;
+    Ok(found)
+}
+
+/// Gain in BIC of one effect over the base, fitted, as the loop counts it: what a case is worth
+/// whose truth is known. Nothing gained where no fit with it ends.
+///
+/// # Errors
+/// [`Error::CannotAdd`] for an effect that the library does not have, and those of a fit of the
+/// base.
+pub fn bic_of(
+    drive: &Drive,
+    kind: &str,
+    estimation: &Evidence,
+    validation: &Evidence,
+) -> Result<f64, Error> {
+    let entry = Entry::find(kind).ok_or_else(|| Error::CannotAdd {
+        effect: kind.to_owned(),
+        reason: "the library has no effect of that name".to_owned(),
+    })?;
+    let (model, found) = begin(drive, estimation, validation, &Unwatched)?;
+    let scales = Scales::of(&model.fitted.drive, estimation);
+    let all = [candidate(entry, &model.fitted.drive, &scales)];
+    let turn = Round {
+        model: &model,
+        first: &model,
+        all: &all,
+        scales: &scales,
+        estimation,
+        validation,
+        watch: &Unwatched,
+        floor: floor(estimation, found.observer),
+        named: &[],
+    };
+    Ok(turn.gain_of_first())
+}
+
+/// The base, fitted, with the first rung of its ladder.
+fn begin(
+    drive: &Drive,
+    estimation: &Evidence,
+    validation: &Evidence,
+    watch: &dyn Watch,
+) -> Result<(Model, Discovery), Error> {
+    let observer = Observer::choose(drive, &estimation.recordings, &estimation.noise);
+    let setting = Setting::new(drive, observer);
+    watch.step(&Step::Doing("fitting the base drive"));
+    let options = Options { starts: STARTS, ..Options::default() };
+    let model = Model::fit(drive, estimation, validation, setting, &options)?;
+    let mut found = Discovery {
+        drive: model.fitted.drive.clone(),
+        ladder: Vec::new(),
+        verdict: Verdict::None,
+        named: Vec::new(),
+        remaining: Verdict::None,
+        ranking: Vec::new(),
+        fails: Vec::new(),
+        not_judged: Vec::new(),
+        learned: None,
+        next_experiment: None,
+        observer,
+    };
+    found.climb(None, &model, watch);
+    Ok((model, found))
+}
+
+/// Writes the round into what was found.
+fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut Discovery) {
+    let ranked = |one: &Judged| turn.ranked(one, &outcome.judged);
+    if found.ladder.len() == 1 {
+        found.ranking = outcome.judged.iter().map(ranked).collect();
+        found.fails = outcome.left.as_ref().map_or(vec![], |left| left.fails(turn.floor));
+    } else {
+        found.ranking.extend(passed.map(|best| ranked(&outcome.judged[best])));
+    }
+    let Some(best) = passed.filter(|_| found.next_experiment.is_none()) else { return };
+    let set = turn.confusion_set(&outcome.judged[best], &outcome.judged);
+    let id = |one: &Judged| turn.all[one.candidate].entry.info.id.to_owned();
+    let is_in = |one: &&Judged| set.contains(&id(one));
+    let models: Vec<(String, &Model)> = std::iter::once(&outcome.judged[best])
+        .chain(outcome.judged.iter().filter(is_in))
+        .map(|one| (id(one), &one.model))
+        .collect();
+    found.next_experiment = experiment::next(turn.model, &models, turn.estimation, turn.scales);
+}
+
+fn imitated(candidate: &Candidate) -> NotJudged {
+    NotJudged {
+        effect: candidate.entry.info.id.to_owned(),
+        reason: "on these recordings it equals other values of the base parameters".to_owned(),
+    }
+}
+
+impl Discovery {
+    fn climb(&mut self, added: Option<String>, model: &Model, watch: &dyn Watch) {
+        let rung = Rung {
+            added,
+            error: model.fitted.squares.error(),
+            validation_error: model.validation.squares.error(),
+        };
+        watch.step(&Step::Rung(&rung));
+        self.ladder.push(rung);
+    }
+}
+
+/// Squared error of a perfect model, over the values.
+fn floor(evidence: &Evidence, observer: Observer) -> f64 {
+    let of = |measured: &crate::measured::Measured| {
+        measured.values() as f64 * observer.floor(measured).powi(2)
+    };
+    evidence.recordings.iter().map(of).sum()
+}

@@ -1,0 +1,187 @@
+//! What nobody knows, as a curve: shown, suggested as a formula, addable as effect `learned`.
+
+use drivescope_plant::drive::{Drive, EffectData, LawData};
+use drivescope_plant::effects::custom::Target;
+use drivescope_plant::effects::learned::Over as Variable;
+use serde::Serialize;
+
+use super::curves::{Balance, Curve, Factor, Over};
+use super::left::Rest;
+
+/// Shares of the largest argument at which a rounded step or a bump is tried.
+const WIDTHS: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7];
+/// Share of the curve's power that a formula must hold to be suggested.
+const HOLDS: f64 = 0.9;
+
+/// A curve over one variable.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LearnedCurve {
+    /// Where it stands.
+    pub balance: Balance,
+    /// The variable, under its name in the drive file.
+    pub over: &'static str,
+    /// What multiplies it: the sign of the motion, or the current.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub times: Option<&'static str>,
+    /// Its knots, SI.
+    pub knots: Vec<f64>,
+    /// Its values there: N m (N), V, or a share of the flux, lost.
+    pub values: Vec<f64>,
+    /// A simple formula for it, as the text of a `custom` law, with its coefficients in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub formula: Option<String>,
+    /// Share of the error above the noise floor that it removes.
+    pub excess_removed: f64,
+}
+
+impl LearnedCurve {
+    /// Of what curves could remove.
+    pub(crate) fn of(rest: &Rest, excess: f64) -> Self {
+        let curve = &rest.curve;
+        let times = match curve.factor {
+            Factor::One => None,
+            Factor::Direction => Some("sign(omega)"),
+            Factor::Current => Some("i"),
+        };
+        Self {
+            balance: curve.balance,
+            over: name(curve.over),
+            times,
+            knots: curve.knots.clone(),
+            values: rest.values.clone(),
+            formula: formula(curve, &rest.values),
+            excess_removed: (rest.removed / excess).clamp(0.0, 1.0),
+        }
+    }
+}
+
+fn name(over: Over) -> &'static str {
+    match over {
+        Over::Speed => "omega",
+        Over::SpeedMagnitude => "abs(omega)",
+        Over::Current => "i",
+        Over::CurrentMagnitude => "abs(i)",
+        Over::Position => "theta",
+        Over::Time => "time",
+        Over::Acceleration => "acceleration",
+    }
+}
+
+/// The curve as an effect of a drive, if the effect `learned` can hold it.
+pub(crate) fn effect(drive: &Drive, rest: &Rest) -> Option<EffectData> {
+    let curve = &rest.curve;
+    let over = match (curve.over, curve.factor) {
+        (Over::Speed, Factor::One) => Variable::Speed,
+        (Over::Current, Factor::One) => Variable::Current,
+        (Over::Position, Factor::One) => Variable::Position,
+        (Over::Time, Factor::One) => Variable::Time,
+        _ => return None,
+    };
+    let (target, sign) = match curve.balance {
+        Balance::Torque => (Target::Torque, -1.0),
+        Balance::Voltage => (Target::Voltage, -1.0),
+        Balance::Flux => return None,
+    };
+    let id = (1..)
+        .map(|k| if k == 1 { "learned".to_owned() } else { format!("learned_{k}") })
+        .find(|id| !drive.effects.iter().any(|effect| effect.id == *id))?;
+    let values = rest.values.iter().enumerate();
+    let parameters = values.map(|(k, value)| (LawData::value_name(k), sign * value)).collect();
+    let law = LawData::Learned { target, over, knots: curve.knots.clone() };
+    Some(EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) })
+}
+
+/// A form, and its text for a coefficient.
+type Form = (Box<dyn Fn(f64) -> f64>, Box<dyn Fn(f64) -> String>);
+
+/// The simplest formula that holds the curve: one coefficient, or two with a width.
+fn formula(curve: &Curve, values: &[f64]) -> Option<String> {
+    if curve.period.is_some() || curve.factor != Factor::One {
+        return None;
+    }
+    let z = match curve.over {
+        Over::Speed => "omega",
+        Over::Current => "i",
+        _ => return None,
+    };
+    let largest = curve.knots.iter().fold(0.0_f64, |most, knot| most.max(knot.abs()));
+    // Forms and their texts; what the base has (constant friction, proportional) is taken out.
+    let mut forms: Vec<Form> = vec![
+        (Box::new(|x| x * x.abs()), Box::new(move |c| format!("{c:.4e} * {z} * abs({z})"))),
+        (Box::new(|x| x * x * x), Box::new(move |c| format!("{c:.4e} * {z}^3"))),
+        (Box::new(|x| x * x), Box::new(move |c| format!("{c:.4e} * {z}^2"))),
+    ];
+    for width in WIDTHS.map(|share| share * largest) {
+        forms.push((
+            Box::new(move |x| (x / width).tanh()),
+            Box::new(move |c| format!("{c:.4e} * tanh({z} / {width:.4e})")),
+        ));
+        for middle in WIDTHS.map(|share| share * largest) {
+            let wide = 0.3 * middle;
+            forms.push((
+                Box::new(move |x| x.signum() * (-((x.abs() - middle) / wide).powi(2)).exp()),
+                Box::new(move |c| {
+                    format!(
+                        "{c:.4e} * sign({z}) * exp(-((abs({z}) - {middle:.4e}) / {wide:.4e})^2)"
+                    )
+                }),
+            ));
+        }
+    }
+    let base = |values: &[f64]| -> Vec<f64> { beside_base(&curve.knots, values) };
+    let left = base(values);
+    let power: f64 = left.iter().map(|value| value * value).sum();
+    let held = forms.iter().map(|(form, text)| {
+        let form: Vec<f64> = base(&curve.knots.iter().map(|z| form(*z)).collect::<Vec<_>>());
+        let (dot, own) = form
+            .iter()
+            .zip(&left)
+            .fold((0.0, 0.0), |(dot, own), (form, value)| (dot + form * value, own + form * form));
+        let share = if own > 0.0 && power > 0.0 { dot * dot / (own * power) } else { 0.0 };
+        (share, dot / own, text)
+    });
+    let best = held.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= HOLDS).then(|| format!("-({})", best.2(best.1)))
+}
+
+/// Values less what constants, slopes and signs explain of them.
+fn beside_base(knots: &[f64], values: &[f64]) -> Vec<f64> {
+    let columns: Vec<[f64; 3]> =
+        knots.iter().map(|z| [1.0, *z, if *z == 0.0 { 0.0 } else { z.signum() }]).collect();
+    let mut regression = drivescope_numerics::Regression::new(3);
+    for (column, value) in columns.iter().zip(values) {
+        regression.push(*column, *value);
+    }
+    match regression.solve() {
+        Ok(fit) => columns
+            .iter()
+            .zip(values)
+            .map(|(column, value)| {
+                value - column.iter().zip(&fit.parameters).map(|(x, p)| x * p).sum::<f64>()
+            })
+            .collect(),
+        Err(_) => values.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn suggested(law: impl Fn(f64) -> f64) -> Option<String> {
+        let knots: Vec<f64> = (-8..=8).map(|k| 10.0 * f64::from(k)).collect();
+        let values: Vec<f64> = knots.iter().map(|z| law(*z)).collect();
+        let (balance, over, factor) = (Balance::Torque, Over::Speed, Factor::One);
+        formula(&Curve { balance, over, factor, knots, period: None }, &values)
+    }
+
+    #[test]
+    fn a_simple_law_is_recognised_whatever_the_base_adds_to_it() {
+        let drag = suggested(|z| 3e-6 * z * z.abs() + 0.01 * z + 0.2);
+        assert_eq!(drag.as_deref(), Some("-(3.0000e-6 * omega * abs(omega))"));
+        let even = suggested(|z| 2e-6 * z * z);
+        assert_eq!(even.as_deref(), Some("-(2.0000e-6 * omega^2)"));
+        // Nothing simple: no suggestion.
+        assert_eq!(suggested(|z| (0.7 * z).sin() + (0.31 * z).cos()), None);
+    }
+}

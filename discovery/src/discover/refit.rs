@@ -1,0 +1,125 @@
+//! A candidate in the drive, everything fitted again, and what this proves.
+
+use drivescope_plant::drive::{Drive, EffectData};
+use nalgebra::{DMatrix, DVector};
+
+use super::candidates::Candidate;
+use super::columns::{At, Columns, Place};
+use super::projection::wald;
+use super::screen::{Screened, finer};
+use super::whiten::Whitener;
+use crate::case::Setting;
+use crate::error::Error;
+use crate::estimate::{Evaluated, Evidence, Fitted, Options, evaluate, fit};
+
+/// A drive with its fit, on the recordings it was fitted to and on others.
+#[derive(Debug, Clone)]
+pub(crate) struct Model {
+    /// The fit.
+    pub(crate) fitted: Fitted,
+    /// What was frozen.
+    pub(crate) setting: Setting,
+    /// On the validation recordings.
+    pub(crate) validation: Evaluated,
+}
+
+impl Model {
+    /// Fits the drive and judges it on the validation recordings.
+    pub(crate) fn fit(
+        drive: &Drive,
+        estimation: &Evidence,
+        validation: &Evidence,
+        setting: Setting,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let fitted = fit(drive, estimation, &setting, options)?;
+        let validation = evaluate(&fitted.drive, validation, &setting, true)?;
+        Ok(Self { fitted, setting, validation })
+    }
+
+    /// At the recordings it was fitted to.
+    pub(crate) fn at<'a>(&'a self, estimation: &'a Evidence) -> At<'a> {
+        At::fitted(&self.fitted, estimation, &self.setting)
+    }
+
+    /// At the validation recordings.
+    pub(crate) fn at_validation<'a>(&'a self, validation: &'a Evidence) -> At<'a> {
+        At {
+            drive: &self.fitted.drive,
+            fits: &self.validation.recordings,
+            evidence: validation,
+            setting: &self.setting,
+        }
+    }
+
+    /// Its parameters that were estimated.
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.fitted.parameters.iter().map(|it| it.name.clone()).collect()
+    }
+}
+
+/// The drive with the screened candidate, fitted again from where the screen points.
+pub(crate) fn refit(
+    base: &Model,
+    candidate: &Candidate,
+    screened: &Screened,
+    estimation: &Evidence,
+    validation: &Evidence,
+) -> Result<Model, Error> {
+    let variant = &candidate.variants[screened.variant];
+    let mut drive = candidate.added(&base.fitted.drive, variant);
+    for (name, value) in candidate.coefficients.iter().zip(&screened.coefficients) {
+        // A value outside its range stays at the null.
+        let _ = drive.set(&format!("{}.{name}", candidate.id), *value);
+    }
+    let setting = finer(&base.setting, &drive);
+    let options = Options { starts: 1, ..Options::default() };
+    let mut model = Model::fit(&drive, estimation, validation, setting, &options)?;
+    // What was frozen for the search is the user's to fit.
+    let own = format!("{}.", candidate.id);
+    model.fitted.drive.fixed.retain(|name| !name.starts_with(&own));
+    Ok(model)
+}
+
+/// The drive with a learned curve, fitted again.
+pub(crate) fn with_learned(
+    base: &Model,
+    effect: EffectData,
+    estimation: &Evidence,
+    validation: &Evidence,
+) -> Result<Model, Error> {
+    let mut drive = base.fitted.drive.clone();
+    drive.effects.push(effect);
+    let setting = finer(&base.setting, &drive);
+    let options = Options { starts: 1, ..Options::default() };
+    Model::fit(&drive, estimation, validation, setting, &options)
+}
+
+/// The squared innovations of a model, and where they were measured.
+pub(crate) fn innovations(at: &At<'_>, whitener: &Whitener) -> (Vec<Place>, Vec<f64>) {
+    let rows = Columns::residuals(at);
+    let innovations = whitener.applied(&rows.places, &rows.residual);
+    (rows.places, innovations)
+}
+
+/// p value of the hypothesis that the change from one model to the next, of `k` parameters,
+/// is none: with d the change of the innovations, the Wald test of its factor over blocks.
+pub(crate) fn p_value(
+    places: &[Place],
+    before: &[f64],
+    after: &[f64],
+    k: usize,
+    block: impl Fn(&Place) -> usize,
+) -> f64 {
+    let change = DMatrix::from_fn(1, before.len(), |_, value| before[value] - after[value]);
+    let information = &change * change.transpose();
+    if information[(0, 0)] == 0.0 {
+        return 1.0;
+    }
+    let after = DVector::from_column_slice(after);
+    wald(&change, &after, &information, &DVector::from_element(1, 1.0), k, places, block)
+}
+
+pub(crate) fn squared(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum()
+}

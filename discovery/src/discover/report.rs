@@ -1,0 +1,131 @@
+//! What a discovery answers.
+
+use std::collections::BTreeMap;
+
+use drivescope_plant::drive::Drive;
+use serde::Serialize;
+
+use super::candidates::NotJudged;
+use super::experiment::NextExperiment;
+use super::learned::LearnedCurve;
+use crate::observer::Observer;
+
+/// What the loop says while it runs.
+#[derive(Debug, Clone)]
+pub enum Step<'a> {
+    /// A rung of the ladder: what was added (nothing first), and the errors.
+    Rung(&'a Rung),
+    /// What is being done.
+    Doing(&'static str),
+}
+
+/// Who watches the loop.
+pub trait Watch: Sync {
+    /// Something happened.
+    fn step(&self, _step: &Step<'_>) {}
+
+    /// Whether the loop is to end.
+    fn stopped(&self) -> bool {
+        false
+    }
+}
+
+/// Nobody watches.
+#[derive(Debug, Clone, Copy)]
+pub struct Unwatched;
+
+impl Watch for Unwatched {}
+
+/// A rung of the ladder of errors.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rung {
+    /// What was added: nothing first.
+    pub added: Option<String>,
+    /// Error on the estimation data, in units of the noise.
+    pub error: f64,
+    /// Error on the validation data.
+    pub validation_error: f64,
+}
+
+/// An estimated parameter of a ranked effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Coefficient {
+    /// Its value, SI.
+    pub value: f64,
+    /// Its standard error.
+    pub std_error: f64,
+}
+
+/// A candidate that was refitted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ranked {
+    /// The effect.
+    pub effect: String,
+    /// What these recordings do not tell from it.
+    pub confusion_set: Vec<String>,
+    /// Gain in BIC over the model without it, in innovations (values that remember each other
+    /// count as fewer).
+    pub delta_bic: f64,
+    /// p value of the block-robust test, hypotheses counted.
+    pub p_value: f64,
+    /// Share of the error above the noise floor that it removes.
+    pub excess_removed: f64,
+    /// Squared innovations that go on the validation data: positive is better.
+    pub validation_gain: f64,
+    /// Its share in what it and the best curve over its own variables remove.
+    pub shape: Option<f64>,
+    /// Its parameters.
+    pub parameters: BTreeMap<String, Coefficient>,
+    /// Why it was not named.
+    pub refused: Option<String>,
+}
+
+/// A variable over which the model fails.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Where {
+    /// The variable.
+    pub variable: &'static str,
+    /// p value, the number of curves counted.
+    pub p_value: f64,
+    /// Share of the error above the noise floor that a curve over it removes.
+    pub share: f64,
+}
+
+/// What the loop answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// At least one effect is named.
+    Named,
+    /// Nothing is missing that these recordings could show.
+    None,
+    /// Something is missing, and none of the known effects is it.
+    Unknown,
+}
+
+/// What a discovery found.
+#[derive(Debug, Clone)]
+pub struct Discovery {
+    /// The drive with everything that was named in it, fitted.
+    pub drive: Drive,
+    /// Errors of the base and after each addition.
+    pub ladder: Vec<Rung>,
+    /// The answer.
+    pub verdict: Verdict,
+    /// The effects that were named.
+    pub named: Vec<String>,
+    /// What is left: nothing or something unknown.
+    pub remaining: Verdict,
+    /// Candidates of the first round, best first, then those that later rounds named.
+    pub ranking: Vec<Ranked>,
+    /// Where the base fails, most telling first.
+    pub fails: Vec<Where>,
+    /// What could not be judged.
+    pub not_judged: Vec<NotJudged>,
+    /// The curve that describes what nobody knows.
+    pub learned: Option<LearnedCurve>,
+    /// What to record to tell apart what these recordings do not.
+    pub next_experiment: Option<NextExperiment>,
+    /// The observer.
+    pub observer: Observer,
+}

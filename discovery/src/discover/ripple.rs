@@ -1,0 +1,112 @@
+//! Ripples over the position, for many numbers of periods at little cost.
+//!
+//! At its null a ripple is a known torque (and voltage) along the run of the base drive:
+//! cos(N theta) averaged over each sample, (sin(N theta_k+1) - sin(N theta_k)) / (N dtheta), so
+//! that what passes within a sample averages out as it does in the drive. The response to these
+//! series is its signature, and the base drive's own steps serve.
+
+use drivescope_plant::drive::Drive;
+
+use super::columns::{At, Owned};
+use crate::case::Case;
+use crate::estimate::with_own;
+use crate::measured::Measured;
+
+/// Angle within a sample below which its average is its middle, rad.
+const SMALL: f64 = 1e-4;
+
+/// What the base drive does in one recording.
+#[derive(Debug, Clone)]
+pub(crate) struct Trajectory {
+    /// Current, A (the commanded signal where force-driven).
+    pub(crate) current: Vec<f64>,
+    /// Speed, rad/s (m/s).
+    pub(crate) speed: Vec<f64>,
+    /// Position, rad (m): measured where it is.
+    pub(crate) position: Vec<f64>,
+}
+
+/// The trajectories of all recordings; 0 where there is none.
+pub(crate) fn trajectories(at: &At<'_>) -> Vec<Trajectory> {
+    let of = |recording: usize| {
+        let fit = &at.fits[recording];
+        let drive = with_own(at.drive, fit);
+        let measured: &Measured = &at.evidence.recordings[recording];
+        let case = Case {
+            drive: &drive,
+            measured,
+            noise: &at.evidence.noise[recording],
+            starts: &fit.starts,
+            setting: at.setting,
+        };
+        let finite = |values: Vec<f64>| -> Vec<f64> {
+            values.into_iter().map(|value| if value.is_finite() { value } else { 0.0 }).collect()
+        };
+        let [current, speed, position] = case.trajectory().map(finite);
+        let position = measured.angle.clone().unwrap_or(position);
+        Trajectory { current, speed, position }
+    };
+    (0..at.fits.len()).map(of).collect()
+}
+
+/// cos(N theta) and sin(N theta), averaged from each sample to the next.
+pub(crate) fn waves(position: &[f64], n: f64) -> [Vec<f64>; 2] {
+    let last = position.len().saturating_sub(1);
+    let mut waves = [vec![0.0; position.len()], vec![0.0; position.len()]];
+    let (mut sin, mut cos) = position.first().map_or((0.0, 1.0), |theta| (n * theta).sin_cos());
+    for k in 0..position.len() {
+        let next = position[(k + 1).min(last)];
+        let (sin_next, cos_next) = (n * next).sin_cos();
+        let passed = n * (next - position[k]);
+        if passed.abs() < SMALL {
+            (waves[0][k], waves[1][k]) = (cos, sin);
+        } else {
+            waves[0][k] = (sin_next - sin) / passed;
+            waves[1][k] = (cos - cos_next) / passed;
+        }
+        (sin, cos) = (sin_next, cos_next);
+    }
+    waves
+}
+
+/// The directions whose sums are the signature of a ripple of N periods in that recording: for
+/// the cosine, then the sine, a torque, and for a ripple of the flux a voltage too.
+pub(crate) fn directions(kind: &str, n: f64, drive: &Drive, run: &Trajectory) -> Vec<Owned> {
+    let waves = waves(&run.position, n);
+    let product = |wave: &[f64], with: &[f64], factor: f64| -> Vec<f64> {
+        wave.iter().zip(with).map(|(wave, with)| factor * wave * with).collect()
+    };
+    let mut all = Vec::new();
+    for wave in &waves {
+        if kind == "cogging" {
+            all.push(Owned::Torque(wave.iter().map(|wave| -wave).collect()));
+            continue;
+        }
+        all.push(Owned::Torque(product(wave, &run.current, drive.motor.k_m)));
+        if let Some(k_e) = drive.motor.k_e {
+            all.push(Owned::Voltage(product(wave, &run.speed, -k_e)));
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wave_is_averaged_over_each_sample() {
+        let position: Vec<f64> = (0..200).map(|k| 1e-4 * f64::from(k * k)).collect();
+        let [cos, sin] = waves(&position, 24.0);
+        for k in [0, 50, 150] {
+            // The average by a fine sum, the angle going evenly from sample to sample.
+            let mean = |f: fn(f64) -> f64| {
+                let at = |j: usize| (j as f64 + 0.5) / 1000.0;
+                let angle = |s: f64| position[k] + s * (position[k + 1] - position[k]);
+                (0..1000).map(|j| f(24.0 * angle(at(j)))).sum::<f64>() / 1000.0
+            };
+            assert!((cos[k] - mean(f64::cos)).abs() < 1e-6, "{k}");
+            assert!((sin[k] - mean(f64::sin)).abs() < 1e-6, "{k}");
+        }
+    }
+}

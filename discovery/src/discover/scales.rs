@@ -1,0 +1,72 @@
+//! What the recordings span: the scales from which start values and grids of shapes are made.
+
+use drivescope_plant::drive::{Drive, Input};
+
+use crate::estimate::Evidence;
+use crate::measured::{Measured, Output};
+
+/// Samples over which a position is differentiated.
+const SPAN: usize = 10;
+
+/// The largest magnitudes that were recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Scales {
+    /// Speed, rad/s (m/s).
+    pub(crate) speed: f64,
+    /// Current, A (the commanded signal of a force-driven drive).
+    pub(crate) current: f64,
+    /// Voltage, V (the commanded signal of a force-driven drive).
+    pub(crate) voltage: f64,
+    /// Way from the least to the greatest position, rad (m); 0 where none is known.
+    pub(crate) travel: f64,
+    /// Length of the longest recording, s.
+    pub(crate) duration_s: f64,
+}
+
+impl Scales {
+    /// Over all recordings.
+    pub(crate) fn of(drive: &Drive, evidence: &Evidence) -> Self {
+        let most =
+            |of: &dyn Fn(&Measured) -> f64| evidence.recordings.iter().map(of).fold(0.0, f64::max);
+        let voltage = most(&|one| largest(one.u.iter().copied()));
+        let current = match drive.motor.input {
+            Input::Force => voltage,
+            Input::Voltage => most(&|one| match one.output(Output::Current) {
+                Some(channel) => largest(channel.values.iter().copied()),
+                None => largest(one.u.iter().copied()) / drive.motor.r.unwrap_or(1.0),
+            }),
+        };
+        Self {
+            speed: most(&fastest),
+            current,
+            voltage,
+            travel: most(&travel),
+            duration_s: most(&|one| one.len() as f64 * one.period_s),
+        }
+    }
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.filter(|value| value.is_finite()).fold(0.0, |most, value| most.max(value.abs()))
+}
+
+fn fastest(measured: &Measured) -> f64 {
+    match (measured.output(Output::Speed), measured.output(Output::Position)) {
+        (Some(speed), _) => largest(speed.values.iter().copied()),
+        (None, Some(x)) => {
+            let span = SPAN as f64 * measured.period_s;
+            largest(x.values.windows(SPAN + 1).map(|part| (part[SPAN] - part[0]) / span))
+        }
+        (None, None) => 0.0,
+    }
+}
+
+fn travel(measured: &Measured) -> f64 {
+    let position = measured.output(Output::Position).map(|channel| &channel.values);
+    let Some(way) = measured.angle.as_ref().or(position) else { return 0.0 };
+    let finite = || way.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    if low < high { high - low } else { 0.0 }
+}

@@ -1,0 +1,222 @@
+//! Innovations: what of a residual its own past does not foretell.
+//!
+//! A random load makes the residual remember, and what remembers counts as fewer values than it
+//! has. The residual of every output is foretold from exponential averages of the past of all
+//! outputs, over 1 to [`LONGEST`] samples (white noise on top of a slow disturbance needs a long
+//! memory, which a few averages hold as well as hundreds of lags). The same linear filter is
+//! applied to residuals and columns, so that what they explain of each other is unchanged, and
+//! the innovations are scaled to unit variance. Weighted least squares with that filter is what
+//! a Kalman filter with a load state would do, with the state taken from the data.
+
+use drivescope_numerics::Regression;
+use nalgebra::DMatrix;
+
+use super::columns::Place;
+
+/// Time constants of the averages, samples: 1, 2, 4 ... up to this.
+const LONGEST: usize = 128;
+const AVERAGES: usize = 8;
+/// Outputs there may be.
+const OUTPUTS: usize = 3;
+
+/// A filter to innovations.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Whitener {
+    /// Weights of the averages of each output, for each output; averages vary fastest.
+    weights: [Vec<f64>; OUTPUTS],
+    /// Standard deviation of the innovations of each output.
+    sd: [f64; OUTPUTS],
+}
+
+/// Averages of the past of a list of signals, each with several outputs.
+struct Past {
+    /// `averages[output][time constant][signal]`.
+    averages: Vec<Vec<f64>>,
+    signals: usize,
+}
+
+impl Past {
+    fn new(signals: usize) -> Self {
+        Self { averages: vec![vec![0.0; signals]; OUTPUTS * AVERAGES], signals }
+    }
+
+    fn clear(&mut self) {
+        self.averages.iter_mut().for_each(|one| one.fill(0.0));
+    }
+
+    fn see(&mut self, output: usize, values: &[f64]) {
+        for j in 0..AVERAGES {
+            let share = 1.0 / (1usize << j) as f64;
+            let average = &mut self.averages[output * AVERAGES + j];
+            for (average, value) in average.iter_mut().zip(values) {
+                *average += share * (value - *average);
+            }
+        }
+    }
+}
+
+/// Visits the values of each sample together.
+fn samples(places: &[Place], mut visit: impl FnMut(std::ops::Range<usize>, bool)) {
+    let mut from = 0;
+    while from < places.len() {
+        let first = places[from];
+        let same =
+            |place: &Place| place.recording == first.recording && place.sample == first.sample;
+        let to = from + places[from..].iter().take_while(|place| same(place)).count();
+        let begins = from == 0 || {
+            let before = places[from - 1];
+            before.recording != first.recording || before.sample + LONGEST < first.sample
+        };
+        visit(from..to, begins);
+        from = to;
+    }
+}
+
+impl Whitener {
+    /// The filter of this residual; the identity, scaled, where it is too short.
+    pub(crate) fn of(places: &[Place], residual: &[f64]) -> Self {
+        let mut regressions: [Regression; OUTPUTS] =
+            std::array::from_fn(|_| Regression::new(OUTPUTS * AVERAGES));
+        let seen: Vec<usize> = (0..OUTPUTS)
+            .filter(|output| places.iter().any(|place| place.output == *output))
+            .collect();
+        let columns: Vec<usize> =
+            seen.iter().flat_map(|output| output * AVERAGES..(output + 1) * AVERAGES).collect();
+        let mut past = Past::new(1);
+        samples(places, |range, begins| {
+            if begins {
+                past.clear();
+            }
+            for k in range.clone() {
+                let averages = past.averages.iter().map(|one| one[0]);
+                regressions[places[k].output].push(averages, residual[k]);
+            }
+            for k in range {
+                past.see(places[k].output, &residual[k..=k]);
+            }
+        });
+        let mut weights: [Vec<f64>; OUTPUTS] = Default::default();
+        for output in 0..OUTPUTS {
+            let fit = regressions[output].solve_columns(&columns);
+            weights[output] = vec![0.0; OUTPUTS * AVERAGES];
+            if let Ok(fit) = fit {
+                for (column, weight) in columns.iter().zip(fit.parameters) {
+                    weights[output][*column] = weight;
+                }
+            }
+        }
+        let mut filter = Self { weights, sd: [1.0; OUTPUTS] };
+        let innovations = filter.applied(places, residual);
+        for output in 0..OUTPUTS {
+            let own: Vec<f64> = places
+                .iter()
+                .zip(&innovations)
+                .filter(|(place, _)| place.output == output)
+                .map(|(_, value)| *value)
+                .collect();
+            let power = own.iter().map(|value| value * value).sum::<f64>() / own.len() as f64;
+            filter.sd[output] = if power > 0.0 { power.sqrt() } else { 1.0 };
+        }
+        filter
+    }
+
+    /// The innovations of a residual.
+    pub(crate) fn applied(&self, places: &[Place], residual: &[f64]) -> Vec<f64> {
+        let columns = DMatrix::from_row_slice(1, residual.len(), residual);
+        self.filtered(places, &columns).as_slice().to_vec()
+    }
+
+    /// The filter applied to columns, one row a direction.
+    pub(crate) fn filtered(&self, places: &[Place], columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let directions = columns.nrows();
+        let mut filtered = columns.clone();
+        let mut past = Past::new(directions);
+        samples(places, |range, begins| {
+            if begins {
+                past.clear();
+            }
+            for k in range.clone() {
+                let output = places[k].output;
+                let mut column = filtered.column_mut(k);
+                for (average, weight) in past.averages.iter().zip(&self.weights[output]) {
+                    if *weight != 0.0 {
+                        for (value, average) in column.iter_mut().zip(average) {
+                            *value -= weight * average;
+                        }
+                    }
+                }
+                column.scale_mut(1.0 / self.sd[output]);
+            }
+            for k in range {
+                let values = columns.column(k);
+                debug_assert_eq!(values.len(), past.signals);
+                past.see(places[k].output, values.as_slice());
+            }
+        });
+        filtered
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::gaussian;
+
+    const SAMPLES: usize = 8000;
+
+    fn places() -> Vec<Place> {
+        let of = |k| [0, 1].map(|output| Place { recording: 0, sample: k, output });
+        (0..SAMPLES).flat_map(of).collect()
+    }
+
+    /// Two outputs that a slow disturbance moves together, under white noise.
+    fn disturbed() -> Vec<f64> {
+        let (slow, white) = (gaussian(SAMPLES, 1), gaussian(2 * SAMPLES, 2));
+        let mut state = 0.0;
+        let mut both = Vec::new();
+        for k in 0..SAMPLES {
+            state = 0.99 * state + 0.2 * slow[k];
+            both.extend([state + white[2 * k], -0.5 * state + white[2 * k + 1]]);
+        }
+        both
+    }
+
+    /// Autocorrelation at a lag of the first output's values.
+    fn correlation(values: &[f64], lag: usize) -> f64 {
+        let own: Vec<f64> = values.iter().step_by(2).copied().collect();
+        let power: f64 = own.iter().map(|value| value * value).sum();
+        own[lag..].iter().zip(&own).map(|(a, b)| a * b).sum::<f64>() / power
+    }
+
+    #[test]
+    fn innovations_are_white_and_of_unit_variance() {
+        let (places, residual) = (places(), disturbed());
+        let whitener = Whitener::of(&places, &residual);
+        let innovations = whitener.applied(&places, &residual);
+        let power = innovations.iter().map(|value| value * value).sum::<f64>();
+        assert!((power / innovations.len() as f64 - 1.0).abs() < 1e-9);
+        assert!(correlation(&residual, 20) > 0.4);
+        // Of white noise a correlation has a standard deviation of 0.011.
+        for lag in [1, 5, 20, 80] {
+            let rho = correlation(&innovations, lag);
+            assert!(rho.abs() < 0.05, "{rho} at {lag}");
+        }
+    }
+
+    #[test]
+    fn the_filter_is_linear_and_forgets_between_recordings() {
+        let (places, residual) = (places(), disturbed());
+        let whitener = Whitener::of(&places, &residual);
+        let twice: Vec<f64> = residual.iter().map(|value| 2.0 * value).collect();
+        let both = DMatrix::from_fn(2, residual.len(), |row, k| [&residual, &twice][row][k]);
+        let filtered = whitener.filtered(&places, &both);
+        for k in 0..residual.len() {
+            assert!((filtered[(1, k)] - 2.0 * filtered[(0, k)]).abs() < 1e-9);
+        }
+        let mut apart = places.clone();
+        apart[8000..].iter_mut().for_each(|place| place.recording = 1);
+        let halves = whitener.applied(&apart, &residual);
+        let second = whitener.applied(&places[8000..], &residual[8000..]);
+        assert_eq!(halves[8000..], second);
+    }
+}

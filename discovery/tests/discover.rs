@@ -1,0 +1,127 @@
+//! The loop from recordings that the plant simulates to a name, or to none.
+
+#[path = "../src/testing.rs"]
+mod testing;
+
+use drivescope_discovery::{
+    Discovery, Error, Evidence, Measured, Step, Unwatched, Verdict, Watch, add, bic_of, discover,
+};
+use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::effects::registry::Entry;
+use drivescope_recording::Recording;
+use testing::{dr300, driven, loaded, noisy, random_load};
+
+const SDS: [f64; 2] = [0.01, 0.3];
+const H: f64 = 1e-3;
+/// Error of a right model: 1, within five of its standard deviations.
+const FLOOR: f64 = 1.04;
+
+fn base() -> Drive {
+    let mut drive = dr300();
+    drive.motor.k_m = drive.motor.k_e.expect("it has one");
+    drive
+}
+
+fn with(kind: &str, values: &[f64]) -> Drive {
+    let entry = Entry::find(kind).expect("the library has it");
+    let names = entry.parameters.iter().map(|it| it.name.to_owned());
+    let mut drive = base();
+    let parameters = names.zip(values.iter().copied()).collect();
+    drive.effects.push(EffectData { kind: kind.into(), id: kind.into(), parameters, law: None });
+    drive
+}
+
+fn input(samples: usize, rate: f64) -> Vec<f64> {
+    let u = |k: usize| {
+        let t = k as f64 * H;
+        10.0 * (rate * t).sin() + 6.0 * (3.5 * rate * t).sin() + 5.0 * (11.0 * t).sin().signum()
+    };
+    (0..samples).map(u).collect()
+}
+
+fn evidence(drive: &Drive, recording: &Recording) -> Evidence {
+    let measured = Measured::new(drive, recording).expect("it can be used");
+    Evidence { recordings: vec![measured], noise: vec![SDS.to_vec()] }
+}
+
+/// Estimation and validation data of a machine, as its base sees them.
+fn recorded(truth: &Drive, load: bool, seed: u64) -> [Evidence; 2] {
+    [(2.0, 0), (1.7, 100)].map(|(rate, more)| {
+        let u = input(5000, rate);
+        let recording = if load {
+            let load = random_load(u.len(), H, (2e-3, 0.1), seed + more);
+            loaded(truth, u, &load, H)
+        } else {
+            driven(truth, u, H)
+        };
+        evidence(&base(), &noisy(recording, SDS, seed + more))
+    })
+}
+
+fn found(truth: &Drive, load: bool, seed: u64) -> Discovery {
+    let [estimation, validation] = recorded(truth, load, seed);
+    discover(&base(), &estimation, &validation, &Unwatched).expect("the base can be fitted")
+}
+
+#[test]
+fn a_hidden_effect_is_named_and_its_absence_too() {
+    let answer = found(&with("unbalance", &[0.003, 0.002]), false, 1);
+    assert_eq!((answer.verdict, answer.named), (Verdict::Named, vec!["unbalance".to_owned()]));
+    let last = answer.ladder.last().expect("it has a base");
+    assert!(last.error < FLOOR && last.validation_error < FLOOR, "{:?}", answer.ladder);
+    assert!(answer.ladder[0].validation_error > 1.1 * last.validation_error);
+    // The same without what was hidden: nothing is named.
+    let answer = found(&base(), false, 1);
+    assert_eq!((answer.verdict, answer.named.len()), (Verdict::None, 0), "{:?}", answer.ranking);
+}
+
+#[test]
+fn a_random_load_is_no_effect_and_hides_none() {
+    for seed in [1, 2] {
+        let answer = found(&base(), true, seed);
+        assert!(answer.named.is_empty(), "{:?}", answer.ranking);
+    }
+    let answer = found(&with("brush_drop", &[0.6, 0.1]), true, 3);
+    let sets: Vec<&String> = answer
+        .ranking
+        .iter()
+        .filter(|it| it.refused.is_none())
+        .flat_map(|it| it.confusion_set.iter().chain([&it.effect]))
+        .collect();
+    assert!(sets.iter().any(|id| *id == "brush_drop"), "{sets:?}: {:?}", answer.ranking);
+}
+
+#[test]
+fn one_effect_is_added_measured_and_refused() {
+    let truth = with("current_offset", &[0.1]);
+    let [estimation, validation] = recorded(&truth, false, 5);
+    let add = |kind| add(&base(), kind, &estimation, &validation, &Unwatched);
+    let added = add("current_offset").expect("it can be added");
+    assert_eq!(added.ladder.len(), 2);
+    let offset = added.drive.parameters();
+    let offset = offset.iter().find(|it| it.name == "current_offset.i_0").expect("added");
+    assert!((offset.value - 0.1).abs() < 0.005, "{offset:?}");
+    assert!(matches!(add("viscous"), Err(Error::CannotAdd { .. })), "it is B_m");
+    let gain = bic_of(&base(), "current_offset", &estimation, &validation).expect("it is known");
+    assert!(gain > 100.0, "{gain}");
+    let other = bic_of(&base(), "unbalance", &estimation, &validation).expect("it is known");
+    assert!(other < 20.0, "{other}");
+}
+
+/// Ends the loop at its first word.
+struct Impatient;
+
+impl Watch for Impatient {
+    fn step(&self, _: &Step<'_>) {}
+
+    fn stopped(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_loop_that_is_stopped_names_nothing() {
+    let [estimation, validation] = recorded(&with("unbalance", &[0.003, 0.002]), false, 6);
+    let answer = discover(&base(), &estimation, &validation, &Impatient).expect("the base fits");
+    assert_eq!((answer.named.len(), answer.ladder.len()), (0, 1));
+}

@@ -1,0 +1,3 @@
+//! Published figures that anyone can measure again.
+
+pub(crate) mod discovery;

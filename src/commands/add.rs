@@ -1,0 +1,58 @@
+//! `add`: one effect that the user chooses, fitted; the error before and after.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use drivescope_discovery::add;
+use drivescope_plant::effects::registry::REGISTRY;
+
+use super::Run;
+use super::discover::{Answer, Watching, with_effects};
+use crate::drive_source;
+use crate::evidence::EvidenceOptions;
+use crate::failure::{Ending, Failure, told};
+use crate::interrupt;
+use crate::output;
+use crate::session::Session;
+
+/// Curves are no entry of the library, but can be added as effects are.
+const LEARNED: &str = "learned";
+
+/// Add one effect to a drive, fit everything, and print the error before and after.
+#[derive(Debug, Args)]
+pub(crate) struct Add {
+    /// Drive file, or a built-in drive (`dr300`, `emps`).
+    drive: String,
+    /// The effect (`drivescope effects` lists them), or `learned`: the curve that describes best
+    /// what the drive lacks.
+    effect: String,
+    /// Drive file to write (.toml): the given one with the effect, its comments kept.
+    #[arg(short, long, value_name = "DRIVE")]
+    output: PathBuf,
+    #[command(flatten)]
+    evidence: EvidenceOptions,
+}
+
+impl Run for Add {
+    fn run(self, session: &Session) -> miette::Result<Ending> {
+        let base = drive_source::drive(&self.drive)?;
+        if self.effect != LEARNED && !REGISTRY.iter().any(|it| it.info.id == self.effect) {
+            let known: Vec<&str> = REGISTRY.iter().map(|it| it.info.id).chain([LEARNED]).collect();
+            let (id, known) = (self.effect, known.join(", "));
+            return Err(Failure::UnknownEffect { id, known }.into());
+        }
+        session.check_writable(&[&self.output])?;
+        let gathered = self.evidence.gather(&base, session)?;
+        let watching = Watching::new(session);
+        let (estimation, validation) = (&gathered.estimation, &gathered.validation);
+        let found = add(&base, &self.effect, estimation, validation, &watching);
+        watching.end();
+        interrupt::check()?;
+        let found = found.map_err(told)?;
+        let text = with_effects(&self.drive, &base, &found.drive, &gathered)?;
+        output::write_file(&self.output, |out| std::io::Write::write_all(out, text.as_bytes()))?;
+        let answer = Answer::new(&base, Some(&self.output), &gathered, &found, session.seed);
+        session.answer(&answer.text(), &answer)?;
+        Ok(Ending::Done)
+    }
+}

@@ -1,0 +1,46 @@
+//! `benchmark discovery`: how often a hidden effect is named right.
+
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use clap::Args;
+
+use crate::benchmark::discovery::{Table, python, run};
+use crate::commands::Run;
+use crate::failure::{Ending, Failure};
+use crate::session::Session;
+
+/// Fewest cases of which every group has some.
+const FEWEST: usize = 40;
+
+/// How often hidden effects are named right, and what is named where nothing is hidden.
+///
+/// Half of the cases come from independent generators, Python programs that need numpy: the
+/// Python of DRIVESCOPE_PYTHON, or python3 on the path.
+#[derive(Debug, Args)]
+pub(super) struct OfDiscovery {
+    /// Cases to draw; 1000 hold more than 300 without a hidden effect.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    cases: usize,
+}
+
+impl Run for OfDiscovery {
+    fn run(self, session: &Session) -> miette::Result<Ending> {
+        if self.cases < FEWEST {
+            return Err(Failure::Usage {
+                what: format!("--cases {}: too few for a table", self.cases),
+                instead: format!("give {FEWEST} or more"),
+            }
+            .into());
+        }
+        session.check_writable(&[])?;
+        let fresh = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |it| it.as_secs());
+        let seed = session.given_seed.unwrap_or_else(fresh);
+        let bar = session.progress(self.cases as u64, "discovering");
+        let advance = |_: &str| bar.inc(1);
+        let outcomes = run(self.cases, seed, &python(), &advance)?;
+        bar.finish_and_clear();
+        let table = Table::new(seed, outcomes);
+        session.answer(&table.text(), &table)?;
+        Ok(Ending::Done)
+    }
+}

@@ -1,0 +1,29 @@
+//! `benchmark`: published figures, measured again.
+
+mod discovery;
+
+use clap::{Args, Subcommand};
+
+use super::Run;
+use crate::failure::Ending;
+use crate::session::Session;
+
+/// Measure the published tables, with confidence intervals.
+#[derive(Debug, Args)]
+pub(crate) struct Benchmark {
+    #[command(subcommand)]
+    table: TableOf,
+}
+
+#[derive(Debug, Subcommand)]
+enum TableOf {
+    Discovery(discovery::OfDiscovery),
+}
+
+impl Run for Benchmark {
+    fn run(self, session: &Session) -> miette::Result<Ending> {
+        match self.table {
+            TableOf::Discovery(discovery) => discovery.run(session),
+        }
+    }
+}

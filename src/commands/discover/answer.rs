@@ -1,0 +1,257 @@
+//! What a discovery answers: its JSON, the same as text, and the drive file with what was found.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use drivescope_discovery::{
+    Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung, Verdict, Where,
+};
+use drivescope_plant::drive::{Drive, EffectData, LawData};
+use drivescope_plant::effects::custom::Target;
+use drivescope_plant::effects::learned::Over;
+use drivescope_plant::file::Change;
+use serde::Serialize;
+
+use super::watch::line;
+use crate::drive_source;
+use crate::evidence::Gathered;
+use crate::failure::told;
+
+/// Errors of a drive.
+#[derive(Debug, Clone, Serialize)]
+struct Errors {
+    error: f64,
+    validation_error: f64,
+}
+
+impl Errors {
+    fn of(rung: &Rung) -> Self {
+        Self { error: rung.error, validation_error: rung.validation_error }
+    }
+}
+
+/// Noise of one recording: standard deviations by output, and where they come from.
+#[derive(Debug, Clone, Serialize)]
+struct NoiseOf {
+    #[serde(flatten)]
+    sd: BTreeMap<&'static str, f64>,
+    source: NoiseSource,
+}
+
+/// The answer of `discover`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Answer {
+    drive: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output: Option<PathBuf>,
+    before: Errors,
+    after: Errors,
+    noise: NoiseOf,
+    #[serde(rename = "where")]
+    fails: Vec<Where>,
+    verdict: Verdict,
+    named: Vec<String>,
+    remaining: Verdict,
+    ranking: Vec<Ranked>,
+    ladder: Vec<Rung>,
+    not_judged: Vec<NotJudged>,
+    learned: Option<LearnedCurve>,
+    next_experiment: Option<NextExperiment>,
+    observer_hz: f64,
+    split: String,
+    doubts: Vec<String>,
+    seed: u64,
+}
+
+impl Answer {
+    pub(crate) fn new(
+        base: &Drive,
+        output: Option<&Path>,
+        gathered: &Gathered,
+        found: &Discovery,
+        seed: u64,
+    ) -> Self {
+        let first = &gathered.noise[0];
+        let given = first.iter().all(|it| it.source == NoiseSource::Given);
+        let source = if given { NoiseSource::Given } else { NoiseSource::Estimated };
+        let rungs = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
+        Self {
+            drive: base.name.clone(),
+            output: output.map(Path::to_owned),
+            before: Errors::of(rungs.0),
+            after: Errors::of(rungs.1),
+            noise: NoiseOf { sd: first.iter().map(|it| (it.name, it.sd)).collect(), source },
+            fails: found.fails.clone(),
+            verdict: found.verdict,
+            named: found.named.clone(),
+            remaining: found.remaining,
+            ranking: found.ranking.clone(),
+            ladder: found.ladder.clone(),
+            not_judged: found.not_judged.clone(),
+            learned: found.learned.clone(),
+            next_experiment: found.next_experiment.clone(),
+            observer_hz: found.observer.hz,
+            split: gathered.split.clone(),
+            doubts: gathered.doubts.clone(),
+            seed,
+        }
+    }
+
+    /// The answer for a person.
+    pub(crate) fn text(&self) -> String {
+        let mut text = String::new();
+        let name = if self.drive.is_empty() { "the drive" } else { &self.drive };
+        let _ = writeln!(text, "{name}: {}", self.split);
+        let _ = match self.observer_hz {
+            0.0 => writeln!(text, "free run from u; errors in units of the noise, floor 1"),
+            hz => writeln!(text, "observer of {hz} Hz, frozen; errors in units of the noise"),
+        };
+        if let Some(most) = self.fails.first().filter(|it| it.share > 0.0) {
+            let _ = writeln!(
+                text,
+                "the base fails over {}: a curve over it removes {:.0} % of the excess",
+                most.variable,
+                100.0 * most.share
+            );
+        }
+        text.push('\n');
+        for rung in &self.ladder {
+            let _ = writeln!(text, "  {}", line(rung));
+        }
+        text.push('\n');
+        for one in &self.ranking {
+            let _ = writeln!(text, "  {}", ranked(one));
+        }
+        text.push('\n');
+        text += &self.verdict_in_words();
+        if let Some(learned) = &self.learned {
+            text += &curve(learned);
+        }
+        if let Some(next) = &self.next_experiment {
+            let _ = writeln!(
+                text,
+                "to tell {} apart, record {}",
+                next.separates.join(" and "),
+                next.description
+            );
+        }
+        if let Some(path) = &self.output {
+            let _ = writeln!(text, "written: {}", path.display());
+        }
+        text
+    }
+
+    fn verdict_in_words(&self) -> String {
+        let left = match self.remaining {
+            Verdict::Unknown => "; something is left that no known effect explains",
+            _ => "",
+        };
+        match self.verdict {
+            Verdict::Named => {
+                let sets: Vec<String> = self.named.iter().map(|id| self.with_set(id)).collect();
+                format!("missing: {}{left}\n", sets.join(", "))
+            }
+            Verdict::None => "nothing is missing that these recordings could show\n".to_owned(),
+            Verdict::Unknown => {
+                "something is missing, and it is none of the effects that the library knows\n"
+                    .to_owned()
+            }
+        }
+    }
+
+    fn with_set(&self, id: &str) -> String {
+        let set = self.ranking.iter().find(|it| it.effect == *id && it.refused.is_none());
+        match set.map(|it| it.confusion_set.join(" or ")) {
+            Some(others) if !others.is_empty() => {
+                format!("{id} (not told from {others} by these recordings)")
+            }
+            _ => id.to_owned(),
+        }
+    }
+}
+
+/// A learned curve in words.
+fn curve(learned: &LearnedCurve) -> String {
+    let LearnedCurve { over, times, formula, excess_removed, .. } = learned;
+    let balance = format!("{:?}", learned.balance).to_lowercase();
+    let times = times.map_or(String::new(), |times| format!(", times {times}"));
+    let mut text = format!(
+        "a curve over {over}{times} in the {balance} removes {:.0} % of the excess\n",
+        100.0 * excess_removed
+    );
+    for (knot, value) in learned.knots.iter().zip(&learned.values) {
+        let _ = writeln!(text, "  {knot:>12.4} {value:>12.4e}");
+    }
+    if let Some(formula) = formula {
+        let _ = writeln!(text, "it is nearly the custom law {balance} = \"{formula}\"");
+    }
+    text
+}
+
+fn ranked(one: &Ranked) -> String {
+    let why = one.refused.as_deref().map_or(String::new(), |why| format!("   not named: {why}"));
+    format!(
+        "{:<20} BIC {:>11.1}   p {:<8.1e} removes {:>5.1} %{why}",
+        one.effect,
+        one.delta_bic,
+        one.p_value,
+        100.0 * one.excess_removed
+    )
+}
+
+/// The text of the given drive file with the effects and the values of the found drive.
+pub(crate) fn with_effects(
+    given: &str,
+    base: &Drive,
+    found: &Drive,
+    gathered: &Gathered,
+) -> miette::Result<String> {
+    let mut text = drive_source::text(given)?;
+    for effect in &found.effects[base.effects.len()..] {
+        text += &table(effect);
+    }
+    let names = gathered.estimation.recordings.iter().map(|it| file_name(&it.name));
+    let from = names.collect::<Vec<_>>().join(", ");
+    let fitted = found.fitted();
+    let tied = found.motor.tie_k;
+    let all = found.parameters();
+    let changes: Vec<Change> = all
+        .iter()
+        .filter(|it| fitted.iter().any(|other| other.name == it.name) || (tied && it.name == "K_m"))
+        .map(|it| Change {
+            name: it.name.clone(),
+            value: it.value,
+            origin: format!("fitted: {from}, by discovery"),
+        })
+        .collect();
+    let (text, _) = Drive::edited(&text, given, &changes).map_err(told)?;
+    Ok(text)
+}
+
+/// An effect as a table of a drive file.
+fn table(effect: &EffectData) -> String {
+    let mut text = format!("\n[[effect]]\nkind = \"{}\"\n", effect.kind);
+    if effect.id != effect.kind {
+        let _ = writeln!(text, "id = \"{}\"", effect.id);
+    }
+    if let Some(LawData::Learned { target, over, knots }) = &effect.law {
+        let balance = if *target == Target::Voltage { "voltage" } else { "torque" };
+        let over = Over::ALL.iter().find(|(_, it)| it == over).map_or("omega", |(name, _)| name);
+        let values: Vec<f64> = effect.parameters.iter().map(|(_, value)| *value).collect();
+        let _ = writeln!(text, "balance = \"{balance}\"\nover = \"{over}\"");
+        let _ = writeln!(text, "knots = {knots:?}\nvalues = {values:?}");
+        return text;
+    }
+    for (name, value) in &effect.parameters {
+        let _ = writeln!(text, "{name} = {value:?}");
+    }
+    text
+}
+
+/// The file's own name, without its folders.
+fn file_name(path: &str) -> String {
+    Path::new(path)
+        .file_name()
+        .map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
+}

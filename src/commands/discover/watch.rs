@@ -1,0 +1,43 @@
+//! What a discovery says while it runs: its ladder, rung by rung, on standard error.
+
+use drivescope_discovery::{Rung, Step, Watch};
+use indicatif::ProgressBar;
+
+use crate::interrupt;
+use crate::session::Session;
+
+/// Prints rungs as they come, and ends the loop when the user wants that.
+pub(crate) struct Watching<'a> {
+    session: &'a Session,
+    bar: ProgressBar,
+}
+
+impl<'a> Watching<'a> {
+    pub(crate) fn new(session: &'a Session) -> Self {
+        Self { session, bar: session.spinner() }
+    }
+
+    /// Takes the progress away.
+    pub(crate) fn end(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Watch for Watching<'_> {
+    fn step(&self, step: &Step<'_>) {
+        match step {
+            Step::Doing(what) => self.bar.set_message(*what),
+            Step::Rung(rung) => self.bar.suspend(|| self.session.remark(line(rung))),
+        }
+    }
+
+    fn stopped(&self) -> bool {
+        interrupt::check().is_err()
+    }
+}
+
+/// A rung in words.
+pub(crate) fn line(rung: &Rung) -> String {
+    let what = rung.added.as_ref().map_or("the base".to_owned(), |it| format!("+ {it}"));
+    format!("{what:<24} error {:>9.4}   validation {:>9.4}", rung.error, rung.validation_error)
+}

@@ -1,0 +1,139 @@
+//! `discover` and `add`: a hidden effect is named, added, and the error falls to the noise floor,
+//! from recordings through to the exported FMU; and nothing or "unknown" is answered where due.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::{column, done, folder, put, refused};
+
+const INPUT: &str = "10 * sin(2 * t) + 6 * sin(7 * t) + 5 * sign(sin(11 * t))";
+const OTHER: &str = "9 * sin(1.7 * t) + 7 * sign(sin(9 * t)) + 3 * sin(23 * t)";
+
+/// DR300 without the ripples of its load, and with what is hidden.
+fn truth(folder: &Path, hidden: &str) {
+    let text = include_str!("../../scenarios/drives/dr300.toml");
+    let text = text.replace("torque = 1.0e-3", "").replace("torque_time = 0.05", "");
+    let text: String = text
+        .lines()
+        .filter(|line| !line.contains("noise.torque"))
+        .flat_map(|line| [line, "\n"])
+        .collect();
+    put(
+        folder,
+        "truth.toml",
+        format!("{}\n{hidden}\n", text.replace("K_m = 0.06 ", "K_m = 0.0599 ")),
+    );
+    let base = include_str!("../../scenarios/drives/dr300.toml");
+    let base = base.replace("R = 3.13 ", "R = 3.5 ").replace("J = 8.2e-5 ", "J = 7.3e-5 ");
+    put(folder, "base.toml", base.replace("# ohm", "# ohm, from the plate"));
+}
+
+fn record(folder: &Path, name: &str, input: &str, seed: &str) {
+    let run = ["simulate", "truth.toml", "--input", input, "-o", name, "--seed", seed];
+    done(folder, &[&run[..], &["--period", "0.001", "--duration", "5"]].concat());
+}
+
+/// The answer of a discovery where that is hidden.
+fn discovered(folder: &Path, hidden: &str) -> Value {
+    truth(folder, hidden);
+    record(folder, "one.csv", INPUT, "3");
+    record(folder, "two.csv", OTHER, "4");
+    let run = ["discover", "base.toml", "one.csv", "--validate", "two.csv", "-o", "found.toml"];
+    done(folder, &[&run[..], &["--json", "-"]].concat()).json()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// Largest error after the loop, over the noise floor.
+const FLOOR: f64 = 1.05;
+
+#[test]
+fn hidden_effects_are_named_and_the_error_falls_to_the_floor() {
+    for (kind, law) in [
+        ("cogging", "N = 6\na = 0.003\nb = 0.002"),
+        ("quadratic_drag", "c = 4e-7"),
+        ("saturation", "c = 0.02"),
+        ("asymmetric_friction", "dT_c = 0.003\ndB_m = 2e-5"),
+        ("winding_heating", "alpha = 0.0039\nR_th = 4\nC_th = 0.4"),
+    ] {
+        let here = folder();
+        let here = here.path();
+        let answer = discovered(here, &format!("[[effect]]\nkind = \"{kind}\"\n{law}"));
+        assert_eq!(answer["verdict"], "named", "{kind}: {answer}");
+        assert_eq!(answer["named"], serde_json::json!([kind]), "{answer}");
+        for (key, most) in [("error", FLOOR), ("validation_error", FLOOR)] {
+            let (before, after) = (number(&answer["before"][key]), number(&answer["after"][key]));
+            assert!(after < most && after < before, "{kind}, {key}: {before} to {after}");
+        }
+        assert_eq!(answer["ladder"].as_array().map(Vec::len), Some(2), "{answer}");
+        let text = std::fs::read_to_string(here.join("found.toml")).expect("it was written");
+        assert!(text.contains(kind) && text.contains("# ohm, from the plate"), "{text}");
+    }
+}
+
+#[test]
+fn what_was_found_runs_as_an_fmu_and_needs_nothing_more() {
+    let here = folder();
+    let here = here.path();
+    discovered(here, "[[effect]]\nkind = \"quadratic_drag\"\nc = 4e-7");
+    let again = ["discover", "found.toml", "one.csv", "--validate", "two.csv", "--json", "-"];
+    let again = done(here, &again).json();
+    assert_eq!((&again["verdict"], &again["output"]), (&"none".into(), &Value::Null), "{again}");
+    // Native and exported, the same drive under the same u.
+    let quiet = ["--noise", "off", "--duration", "2", "--period", "0.001"];
+    let native = ["simulate", "found.toml", "--input", OTHER, "-o", "native.csv"];
+    done(here, &[&native[..], &quiet].concat());
+    done(here, &["export", "found.toml", "-o", "found.fmu", "--open-loop", "--quiet"]);
+    let run =
+        ["fmu", "run", "found.fmu", "--input", "native.csv", "--stop", "2", "--step", "0.001"];
+    done(here, &[&run[..], &["-o", "fmu.csv"]].concat());
+    let [a, b] = ["native.csv", "fmu.csv"].map(|name| column(here, name, "omega [rad/s]"));
+    let largest = a.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
+    let worst = a.iter().zip(&b).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
+    assert!(largest > 20.0 && worst < 1e-9 * largest, "{worst} of {largest}");
+}
+
+#[test]
+fn nothing_hidden_is_none_and_something_strange_is_unknown() {
+    let here = folder();
+    let answer = discovered(here.path(), "");
+    assert_eq!((&answer["verdict"], &answer["remaining"]), (&"none".into(), &"none".into()));
+    assert_eq!(answer["named"], serde_json::json!([]), "{answer}");
+    let here = folder();
+    // A brush that chatters around one speed.
+    let bump = "[[effect]]\nkind = \"custom\"\ntorque = \"-h * sign(omega) * exp(-((abs(omega) - \
+                60) / 12)^2)\"\nparameters = { h = 0.008 }";
+    let answer = discovered(here.path(), bump);
+    assert_eq!(answer["verdict"], "unknown", "{answer}");
+    assert_eq!(answer["learned"]["over"], "omega", "{answer}");
+    let add = ["add", "base.toml", "learned", "one.csv", "--validate", "two.csv"];
+    let added = done(here.path(), &[&add[..], &["-o", "curve.toml", "--json", "-"]].concat());
+    let added = added.json();
+    let [before, after] = ["before", "after"].map(|key| number(&added[key]["validation_error"]));
+    assert!(after - 1.0 < 0.5 * (before - 1.0), "{before} to {after}");
+    done(here.path(), &["export", "curve.toml", "-o", "curve.fmu", "--quiet"]);
+}
+
+#[test]
+fn one_effect_is_added_or_refused_in_words() {
+    let here = folder();
+    let here = here.path();
+    truth(here, "[[effect]]\nkind = \"brush_drop\"\nV_b = 0.6\ni_b = 0.1");
+    record(here, "one.csv", INPUT, "3");
+    record(here, "two.csv", OTHER, "4");
+    let add = |effect: &'static str| {
+        ["add", "base.toml", effect, "one.csv", "--validate", "two.csv", "-o", "added.toml"]
+    };
+    let ran = done(here, &add("brush_drop"));
+    assert!(ran.out.contains("+ brush_drop"), "{}", ran.out);
+    let text = std::fs::read_to_string(here.join("added.toml")).expect("it was written");
+    assert!(text.contains("kind = \"brush_drop\""), "{text}");
+    let other = ["add", "base.toml", "cheese", "one.csv", "-o", "no.toml"];
+    let error = refused(here, &other);
+    assert!(error.contains("cheese") && error.contains("cogging"), "{error}");
+    let axis = ["add", "emps", "brush_drop", "one.csv", "-o", "no.toml"];
+    assert!(!refused(here, &axis).is_empty());
+}

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use drivescope_plant::drive::Drive;
-use drivescope_recording::{Mapping, ReadOptions, Recording, read};
+use drivescope_recording::{ReadOptions, Recording, read};
 use miette::{IntoDiagnostic as _, WrapErr as _};
 
 use super::{Case, Group};
@@ -139,7 +139,7 @@ fn read_all(out: &Path, group: Group) -> miette::Result<Vec<Case>> {
 }
 
 fn read_one(folder: &Path, group: Group) -> miette::Result<Case> {
-    let options = ReadOptions { columns: Mapping::default(), resample: None };
+    let options = ReadOptions { columns: Vec::new(), resample: None };
     let recording = |name: &str| -> miette::Result<Recording> {
         Ok(read(folder.join(name), &options).map_err(told)?.0)
     };

@@ -4,7 +4,7 @@ use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_plant::effects::registry::Entry;
 use drivescope_plant::unit::Unit;
 use drivescope_recording::{Recording, Signal};
-use rand::{RngExt as _, SeedableRng};
+use rand::RngExt as _;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 

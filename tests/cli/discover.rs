@@ -108,13 +108,7 @@ fn nothing_hidden_is_none_and_something_strange_is_unknown() {
                 60) / 12)^2)\"\nparameters = { h = 0.008 }";
     let answer = discovered(here.path(), bump);
     assert_eq!(answer["verdict"], "unknown", "{answer}");
-    assert_eq!(answer["learned"]["over"], "omega", "{answer}");
-    let add = ["add", "base.toml", "learned", "one.csv", "--validate", "two.csv"];
-    let added = done(here.path(), &[&add[..], &["-o", "curve.toml", "--json", "-"]].concat());
-    let added = added.json();
-    let [before, after] = ["before", "after"].map(|key| number(&added[key]["validation_error"]));
-    assert!(after - 1.0 < 0.5 * (before - 1.0), "{before} to {after}");
-    done(here.path(), &["export", "curve.toml", "-o", "curve.fmu", "--quiet"]);
+    assert_eq!(answer["named"], serde_json::json!([]), "{answer}");
 }
 
 #[test]

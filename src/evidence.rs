@@ -1,7 +1,7 @@
 //! Recordings as evidence on a drive: read, judged fit for use, their noise known, and part of
 //! them held out where the user names no validation.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use drivescope_discovery::{Evidence, Measured};
@@ -46,6 +46,18 @@ pub(crate) struct Gathered {
     pub(crate) split: String,
     /// What makes the recordings doubtful.
     pub(crate) doubts: Vec<String>,
+}
+
+impl Gathered {
+    /// Names of the files that are fitted to, without their folders.
+    pub(crate) fn files(&self) -> String {
+        let own = |name: &str| match Path::new(name).file_name() {
+            Some(file) => file.to_string_lossy().into_owned(),
+            None => name.to_owned(),
+        };
+        let names: Vec<_> = self.estimation.recordings.iter().map(|it| own(&it.name)).collect();
+        names.join(", ")
+    }
 }
 
 impl EvidenceOptions {

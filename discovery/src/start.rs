@@ -117,6 +117,15 @@ impl Start {
         [self.current, self.speed, self.position][number]
     }
 
+    /// Numbers of the states that are unknown: a shaft at rest has no speed to estimate, and a
+    /// position matters where it is measured.
+    pub(crate) fn free_states(&self, drive: &Drive, measured: &Measured) -> Vec<usize> {
+        let current = (drive.motor.input == Input::Voltage).then_some(Output::Current as usize);
+        let speed = (self.speed != 0.0).then_some(Output::Speed as usize);
+        let position = measured.output(Output::Position).map(|_| Output::Position as usize);
+        [current, speed, position].into_iter().flatten().collect()
+    }
+
     /// The same with another value of that state.
     #[must_use]
     pub fn with(self, number: usize, value: f64) -> Self {

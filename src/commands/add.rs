@@ -7,12 +7,10 @@ use drivescope_discovery::add;
 use drivescope_plant::effects::registry::REGISTRY;
 
 use super::Run;
-use super::discover::{Answer, Watching, with_effects};
+use super::discover::Search;
 use crate::drive_source;
 use crate::evidence::EvidenceOptions;
-use crate::failure::{Ending, Failure, told};
-use crate::interrupt;
-use crate::output;
+use crate::failure::{Ending, Failure};
 use crate::session::Session;
 
 /// Curves are no entry of the library, but can be added as effects are.
@@ -41,18 +39,14 @@ impl Run for Add {
             let (id, known) = (self.effect, known.join(", "));
             return Err(Failure::UnknownEffect { id, known }.into());
         }
-        session.check_writable(&[&self.output])?;
-        let gathered = self.evidence.gather(&base, session)?;
-        let watching = Watching::new(session);
-        let (estimation, validation) = (&gathered.estimation, &gathered.validation);
-        let found = add(&base, &self.effect, estimation, validation, &watching);
-        watching.end();
-        interrupt::check()?;
-        let found = found.map_err(told)?;
-        let text = with_effects(&self.drive, &base, &found.drive, &gathered)?;
-        output::write_file(&self.output, |out| std::io::Write::write_all(out, text.as_bytes()))?;
-        let answer = Answer::new(&base, Some(&self.output), &gathered, &found, session.seed);
-        session.answer(&answer.text(), &answer)?;
-        Ok(Ending::Done)
+        let search = Search {
+            given: &self.drive,
+            base: &base,
+            output: Some(&self.output),
+            evidence: &self.evidence,
+        };
+        search.run(session, |base, estimation, validation, watch| {
+            add(base, &self.effect, estimation, validation, watch)
+        })
     }
 }

@@ -25,10 +25,8 @@ pub(super) fn base(
             parameters.iter().map(|name| Direction::Parameter(name)).collect();
         directions.extend(own.iter().map(|name| Direction::Parameter(name)));
         for (piece, start) in case.starts.iter().enumerate() {
-            let shows_position = case.measured.output(Output::Position).is_some();
-            let states = [(0, true), (1, start.speed != 0.0), (2, shows_position)];
-            let free = states.into_iter().filter(|(_, free)| *free);
-            directions.extend(free.map(|(state, _)| Direction::Start { piece, state }));
+            let free = start.free_states(case.drive, case.measured).into_iter();
+            directions.extend(free.map(|state| Direction::Start { piece, state }));
         }
         // Parameters are shared, everything else belongs to this recording.
         let first = columns.len();

@@ -8,9 +8,8 @@ use nalgebra::DMatrix;
 
 use crate::case::{Case, Setting};
 use crate::estimate::{Evidence, Fit, Fitted, with_own};
-use crate::measured::{Measured, Output};
+use crate::measured::Measured;
 use crate::sensitivity::{Direction, Rows};
-use crate::start::Start;
 
 /// Where a value was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,7 +124,8 @@ impl Columns {
             let names = fit.own.iter().map(|it| Owned::Parameter(it.name.clone()));
             let measured = &at.evidence.recordings[recording];
             let starts = fit.starts.iter().enumerate().flat_map(|(piece, start)| {
-                free_states(measured, start).map(move |state| Owned::Start { piece, state })
+                let free = start.free_states(at.drive, measured).into_iter();
+                free.map(move |state| Owned::Start { piece, state })
             });
             names.chain(starts).collect()
         };
@@ -159,12 +159,4 @@ fn push(places: &mut Vec<Place>, recording: usize, rows: &Rows, measured: &Measu
         output: measured.outputs[*output].output as usize,
     };
     places.extend(rows.sample.iter().zip(&rows.output).map(of));
-}
-
-/// States of a start that a fit estimates.
-fn free_states(measured: &Measured, start: &Start) -> impl Iterator<Item = usize> + use<> {
-    let current = measured.output(Output::Current).map(|_| Output::Current as usize);
-    let speed = (start.speed != 0.0).then_some(Output::Speed as usize);
-    let position = measured.output(Output::Position).map(|_| Output::Position as usize);
-    [current, speed, position].into_iter().flatten()
 }

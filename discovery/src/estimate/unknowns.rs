@@ -4,7 +4,7 @@
 //! One vector of coordinates holds them all: first the machine's, then, recording by recording,
 //! its own and its starts.
 
-use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::drive::Drive;
 use drivescope_plant::parameters::NamedParameter;
 
 use super::Evidence;
@@ -87,7 +87,7 @@ impl Unknowns {
                 made.parameter(Unknown::Own { recording, name }, parameter, speeds);
             }
             for (piece, start) in starts[recording].iter().enumerate() {
-                for state in free_states(base, measured, start) {
+                for state in start.free_states(base, measured) {
                     made.start(Unknown::Start { recording, piece, state }, start, base, measured);
                 }
             }
@@ -160,15 +160,6 @@ pub(crate) fn set(drive: &mut Drive, name: &str, value: f64) {
     if drive.motor.tie_k && name == "K_e" {
         drive.motor.k_m = value;
     }
-}
-
-/// States of a start that are unknown: a shaft at rest has no speed to estimate, and a position
-/// matters where it is measured.
-fn free_states(base: &Drive, measured: &Measured, start: &Start) -> Vec<usize> {
-    let current = (base.motor.input == Input::Voltage).then_some(Output::Current as usize);
-    let speed = (start.speed != 0.0).then_some(Output::Speed as usize);
-    let position = measured.output(Output::Position).map(|channel| channel.output as usize);
-    [current, speed, position].into_iter().flatten().collect()
 }
 
 /// How far a state of the drive may be from a guess: the largest magnitude that was measured, or

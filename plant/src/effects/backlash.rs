@@ -10,6 +10,7 @@
 use drivescope_numerics::Real;
 
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
+use super::two_masses;
 
 /// Radius of the corners over the gap.
 const ROUNDING: f64 = 0.05;
@@ -95,19 +96,16 @@ impl Effect<4, 2> for Backlash {
 
     #[inline(always)]
     fn share<R: Real>(p: [R; 4], x: [R; 2], at: &View<R>, sum: &mut Sum<R>) {
-        sum.inverse_inertia = R::one() / (at.inertia * (R::one() - p[3]));
-        sum.load = Self::torque(p, x);
+        two_masses::share(Self::torque(p, x), p[3], at, sum);
     }
 
     #[inline(always)]
     fn rate<R: Real>(p: [R; 4], x: [R; 2], at: &View<R>, sum: &Sum<R>) -> [R; 2] {
-        let load = (Self::torque(p, x) - at.load) / (at.inertia * p[3]);
-        [x[1], sum.acceleration - load]
+        two_masses::rate(Self::torque(p, x), p[3], x[1], at, sum)
     }
 
     fn fastest([k, d, _, ratio]: [f64; 4], _: f64, inertia: f64) -> f64 {
-        let reduced = inertia * ratio * (1.0 - ratio);
-        (k / reduced).sqrt().max(d / reduced)
+        two_masses::fastest([k, d, ratio], inertia)
     }
 }
 

@@ -6,6 +6,7 @@
 use drivescope_numerics::Real;
 
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
+use super::two_masses;
 
 /// Two masses: the load's speed lags by `omega - lag`, and the twist `phi`.
 pub struct FlexibleCoupling;
@@ -65,19 +66,16 @@ impl Effect<3, 2> for FlexibleCoupling {
 
     #[inline(always)]
     fn share<R: Real>(p: [R; 3], x: [R; 2], at: &View<R>, sum: &mut Sum<R>) {
-        sum.inverse_inertia = R::one() / (at.inertia * (R::one() - p[2]));
-        sum.load = Self::torque(p, x);
+        two_masses::share(Self::torque(p, x), p[2], at, sum);
     }
 
     #[inline(always)]
     fn rate<R: Real>(p: [R; 3], x: [R; 2], at: &View<R>, sum: &Sum<R>) -> [R; 2] {
-        let load = (Self::torque(p, x) - at.load) / (at.inertia * p[2]);
-        [x[1], sum.acceleration - load]
+        two_masses::rate(Self::torque(p, x), p[2], x[1], at, sum)
     }
 
     fn fastest([k, d, ratio]: [f64; 3], _: f64, inertia: f64) -> f64 {
-        let reduced = inertia * ratio * (1.0 - ratio);
-        (k / reduced).sqrt().max(d / reduced)
+        two_masses::fastest([k, d, ratio], inertia)
     }
 }
 

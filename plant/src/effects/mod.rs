@@ -33,6 +33,7 @@ pub mod supply_sag;
 pub mod tacho_eccentricity;
 pub mod tacho_gain;
 pub mod torque_ripple;
+mod two_masses;
 pub mod unbalance;
 pub mod viscous;
 pub mod winding_heating;

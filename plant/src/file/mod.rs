@@ -19,6 +19,7 @@ mod schema;
 mod tests;
 mod write;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -58,6 +59,17 @@ impl Drive {
     /// The text of the drive file: [`Drive::parse`] gives the same drive again.
     pub fn to_toml(&self) -> String {
         toml::to_string(&write::layout(self)).expect("plain tables of numbers and texts are TOML")
+    }
+
+    /// The `[[effect]]` tables of the effects from that number on, to be put after a drive file's
+    /// own text.
+    pub fn effects_to_toml(&self, from: usize) -> String {
+        let tables = write::effects(&self.effects[from..], self.motion);
+        if tables.is_empty() {
+            return String::new();
+        }
+        let text = toml::to_string(&BTreeMap::from([("effect", tables)]));
+        format!("\n{}", text.expect("plain tables of numbers and texts are TOML"))
     }
 
     /// Writes the drive file: all of it or nothing.

@@ -30,7 +30,7 @@ pub(super) fn layout(drive: &Drive) -> Layout {
             tie_k: motor.tie_k.then_some(true),
             rated_torque: motor.rated_torque,
         },
-        effect: drive.effects.iter().map(|one| effect(one, drive.motion)).collect(),
+        effect: effects(&drive.effects, drive.motion),
         controller: drive.controller.map(|c| ControllerTable {
             k_p: c.k_p,
             k_i: c.k_i,
@@ -51,6 +51,11 @@ pub(super) fn layout(drive: &Drive) -> Layout {
         }),
         origin: drive.origin.iter().map(|(k, v)| (k.clone(), Origin::Text(v.clone()))).collect(),
     }
+}
+
+/// The tables of some effects.
+pub(super) fn effects(effects: &[EffectData], motion: Motion) -> Vec<EffectTable> {
+    effects.iter().map(|one| effect(one, motion)).collect()
 }
 
 fn effect(effect: &EffectData, motion: Motion) -> EffectTable {

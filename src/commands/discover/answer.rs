@@ -2,14 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use drivescope_discovery::{
     Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung, Verdict, Where,
 };
-use drivescope_plant::drive::{Drive, EffectData, LawData};
-use drivescope_plant::effects::custom::Target;
-use drivescope_plant::effects::learned::Over;
+use drivescope_plant::drive::Drive;
 use drivescope_plant::file::Change;
 use serde::Serialize;
 
@@ -41,7 +39,7 @@ struct NoiseOf {
 
 /// The answer of `discover`.
 #[derive(Debug, Serialize)]
-pub(crate) struct Answer {
+pub(super) struct Answer {
     drive: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
@@ -65,9 +63,9 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
-    pub(crate) fn new(
+    pub(super) fn new(
         base: &Drive,
-        output: Option<&Path>,
+        output: Option<PathBuf>,
         gathered: &Gathered,
         found: &Discovery,
         seed: u64,
@@ -78,7 +76,7 @@ impl Answer {
         let rungs = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
         Self {
             drive: base.name.clone(),
-            output: output.map(Path::to_owned),
+            output,
             before: Errors::of(rungs.0),
             after: Errors::of(rungs.1),
             noise: NoiseOf { sd: first.iter().map(|it| (it.name, it.sd)).collect(), source },
@@ -99,7 +97,7 @@ impl Answer {
     }
 
     /// The answer for a person.
-    pub(crate) fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let mut text = String::new();
         let name = if self.drive.is_empty() { "the drive" } else { &self.drive };
         let _ = writeln!(text, "{name}: {}", self.split);
@@ -201,18 +199,14 @@ fn ranked(one: &Ranked) -> String {
 }
 
 /// The text of the given drive file with the effects and the values of the found drive.
-pub(crate) fn with_effects(
+pub(super) fn with_effects(
     given: &str,
     base: &Drive,
     found: &Drive,
     gathered: &Gathered,
 ) -> miette::Result<String> {
-    let mut text = drive_source::text(given)?;
-    for effect in &found.effects[base.effects.len()..] {
-        text += &table(effect);
-    }
-    let names = gathered.estimation.recordings.iter().map(|it| file_name(&it.name));
-    let from = names.collect::<Vec<_>>().join(", ");
+    let text = drive_source::text(given)? + &found.effects_to_toml(base.effects.len());
+    let from = gathered.files();
     let fitted = found.fitted();
     let tied = found.motor.tie_k;
     let all = found.parameters();
@@ -227,31 +221,4 @@ pub(crate) fn with_effects(
         .collect();
     let (text, _) = Drive::edited(&text, given, &changes).map_err(told)?;
     Ok(text)
-}
-
-/// An effect as a table of a drive file.
-fn table(effect: &EffectData) -> String {
-    let mut text = format!("\n[[effect]]\nkind = \"{}\"\n", effect.kind);
-    if effect.id != effect.kind {
-        let _ = writeln!(text, "id = \"{}\"", effect.id);
-    }
-    if let Some(LawData::Learned { target, over, knots }) = &effect.law {
-        let balance = if *target == Target::Voltage { "voltage" } else { "torque" };
-        let over = Over::ALL.iter().find(|(_, it)| it == over).map_or("omega", |(name, _)| name);
-        let values: Vec<f64> = effect.parameters.iter().map(|(_, value)| *value).collect();
-        let _ = writeln!(text, "balance = \"{balance}\"\nover = \"{over}\"");
-        let _ = writeln!(text, "knots = {knots:?}\nvalues = {values:?}");
-        return text;
-    }
-    for (name, value) in &effect.parameters {
-        let _ = writeln!(text, "{name} = {value:?}");
-    }
-    text
-}
-
-/// The file's own name, without its folders.
-fn file_name(path: &str) -> String {
-    Path::new(path)
-        .file_name()
-        .map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
 }

@@ -3,10 +3,12 @@
 mod answer;
 mod watch;
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::discover;
+use drivescope_discovery::{Discovery, Error, Evidence, Watch, discover};
+use drivescope_plant::drive::Drive;
 
 use super::Run;
 use crate::drive_source;
@@ -16,8 +18,8 @@ use crate::interrupt;
 use crate::output;
 use crate::session::Session;
 
-pub(super) use answer::{Answer, with_effects};
-pub(super) use watch::Watching;
+use answer::{Answer, with_effects};
+use watch::Watching;
 
 /// Find what a drive's model lacks, add it, and print the error before and after.
 #[derive(Debug, Args)]
@@ -33,21 +35,48 @@ pub(crate) struct Discover {
 
 impl Run for Discover {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let base = drive_source::drive(&self.drive)?;
-        let targets: Vec<&PathBuf> = self.output.iter().collect();
-        session.check_writable(&targets)?;
-        let gathered = self.evidence.gather(&base, session)?;
+        let search = Search {
+            given: &self.drive,
+            base: &drive_source::drive(&self.drive)?,
+            output: self.output.as_ref(),
+            evidence: &self.evidence,
+        };
+        search.run(session, discover)
+    }
+}
+
+/// Which drive, which recordings, and where what is found goes to: what `discover` and `add` share.
+pub(super) struct Search<'a> {
+    /// The drive as the user named it.
+    pub(super) given: &'a str,
+    /// That drive.
+    pub(super) base: &'a Drive,
+    /// Drive file to write.
+    pub(super) output: Option<&'a PathBuf>,
+    /// The recordings.
+    pub(super) evidence: &'a EvidenceOptions,
+}
+
+impl Search<'_> {
+    /// Searches with its progress shown, then writes the drive file and the answer.
+    pub(super) fn run(
+        &self,
+        session: &Session,
+        find: impl FnOnce(&Drive, &Evidence, &Evidence, &dyn Watch) -> Result<Discovery, Error>,
+    ) -> miette::Result<Ending> {
+        session.check_writable(&self.output.into_iter().collect::<Vec<_>>())?;
+        let gathered = self.evidence.gather(self.base, session)?;
         let watching = Watching::new(session);
-        let found = discover(&base, &gathered.estimation, &gathered.validation, &watching);
+        let found = find(self.base, &gathered.estimation, &gathered.validation, &watching);
         watching.end();
-        let found = found.map_err(told)?;
         // What was found until then is not the answer.
         interrupt::check()?;
-        if let Some(path) = &self.output {
-            let text = with_effects(&self.drive, &base, &found.drive, &gathered)?;
-            output::write_file(path, |out| std::io::Write::write_all(out, text.as_bytes()))?;
+        let found = found.map_err(told)?;
+        if let Some(path) = self.output {
+            let text = with_effects(self.given, self.base, &found.drive, &gathered)?;
+            output::write_file(path, |out| out.write_all(text.as_bytes()))?;
         }
-        let answer = Answer::new(&base, self.output.as_deref(), &gathered, &found, session.seed);
+        let answer = Answer::new(self.base, self.output.cloned(), &gathered, &found, session.seed);
         session.answer(&answer.text(), &answer)?;
         Ok(Ending::Done)
     }

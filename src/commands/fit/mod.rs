@@ -71,8 +71,7 @@ impl Run for Fit {
 
 /// What changes in the drive file.
 fn changes(fitted: &Fitted, gathered: &Gathered) -> Vec<Change> {
-    let names = gathered.estimation.recordings.iter().map(|it| file_name(&it.name));
-    let from = names.collect::<Vec<_>>().join(", ");
+    let from = gathered.files();
     let mut changes: Vec<Change> = fitted
         .parameters
         .iter()
@@ -94,11 +93,4 @@ fn changes(fitted: &Fitted, gathered: &Gathered) -> Vec<Change> {
         changes.push(Change { name: own.name.clone(), value, origin });
     }
     changes
-}
-
-/// The file's own name, without its folders.
-fn file_name(path: &str) -> String {
-    std::path::Path::new(path)
-        .file_name()
-        .map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
 }

@@ -1,3 +1,4 @@
 //! Published figures that anyone can measure again.
 
 pub(crate) mod discovery;
+mod rate;

@@ -3,14 +3,16 @@
 //! They integrate in their own way and their laws differ in form from the library's, so that a
 //! discovery cannot succeed by knowing the simulator.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use drivescope_plant::drive::Drive;
-use drivescope_recording::{ReadOptions, Recording, read};
+use drivescope_recording::{ReadOptions, read};
 use miette::{IntoDiagnostic as _, WrapErr as _};
+use serde::Deserialize;
 
-use super::{Case, Group};
+use super::{Case, Grade, Group, Record};
 use crate::failure::{Failure, told};
 
 macro_rules! package {
@@ -45,14 +47,15 @@ const PACKAGE: &[(&str, &str)] = package![
     "unknown.py",
 ];
 
-/// What is asked of the generators, and its share of their cases.
-const ORDERS: [(Group, f64, &[&str]); 6] = [
-    (Group::Hidden, 0.30, &["--hidden", "library"]),
-    (Group::HiddenLoaded, 0.20, &["--hidden", "library", "--coloured"]),
+/// What is asked of the generators in each group, and its share of their cases.
+const ORDERS: [(Group, f64, &[&str]); 7] = [
+    (Group::Hidden, 0.24, &["--hidden", "library"]),
+    (Group::HiddenLoaded, 0.16, &["--hidden", "library", "--coloured"]),
     (Group::Null, 0.14, &["--hidden", "none"]),
     (Group::NullLoaded, 0.12, &["--hidden", "none", "--coloured"]),
     (Group::NullZeroSpeed, 0.12, &["--hidden", "none", "--smooth"]),
-    (Group::Outside, 0.12, &["--hidden", OUTSIDE]),
+    (Group::Outside, 0.10, &["--hidden", OUTSIDE]),
+    (Group::Graded, 0.12, &["--hidden", "library"]),
 ];
 const OUTSIDE: &str = "x_speed_bump,x_tight_spot,x_curved_resistance,x_touch,x_leaning_field";
 
@@ -92,32 +95,25 @@ impl Python {
             std::fs::write(folder.path().join(name), text).into_diagnostic()?;
         }
         let mut all = Vec::new();
-        for (number, (group, share, order)) in ORDERS.iter().enumerate() {
+        for (number, order) in orders(count).into_iter().enumerate() {
             crate::interrupt::check()?;
-            let some = (share * count as f64).round() as usize;
-            if some > 0 {
-                let out = folder.path().join(number.to_string());
-                self.make(folder.path(), &out, some, seed.wrapping_add(number as u64), order)?;
-                all.extend(read_all(&out, *group)?);
-            }
+            let out = folder.path().join(number.to_string());
+            self.make(folder.path(), &out, &order, seed.wrapping_add(number as u64))?;
+            all.extend(read_all(&out, &order)?);
         }
         Ok(all)
     }
 
-    fn make(
-        &self,
-        folder: &Path,
-        out: &Path,
-        count: usize,
-        seed: u64,
-        order: &[&str],
-    ) -> miette::Result<()> {
+    fn make(&self, folder: &Path, out: &Path, order: &Order, seed: u64) -> miette::Result<()> {
+        let noise = serde_json::to_value(order.grade.noise).into_diagnostic()?;
         let made = Command::new(&self.program)
             .current_dir(folder)
             .arg("make_recordings.py")
             .arg(out)
-            .args(["--cases", &count.to_string(), "--seed", &seed.to_string()])
-            .args(order)
+            .args(["--cases", &order.cases.to_string(), "--seed", &seed.to_string()])
+            .args(["--size", &order.grade.size.to_string()])
+            .args(["--noise", noise.as_str().unwrap_or_default()])
+            .args(order.arguments)
             .output()
             .into_diagnostic()?;
         if made.status.success() {
@@ -128,30 +124,62 @@ impl Python {
     }
 }
 
-fn read_all(out: &Path, group: Group) -> miette::Result<Vec<Case>> {
+/// What is asked of the generators at once.
+struct Order {
+    group: Group,
+    grade: Grade,
+    cases: usize,
+    arguments: &'static [&'static str],
+}
+
+/// All orders for about that many cases.
+fn orders(count: usize) -> Vec<Order> {
+    let mut all = Vec::new();
+    for (group, share, arguments) in ORDERS {
+        let usual = [Grade::USUAL];
+        let grades = if group == Group::Graded { Grade::OTHERS.as_slice() } else { &usual };
+        let cases = (share * count as f64 / grades.len() as f64).round() as usize;
+        all.extend(grades.iter().map(|&grade| Order { group, grade, cases, arguments }));
+    }
+    all.retain(|order| order.cases > 0);
+    all
+}
+
+fn read_all(out: &Path, order: &Order) -> miette::Result<Vec<Case>> {
     let mut folders: Vec<PathBuf> = std::fs::read_dir(out)
         .into_diagnostic()?
         .filter_map(|entry| Some(entry.ok()?.path()))
         .filter(|path| path.is_dir())
         .collect();
     folders.sort();
-    folders.iter().map(|folder| read_one(folder, group)).collect()
+    folders.iter().map(|folder| read_one(folder, order)).collect()
 }
 
-fn read_one(folder: &Path, group: Group) -> miette::Result<Case> {
-    let options = ReadOptions { columns: Vec::new(), resample: None };
-    let recording = |name: &str| -> miette::Result<Recording> {
-        Ok(read(folder.join(name), &options).map_err(told)?.0)
-    };
+/// What the generators tell of a case.
+#[derive(Deserialize)]
+struct Truth {
+    hidden: Option<String>,
+    /// Of each recording, of each signal, SI.
+    noise: BTreeMap<String, BTreeMap<String, f64>>,
+}
+
+fn read_one(folder: &Path, order: &Order) -> miette::Result<Case> {
     let truth = std::fs::read_to_string(folder.join("truth.json")).into_diagnostic()?;
-    let truth: serde_json::Value = serde_json::from_str(&truth).into_diagnostic()?;
+    let truth: Truth = serde_json::from_str(&truth).into_diagnostic()?;
+    let options = ReadOptions { columns: Vec::new(), resample: None };
+    let record = |name: &str| -> miette::Result<Record> {
+        let (recording, _) = read(folder.join(format!("{name}.csv")), &options).map_err(told)?;
+        let noise = truth.noise.get(name).into_iter().flatten();
+        Ok(Record { recording, noise: noise.map(|(name, sd)| (name.clone(), *sd)).collect() })
+    };
     Ok(Case {
-        group,
+        group: order.group,
         foreign: true,
-        hidden: truth["hidden"].as_str().map(str::to_owned).into_iter().collect(),
+        grade: order.grade,
+        hidden: truth.hidden.iter().cloned().collect(),
         drive: Drive::read(folder.join("drive.toml")).map_err(told)?,
-        estimation: recording("estimation.csv")?,
-        validation: recording("validation.csv")?,
+        estimation: record("estimation")?,
+        validation: record("validation")?,
     })
 }
 

@@ -3,21 +3,24 @@
 //! Half of the cases are simulated by the plant itself ([`own`]), half by independent programs
 //! with laws of another form and another integration ([`foreign`]). Whether a hidden effect could
 //! be found at all is decided from the truth before the discovery runs: the true law, fitted,
-//! must beat the base by [`DETECTABLE`] in BIC. No case is left out for its result.
+//! must beat the base by [`DETECTABLE`] in BIC. No case is left out for its result: one whose
+//! discovery fails counts as a miss wherever it is counted.
 
 mod foreign;
 mod own;
 mod tally;
 
 use std::path::PathBuf;
+use std::time::Instant;
 
-use drivescope_discovery::{Evidence, Measured, Unwatched, Verdict, bic_of, discover, noise};
+use drivescope_discovery::{
+    Error, Evidence, Measured, Unwatched, Verdict, bic_of, discover, noise,
+};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::failure::told;
 use crate::interrupt;
 
 pub(crate) use tally::Table;
@@ -43,6 +46,37 @@ pub(crate) enum Group {
     Outside,
     /// Two effects at once.
     Pair,
+    /// An effect of another size, or other noise, than usual.
+    Graded,
+}
+
+/// How strong the noise is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Noise {
+    Small,
+    Medium,
+    Large,
+}
+
+/// How hard a case is: the size of what hides, and the noise around it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Grade {
+    /// Factor on the usual size of what hides.
+    size: f64,
+    noise: Noise,
+}
+
+impl Grade {
+    /// What the published rates are for.
+    const USUAL: Self = Self { size: 1.0, noise: Noise::Medium };
+    /// The others, one thing changed at a time.
+    const OTHERS: [Self; 4] = [
+        Self { size: 0.5, ..Self::USUAL },
+        Self { size: 2.0, ..Self::USUAL },
+        Self { noise: Noise::Small, ..Self::USUAL },
+        Self { noise: Noise::Large, ..Self::USUAL },
+    ];
 }
 
 /// A machine with its recordings and the truth.
@@ -51,12 +85,20 @@ pub(crate) struct Case {
     group: Group,
     /// Whether an independent program made it.
     foreign: bool,
+    grade: Grade,
     /// Kinds that are hidden.
     hidden: Vec<String>,
     /// The drive file to start from.
     drive: Drive,
-    estimation: Recording,
-    validation: Recording,
+    estimation: Record,
+    validation: Record,
+}
+
+/// A recording with its noise: signals and their standard deviations, SI.
+#[derive(Debug, Clone, PartialEq)]
+struct Record {
+    recording: Recording,
+    noise: Vec<(String, f64)>,
 }
 
 /// What became of a case.
@@ -64,9 +106,20 @@ pub(crate) struct Case {
 pub(crate) struct Outcome {
     group: Group,
     foreign: bool,
+    grade: Grade,
+    /// Whether the discovery was told the noise, or estimated it.
+    noise_given: bool,
     hidden: Vec<String>,
     /// Whether the truth beats the base by enough; absent where nothing of the library is hidden.
     detectable: Option<bool>,
+    /// What the discovery answered, or why it did not.
+    answer: Result<Answer, String>,
+    seconds: f64,
+}
+
+/// What a discovery answered.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Answer {
     named: Vec<String>,
     /// What was named, with its confusion sets.
     sets: Vec<Vec<String>>,
@@ -75,7 +128,6 @@ pub(crate) struct Outcome {
     after: f64,
     validation_before: f64,
     validation_after: f64,
-    seconds: f64,
 }
 
 /// Draws and judges that many cases.
@@ -86,57 +138,65 @@ pub(crate) fn run(
     cases: usize,
     seed: u64,
     python: &foreign::Python,
-    advance: &(dyn Fn(&str) + Sync),
+    advance: &(dyn Fn() + Sync),
 ) -> miette::Result<Vec<Outcome>> {
-    advance("independent generators");
     let mut all = python.cases(cases / 2, seed)?;
     interrupt::check()?;
-    advance("own machines");
     all.extend(own::cases(cases - all.len(), seed));
-    let judged: Vec<Option<Outcome>> = all
-        .par_iter()
-        .map(|case| {
-            if interrupt::check().is_err() {
-                return None;
-            }
-            let outcome = judge(case);
-            advance("");
-            outcome.ok()
-        })
-        .collect();
-    interrupt::check()?;
-    Ok(judged.into_iter().flatten().collect())
+    let judged = all.par_iter().enumerate().map(|(number, case)| {
+        interrupt::check()?;
+        // Half of the cases of every group know their noise.
+        let outcome = judge(case, number % 2 == 0);
+        advance();
+        Ok(outcome)
+    });
+    judged.collect()
 }
 
-/// A recording as evidence, its noise estimated.
-fn evidence(drive: &Drive, recording: &Recording) -> miette::Result<Evidence> {
-    let measured = Measured::new(drive, recording).map_err(told)?;
-    let sds = noise(drive, &measured, &[]).iter().map(|noise| noise.sd).collect();
+/// A recording as evidence, its noise given or estimated.
+fn evidence(drive: &Drive, record: &Record, given: bool) -> Result<Evidence, Error> {
+    let measured = Measured::new(drive, &record.recording)?;
+    let given = if given { record.noise.as_slice() } else { &[] };
+    let sds = noise(drive, &measured, given).iter().map(|noise| noise.sd).collect();
     Ok(Evidence { recordings: vec![measured], noise: vec![sds] })
 }
 
-fn judge(case: &Case) -> miette::Result<Outcome> {
-    let estimation = evidence(&case.drive, &case.estimation)?;
-    let validation = evidence(&case.drive, &case.validation)?;
-    let of_library = matches!(case.group, Group::Hidden | Group::HiddenLoaded | Group::Pair);
-    let beats = |kind: &String| {
-        bic_of(&case.drive, kind, &estimation, &validation).is_ok_and(|gain| gain > DETECTABLE)
+fn judge(case: &Case, noise_given: bool) -> Outcome {
+    let detectable = match case.group {
+        Group::Null | Group::NullLoaded | Group::NullZeroSpeed | Group::Outside => None,
+        Group::Hidden | Group::HiddenLoaded | Group::Pair | Group::Graded => {
+            Some(detectable(case, noise_given))
+        }
     };
-    let detectable = of_library.then(|| case.hidden.iter().all(beats));
-    let start = std::time::Instant::now();
-    let found = discover(&case.drive, &estimation, &validation, &Unwatched).map_err(told)?;
+    let start = Instant::now();
+    let answer = answer(case, noise_given).map_err(|error| error.to_string());
     let seconds = start.elapsed().as_secs_f64();
+    let (hidden, grade) = (case.hidden.clone(), case.grade);
+    let (group, foreign) = (case.group, case.foreign);
+    Outcome { group, foreign, grade, noise_given, hidden, detectable, answer, seconds }
+}
+
+/// Whether each truth beats the base; a truth that cannot be fitted leaves no case out.
+fn detectable(case: &Case, noise_given: bool) -> bool {
+    let gain = |kind: &String| {
+        let estimation = evidence(&case.drive, &case.estimation, noise_given)?;
+        let validation = evidence(&case.drive, &case.validation, noise_given)?;
+        bic_of(&case.drive, kind, &estimation, &validation)
+    };
+    case.hidden.iter().all(|kind| gain(kind).map_or(true, |gain| gain > DETECTABLE))
+}
+
+fn answer(case: &Case, noise_given: bool) -> Result<Answer, Error> {
+    let estimation = evidence(&case.drive, &case.estimation, noise_given)?;
+    let validation = evidence(&case.drive, &case.validation, noise_given)?;
+    let found = discover(&case.drive, &estimation, &validation, &Unwatched)?;
     let set = |id: &String| {
         let ranked = found.ranking.iter().find(|it| it.effect == *id && it.refused.is_none());
         let others = ranked.map_or(vec![], |it| it.confusion_set.clone());
         std::iter::once(id.clone()).chain(others).collect()
     };
     let (first, last) = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
-    Ok(Outcome {
-        group: case.group,
-        foreign: case.foreign,
-        hidden: case.hidden.clone(),
-        detectable,
+    Ok(Answer {
         sets: found.named.iter().map(set).collect(),
         named: found.named.clone(),
         verdict: found.verdict,
@@ -144,7 +204,6 @@ fn judge(case: &Case) -> miette::Result<Outcome> {
         after: last.error,
         validation_before: first.validation_error,
         validation_after: last.validation_error,
-        seconds,
     })
 }
 

@@ -1,39 +1,12 @@
-//! The table: rates with their intervals.
+//! The table: what is counted, over which cases.
 
 use std::fmt::Write as _;
 
+use drivescope_discovery::Verdict;
 use serde::Serialize;
 
-use super::{Group, Outcome};
-use drivescope_discovery::Verdict;
-
-/// Normal quantile of a two-sided 95 % interval.
-const NORMAL_95: f64 = 1.959_964;
-
-/// A rate with its 95 % interval (Wilson, 1927).
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Rate {
-    what: String,
-    hits: usize,
-    of: usize,
-    rate: Option<f64>,
-    interval: Option<[f64; 2]>,
-}
-
-impl Rate {
-    fn new(what: &str, hits: usize, of: usize) -> Self {
-        let rate = (of > 0).then(|| hits as f64 / of as f64);
-        let interval = rate.map(|p| wilson(p, of as f64));
-        Self { what: what.to_owned(), hits, of, rate, interval }
-    }
-}
-
-fn wilson(p: f64, n: f64) -> [f64; 2] {
-    let z = NORMAL_95 * NORMAL_95;
-    let middle = (p + z / (2.0 * n)) / (1.0 + z / n);
-    let half = NORMAL_95 / (1.0 + z / n) * (p * (1.0 - p) / n + z / (4.0 * n * n)).sqrt();
-    [(middle - half).max(0.0), (middle + half).min(1.0)]
-}
+use super::{Answer, Grade, Group, Noise, Outcome};
+use crate::benchmark::rate::{Bar, Rate};
 
 /// The published table.
 #[derive(Debug, Clone, Serialize)]
@@ -41,124 +14,218 @@ pub(crate) struct Table {
     seed: u64,
     rates: Vec<Rate>,
     by_effect: Vec<Rate>,
-    /// Median share of the held-out excess that the added effects remove.
-    excess_removed: Option<f64>,
-    /// Median of what is left over the noise floor, in detectable cases.
-    left_over: Option<f64>,
-    seconds_median: Option<f64>,
+    by_grade: Vec<Rate>,
+    /// Must collapse: every case held against the truth of another.
+    shuffled: Vec<Rate>,
+    medians: Vec<Median>,
     cases: Vec<Outcome>,
+}
+
+/// A median over cases.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Median {
+    what: &'static str,
+    unit: &'static str,
+    median: Option<f64>,
+    bar: Bar,
+}
+
+/// Cases that are counted together.
+struct Cases<'a>(Vec<&'a Outcome>);
+
+impl<'a> Cases<'a> {
+    fn of(cases: &'a [Outcome], groups: &[Group]) -> Self {
+        Self(cases.iter().filter(|it| groups.contains(&it.group)).collect())
+    }
+
+    fn only(&self, keep: impl Fn(&Outcome) -> bool) -> Self {
+        Self(self.0.iter().copied().filter(|it| keep(it)).collect())
+    }
+
+    fn rate(&self, what: &str, hit: impl Fn(&Outcome) -> bool) -> Rate {
+        Rate::new(what, self.0.iter().filter(|it| hit(it)).count(), self.0.len())
+    }
+
+    /// Everything said is held against the truth of the next case that hides something else.
+    fn shuffled(&self, hit: impl Fn(&Outcome) -> bool) -> usize {
+        let other = |number: usize| {
+            let own = &self.0[number].hidden;
+            let turn = self.0.iter().cycle().skip(number + 1).take(self.0.len());
+            turn.map(|it| &it.hidden).find(|hidden| *hidden != own).unwrap_or(own)
+        };
+        let with =
+            |number: usize| Outcome { hidden: other(number).clone(), ..self.0[number].clone() };
+        (0..self.0.len()).filter(|number| hit(&with(*number))).count()
+    }
 }
 
 impl Table {
     pub(crate) fn new(seed: u64, cases: Vec<Outcome>) -> Self {
-        let of = |groups: &[Group]| -> Vec<&Outcome> {
-            cases.iter().filter(|it| groups.contains(&it.group)).collect()
-        };
-        let count = |what: &str, some: &[&Outcome], hit: &dyn Fn(&Outcome) -> bool| {
-            Rate::new(what, some.iter().filter(|it| hit(it)).count(), some.len())
-        };
-        let detectable = |groups: &[Group]| -> Vec<&Outcome> {
-            of(groups).into_iter().filter(|it| it.detectable == Some(true)).collect()
-        };
-        let white = detectable(&[Group::Hidden]);
-        let loaded = detectable(&[Group::HiddenLoaded]);
+        let of = |groups: &[Group]| Cases::of(&cases, groups);
+        let detectable = |groups: &[Group]| of(groups).only(|it| it.detectable == Some(true));
+        let (white, loaded) = (detectable(&[Group::Hidden]), detectable(&[Group::HiddenLoaded]));
         let both = detectable(&[Group::Hidden, Group::HiddenLoaded]);
-        let every: Vec<&Outcome> = cases.iter().collect();
-        let hidden = of(&[Group::Hidden, Group::HiddenLoaded, Group::Pair]);
-        let named_some = |it: &Outcome| !it.named.is_empty();
-        let named: Vec<&Outcome> = both.iter().copied().filter(|it| named_some(it)).collect();
-        let mut rates = vec![
-            count("named right, white noise", &white, &right),
-            count("named right, random load", &loaded, &right),
-            count("named by its very name, white noise", &white, &first_is_exact),
-            count("a wrong name, all cases", &every, &wrong),
-            count("truth inside the confusion set, where named", &named, &inside),
-            count("something named, nothing hidden, white", &of(&[Group::Null]), &named_some),
-            count("the same, random load", &of(&[Group::NullLoaded]), &named_some),
-            count("the same, another zero-speed law", &of(&[Group::NullZeroSpeed]), &named_some),
-            count("outside the library: unknown", &of(&[Group::Outside]), &|it| {
-                it.verdict == Verdict::Unknown
-            }),
-            count("both of two found", &detectable(&[Group::Pair]), &all_found),
-            count("not detectable, left out", &hidden, &|it| it.detectable == Some(false)),
+        let hidden = of(&[Group::Hidden, Group::HiddenLoaded, Group::Pair, Group::Graded]);
+        let every = Cases(cases.iter().collect());
+        let rates = vec![
+            white.rate("named right, white noise", by_name).with(Bar::AtLeast(0.97)),
+            white.rate("  or in its confusion set", in_set),
+            loaded.rate("named right, random load torque", by_name).with(Bar::AtLeast(0.85)),
+            loaded.rate("  or in its confusion set", in_set),
+            every.rate("a wrong name, its confusion set counted", wrong).with(Bar::AtMost(0.01)),
+            every.rate("a wrong name, the name alone counted", wrong_name),
+            of(&[Group::Null])
+                .rate("named, nothing hidden, white noise", some)
+                .with(Bar::AtMost(0.01)),
+            of(&[Group::NullLoaded])
+                .rate("named, nothing hidden, random load torque", some)
+                .with(Bar::AtMost(0.05)),
+            of(&[Group::NullZeroSpeed])
+                .rate("named, nothing hidden, another zero-speed law", some)
+                .with(Bar::AtMost(0.05)),
+            of(&[Group::Null, Group::NullLoaded, Group::NullZeroSpeed])
+                .rate("\"unknown\" where nothing is hidden", unknown),
+            of(&[Group::Outside])
+                .rate("\"unknown\" where something outside the library is", unknown)
+                .with(Bar::AtLeast(0.95)),
+            both.only(some)
+                .rate("truth in the confusion set, where one is named", in_set)
+                .with(Bar::AtLeast(0.99)),
+            detectable(&[Group::Pair])
+                .rate("both of two found", all_found)
+                .with(Bar::AtLeast(0.85)),
+            both.only(|it| !it.foreign).rate("named right, own simulations", by_name),
+            both.only(|it| it.foreign).rate("named right, independent simulations", by_name),
+            both.only(|it| it.noise_given).rate("named right, noise given", by_name),
+            both.only(|it| !it.noise_given).rate("named right, noise estimated", by_name),
+            hidden.rate("not detectable, left out above", |it| it.detectable == Some(false)),
+            every.rate("no answer: counted as misses above", |it| it.answer.is_err()),
         ];
-        rates.push(count("named right, own cases", &side(&both, false), &right));
-        rates.push(count("named right, independent cases", &side(&both, true), &right));
-        let mut kinds: Vec<&str> = both.iter().map(|it| it.hidden[0].as_str()).collect();
-        kinds.sort_unstable();
-        kinds.dedup();
-        let by_effect = kinds
-            .iter()
-            .map(|kind| {
-                let some: Vec<&Outcome> =
-                    both.iter().copied().filter(|it| it.hidden[0] == *kind).collect();
-                count(kind, &some, &right)
-            })
-            .collect();
-        let removed = named.iter().map(|it| {
-            let excess = |error: f64| (error * error - 1.0).max(0.0);
-            1.0 - excess(it.validation_after) / excess(it.validation_before).max(1e-12)
-        });
-        let excess_removed = median(removed.collect());
-        let left_over = median(named.iter().map(|it| it.after).collect());
-        let seconds_median = median(cases.iter().map(|it| it.seconds).collect());
-        Self { seed, rates, by_effect, excess_removed, left_over, seconds_median, cases }
+        let shuffled = vec![
+            Rate::new("named right, white noise", white.shuffled(by_name), white.0.len()),
+            Rate::new("named right, random load torque", loaded.shuffled(by_name), loaded.0.len()),
+        ];
+        let graded = detectable(&[Group::Graded]);
+        let is = |grade: Grade| graded.only(|it| it.grade == grade);
+        let by_grade =
+            Grade::OTHERS.map(|grade| is(grade).rate(&grade.told(), by_name)).into_iter().collect();
+        let by_effect = by_effect(&both);
+        let medians = medians(&both.only(by_name), &every);
+        Self { seed, rates, by_effect, by_grade, shuffled, medians, cases }
     }
 
     /// The table for a person.
     pub(crate) fn text(&self) -> String {
         let mut text = format!("discovery, {} cases, seed {}\n", self.cases.len(), self.seed);
-        for rate in self.rates.iter().chain(&self.by_effect) {
-            let _ = match (rate.rate, rate.interval) {
-                (Some(p), Some([low, high])) => writeln!(
-                    text,
-                    "  {:<46} {:>6.1} %  [{:>5.1}, {:>5.1}]  {} of {}",
-                    rate.what,
-                    100.0 * p,
-                    100.0 * low,
-                    100.0 * high,
-                    rate.hits,
-                    rate.of
-                ),
-                _ => writeln!(text, "  {:<46}      none", rate.what),
-            };
-        }
-        let mut line = |what: &str, value: Option<f64>, unit: &str| {
-            if let Some(value) = value {
-                let _ = writeln!(text, "  {what:<46} {value:>6.3} {unit}");
-            }
+        let mut block = |title: &str, rates: &[Rate]| {
+            let lines: Vec<String> = rates.iter().map(Rate::line).collect();
+            let _ = writeln!(text, "{title}\n{}", lines.join("\n"));
         };
-        line("held-out excess removed, median share", self.excess_removed, "");
-        line("left-over error over the floor, median", self.left_over, "");
-        line("one discovery, median", self.seconds_median, "s");
+        block("Rates, with 95 % intervals", &self.rates);
+        block("Named right by effect, both noises", &self.by_effect);
+        block("Named right by size and noise", &self.by_grade);
+        block("Broken: truths exchanged, must collapse", &self.shuffled);
+        let _ = writeln!(text, "Medians");
+        for Median { what, unit, median, bar } in &self.medians {
+            let Some(median) = median else { continue };
+            let (side, bar) = match bar {
+                Bar::AtLeast(bar) => ("at least", bar),
+                Bar::AtMost(bar) => ("at most", bar),
+            };
+            let _ = writeln!(text, "  {what:<52} {median:>6.3} {unit:<1} (bar: {side} {bar}{unit})");
+        }
         text
     }
 }
 
-fn side<'a>(some: &[&'a Outcome], foreign: bool) -> Vec<&'a Outcome> {
-    some.iter().copied().filter(|it| it.foreign == foreign).collect()
+impl Grade {
+    fn told(self) -> String {
+        let noise = match self.noise {
+            Noise::Small => "small",
+            Noise::Medium => "medium",
+            Noise::Large => "large",
+        };
+        format!("{} of the usual size, {noise} noise", self.size)
+    }
+}
+
+fn by_effect(some: &Cases<'_>) -> Vec<Rate> {
+    let mut kinds: Vec<&str> = some.0.iter().map(|it| it.hidden[0].as_str()).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let of = |kind: &&str| some.only(|it| it.hidden[0] == *kind).rate(kind, by_name);
+    kinds.iter().map(of).collect()
+}
+
+fn medians(named: &Cases<'_>, every: &Cases<'_>) -> Vec<Median> {
+    let answers = || named.0.iter().filter_map(|it| it.answer.as_ref().ok());
+    let excess = |error: f64| (error * error - 1.0).max(0.0);
+    let removed = |it: &Answer| {
+        let before = excess(it.validation_before);
+        (before > 0.0).then(|| 1.0 - excess(it.validation_after) / before)
+    };
+    vec![
+        Median {
+            what: "held-out excess error that the named effects remove",
+            unit: "",
+            median: median(answers().filter_map(removed).collect()),
+            bar: Bar::AtLeast(0.9),
+        },
+        Median {
+            what: "left-over error over the noise floor",
+            unit: "",
+            median: median(answers().map(|it| it.after).collect()),
+            bar: Bar::AtMost(1.03),
+        },
+        Median {
+            what: "one discovery, the others running beside it",
+            unit: "s",
+            median: median(every.0.iter().map(|it| it.seconds).collect()),
+            bar: Bar::AtMost(1.0),
+        },
+    ]
+}
+
+/// The first name is the truth.
+fn by_name(it: &Outcome) -> bool {
+    answer(it).is_some_and(|said| said.named.first().is_some_and(|id| it.hidden.contains(id)))
 }
 
 /// The first name or its confusion set holds the truth.
-fn right(it: &Outcome) -> bool {
-    it.sets.first().is_some_and(|set| set.iter().any(|id| it.hidden.contains(id)))
-}
-
-fn first_is_exact(it: &Outcome) -> bool {
-    it.named.first().is_some_and(|id| it.hidden.contains(id))
-}
-
-fn inside(it: &Outcome) -> bool {
-    right(it)
+fn in_set(it: &Outcome) -> bool {
+    answer(it).is_some_and(|said| said.sets.first().is_some_and(|set| holds(set, it)))
 }
 
 /// A name was given whose set holds nothing that is hidden.
 fn wrong(it: &Outcome) -> bool {
-    it.sets.iter().any(|set| !set.iter().any(|id| it.hidden.contains(id)))
+    answer(it).is_some_and(|said| said.sets.iter().any(|set| !holds(set, it)))
+}
+
+/// A name was given that is not hidden.
+fn wrong_name(it: &Outcome) -> bool {
+    answer(it).is_some_and(|said| said.named.iter().any(|id| !it.hidden.contains(id)))
+}
+
+/// Something was named; no answer where none is due counts like a wrong one.
+fn some(it: &Outcome) -> bool {
+    answer(it).map_or(it.hidden.is_empty(), |said| !said.named.is_empty())
+}
+
+fn unknown(it: &Outcome) -> bool {
+    answer(it).is_some_and(|said| said.verdict == Verdict::Unknown)
 }
 
 fn all_found(it: &Outcome) -> bool {
-    it.hidden.iter().all(|kind| it.sets.iter().any(|set| set.contains(kind)))
+    let found = |kind: &String, said: &Answer| said.sets.iter().any(|set| set.contains(kind));
+    answer(it).is_some_and(|said| it.hidden.iter().all(|kind| found(kind, said)))
+}
+
+fn holds(set: &[String], it: &Outcome) -> bool {
+    set.iter().any(|id| it.hidden.contains(id))
+}
+
+fn answer(it: &Outcome) -> Option<&Answer> {
+    it.answer.as_ref().ok()
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -170,41 +237,65 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn an_interval_holds_the_rate_and_none_of_78_proves_four_per_cent() {
-        let [low, high] = wilson(0.0, 78.0);
-        assert_eq!(low, 0.0);
-        assert!((high - 0.047).abs() < 0.001, "{high}");
-        let [low, high] = wilson(0.9, 100.0);
-        assert!((low - 0.826).abs() < 0.001 && (high - 0.945).abs() < 0.001, "{low} {high}");
-    }
-
-    fn outcome(hidden: &[&str], named: &[&str]) -> Outcome {
+    fn outcome(group: Group, hidden: &[&str], named: Option<&[&str]>) -> Outcome {
         let own = |some: &[&str]| some.iter().map(|it| (*it).to_owned()).collect::<Vec<_>>();
-        Outcome {
-            group: Group::Hidden,
-            foreign: false,
-            hidden: own(hidden),
-            detectable: Some(true),
+        let answer = |named: &[&str]| Answer {
             named: own(named),
             sets: own(named).into_iter().map(|it| vec![it]).collect(),
-            verdict: Verdict::Named,
+            verdict: if named.is_empty() { Verdict::None } else { Verdict::Named },
             before: 3.0,
             after: 1.0,
             validation_before: 3.0,
             validation_after: 1.0,
+        };
+        Outcome {
+            group,
+            foreign: false,
+            grade: Grade::USUAL,
+            noise_given: true,
+            hidden: own(hidden),
+            detectable: (!hidden.is_empty()).then_some(true),
+            answer: named.map(answer).ok_or_else(|| "it failed".to_owned()),
             seconds: 0.5,
         }
     }
 
+    fn hits(table: &Table, what: &str) -> (usize, usize) {
+        let rate = table.rates.iter().find(|it| it.what == what).expect("a row");
+        (rate.hits, rate.of)
+    }
+
+    const RIGHT: &str = "named right, white noise";
+    const WRONG: &str = "a wrong name, its confusion set counted";
+    const FALSE: &str = "named, nothing hidden, white noise";
+
     #[test]
-    fn a_shuffled_truth_collapses_the_table() {
+    fn exchanged_truths_collapse_the_table() {
         let kinds = ["cogging", "saturation", "brush_drop", "stribeck"];
-        let honest: Vec<Outcome> = kinds.iter().map(|it| outcome(&[it], &[it])).collect();
-        let shuffled: Vec<Outcome> =
-            (0..4).map(|k| outcome(&[kinds[(k + 1) % 4]], &[kinds[k]])).collect();
-        let [honest, shuffled] = [honest, shuffled].map(|cases| Table::new(1, cases));
-        assert_eq!((honest.rates[0].hits, honest.rates[3].hits), (4, 0));
-        assert_eq!((shuffled.rates[0].hits, shuffled.rates[3].hits), (0, 4));
+        let honest = kinds.map(|it| outcome(Group::Hidden, &[it], Some(&[it])));
+        let table = Table::new(1, honest.to_vec());
+        assert_eq!((hits(&table, RIGHT), hits(&table, WRONG)), ((4, 4), (0, 4)));
+        assert_eq!(table.shuffled[0].hits, 0);
+    }
+
+    #[test]
+    fn what_always_names_is_wrong_where_nothing_is_hidden() {
+        let cases = [&["cogging"][..], &[]].map(|hidden| {
+            let group = if hidden.is_empty() { Group::Null } else { Group::Hidden };
+            outcome(group, hidden, Some(&["cogging"]))
+        });
+        let table = Table::new(1, cases.to_vec());
+        assert_eq!((hits(&table, FALSE), hits(&table, WRONG)), ((1, 1), (1, 2)));
+    }
+
+    #[test]
+    fn a_case_without_an_answer_is_a_miss() {
+        let cases = [&["cogging"][..], &[]].map(|hidden| {
+            let group = if hidden.is_empty() { Group::Null } else { Group::Hidden };
+            outcome(group, hidden, None)
+        });
+        let table = Table::new(1, cases.to_vec());
+        assert_eq!((hits(&table, RIGHT), hits(&table, FALSE)), ((0, 1), (1, 1)));
+        assert_eq!(hits(&table, "no answer: counted as misses above"), (2, 2));
     }
 }

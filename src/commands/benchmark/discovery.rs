@@ -36,7 +36,7 @@ impl Run for OfDiscovery {
         let fresh = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |it| it.as_secs());
         let seed = session.given_seed.unwrap_or_else(fresh);
         let bar = session.progress(self.cases as u64, "discovering");
-        let advance = |_: &str| bar.inc(1);
+        let advance = || bar.inc(1);
         let outcomes = run(self.cases, seed, &python(), &advance)?;
         bar.finish_and_clear();
         let table = Table::new(seed, outcomes);

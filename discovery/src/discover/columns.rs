@@ -111,12 +111,6 @@ impl Columns {
         Self { places, residual, columns }
     }
 
-    /// The residuals alone.
-    pub(crate) fn residuals(at: &At<'_>) -> Self {
-        let rows = at.rows(Drive::clone, at.setting, |_, _| Vec::new());
-        Self::shared(at.evidence, &rows)
-    }
-
     /// The base of a fit: its parameters, and what belongs to each recording.
     pub(crate) fn base(at: &At<'_>, shared: &[String]) -> Self {
         let own = |recording: usize| -> Vec<Owned> {

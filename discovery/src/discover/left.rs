@@ -121,22 +121,27 @@ impl Left {
         (self.power - floor).max(1.0)
     }
 
+    /// The curves that are worth their price, as a candidate has to be: what a rich curve takes
+    /// away by chance is no evidence for its shape.
+    pub(crate) fn worthy(&self) -> impl Iterator<Item = &Rest> {
+        let price = (self.values as f64).ln() - 1.0;
+        self.rests
+            .iter()
+            .filter(move |rest| rest.gain - rest.rank as f64 * price > gates::DELTA_BIC)
+    }
+
     /// The curve beyond chance that removes most, if there is any.
     pub(crate) fn unknown(&self, floor: f64) -> Option<&Rest> {
         let excess = self.excess(floor);
-        let price = (self.values as f64).ln() - 1.0;
         let beyond = |rest: &&Rest| {
-            let p_value = rest.p_value * self.rests.len() as f64;
-            let worth = rest.gain - rest.rank as f64 * price;
             let repeats = if rest.curve.is_over_time() {
                 rest.removed > gates::OVER_TIME * excess
             } else {
                 rest.validation_gain > 0.0
             };
-            p_value < gates::P_VALUE && worth > gates::DELTA_BIC && repeats
+            rest.p_value * (self.rests.len() as f64) < gates::P_VALUE && repeats
         };
-        let some = self.rests.iter().filter(beyond);
-        some.max_by(|a, b| a.removed.total_cmp(&b.removed))
+        self.worthy().filter(beyond).max_by(|a, b| a.removed.total_cmp(&b.removed))
     }
 
     /// Variables over which the model fails, most telling first.

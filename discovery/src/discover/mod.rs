@@ -20,6 +20,7 @@ mod learned;
 mod left;
 mod phase;
 mod projection;
+mod refined;
 mod refit;
 mod report;
 mod ripple;

@@ -25,6 +25,7 @@ const FEWEST_BLOCKS: usize = 6;
 pub(crate) struct Projection {
     base: DMatrix<f64>,
     inverse: DMatrix<f64>,
+    step: DVector<f64>,
     residual: DVector<f64>,
 }
 
@@ -46,9 +47,14 @@ impl Projection {
     pub(crate) fn new(base: DMatrix<f64>, residual: &[f64]) -> Self {
         let inverse = pseudo_inverse(&(&base * base.transpose()));
         let r = DVector::from_column_slice(residual);
-        let weights = &inverse * (&base * &r);
-        let residual = &r - base.tr_mul(&weights);
-        Self { base, inverse, residual }
+        let step = &inverse * (&base * &r);
+        let residual = &r - base.tr_mul(&step);
+        Self { base, inverse, step, residual }
+    }
+
+    /// By how much the base moves to take away what it can.
+    pub(crate) fn step(&self) -> &DVector<f64> {
+        &self.step
     }
 
     /// The residual without the base.

@@ -4,10 +4,9 @@ use drivescope_plant::drive::{Drive, EffectData};
 use nalgebra::{DMatrix, DVector};
 
 use super::candidates::Candidate;
-use super::columns::{At, Columns, Place};
+use super::columns::{At, Place};
 use super::projection::wald;
 use super::screen::{Screened, finer};
-use super::whiten::Whitener;
 use crate::case::Setting;
 use crate::error::Error;
 use crate::estimate::{Evaluated, Evidence, Fitted, Options, evaluate, fit};
@@ -93,13 +92,6 @@ pub(crate) fn with_learned(
     let setting = finer(&base.setting, &drive);
     let options = Options { starts: 1, ..Options::default() };
     Model::fit(&drive, estimation, validation, setting, &options)
-}
-
-/// The squared innovations of a model, and where they were measured.
-pub(crate) fn innovations(at: &At<'_>, whitener: &Whitener) -> (Vec<Place>, Vec<f64>) {
-    let rows = Columns::residuals(at);
-    let innovations = whitener.applied(&rows.places, &rows.residual);
-    (rows.places, innovations)
 }
 
 /// p value of the hypothesis that the change from one model to the next, of `k` parameters,

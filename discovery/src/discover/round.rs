@@ -7,7 +7,8 @@ use super::columns::{At, Columns};
 use super::gates;
 use super::left::{Left, blocks};
 use super::projection::Projection;
-use super::refit::{Model, innovations, p_value, refit, squared};
+use super::refined::{Refined, whitener};
+use super::refit::{Model, p_value, refit, squared};
 use super::report::{Coefficient, Ranked, Step, Watch};
 use super::scales::Scales;
 use super::screen::{Screened, screen};
@@ -127,28 +128,26 @@ impl Round<'_> {
         let sum = |model: &Model| model.fitted.squares.sum;
         let best = models.iter().min_by(|a, b| sum(&a.1).total_cmp(&sum(&b.1)));
         let Some((_, best)) = best else { return Vec::new() };
-        let rows = Columns::residuals(&best.at(self.estimation));
-        let whitener = Whitener::of(&rows.places, &rows.residual);
-        let before = innovations(&self.model.at(self.estimation), &whitener).1;
-        let other = innovations(&self.model.at_validation(self.validation), &whitener).1;
+        let whitener = whitener(&best.at(self.estimation));
+        let before = self.refined(self.model, &whitener);
         let hypotheses: usize = self.all.iter().map(|it| it.variants.len()).sum();
         let judge = |(candidate, model): (usize, Model)| {
-            let (places, after) = innovations(&model.at(self.estimation), &whitener);
-            let other_after = innovations(&model.at_validation(self.validation), &whitener).1;
+            let after = self.refined(&model, &whitener);
             let of_base = self.model.fitted.parameters.len();
             let searched = usize::from(!self.all[candidate].frozen.is_empty());
             let k = model.fitted.parameters.len().saturating_sub(of_base).max(1) + searched;
-            let gain = squared(&before) - squared(&after);
+            let gain = squared(&before.estimation) - squared(&after.estimation);
             let block = blocks(self.estimation, model.fitted.block_s);
-            let chance = p_value(&places, &before, &after, k, block) * hypotheses as f64;
+            let (places, values) = (&after.places, after.estimation.len() as f64);
+            let chance = p_value(places, &before.estimation, &after.estimation, k, block);
             let mut one = Judged {
                 candidate,
                 of_law: self.all[candidate].entry.parameters.len(),
-                delta_bic: gain - k as f64 * (places.len() as f64).ln(),
-                p_value: chance.min(1.0),
-                validation_gain: squared(&other) - squared(&other_after),
+                delta_bic: gain - k as f64 * values.ln(),
+                p_value: (chance * hypotheses as f64).min(1.0),
+                validation_gain: squared(&before.validation) - squared(&after.validation),
                 shape: None,
-                change: before.iter().zip(&after).map(|(a, b)| a - b).collect(),
+                change: difference(&before.estimation, &after.estimation),
                 refused: None,
                 model,
             };
@@ -158,6 +157,10 @@ impl Round<'_> {
         let mut judged: Vec<Judged> = models.into_par_iter().map(judge).collect();
         judged.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
         judged
+    }
+
+    fn refined(&self, model: &Model, whitener: &Whitener) -> Refined {
+        Refined::of(model, self.estimation, self.validation, whitener)
     }
 
     /// Why the candidate is not named, whatever its shape.
@@ -200,16 +203,16 @@ impl Round<'_> {
         let stopped = || self.watch.stopped();
         let left = Left::of(&at, &base, &names, &other, self.scales, &stopped);
         // In the same innovations as the curves.
-        let before = innovations(&self.model.at(self.estimation), &left.whitener).1;
-        let after = left.whitener.applied(&base.places, &base.residual);
+        let [before, after] =
+            [self.model, &one.model].map(|model| self.refined(model, &left.whitener).estimation);
         let gain = squared(&before) - squared(&after);
         let variables = self.all[one.candidate].entry.info.fails_over;
         let share = |own: bool| {
             let counts = |rest: &&super::left::Rest| {
                 !own || rest.curve.variables().iter().any(|it| variables.contains(it))
             };
-            let rest =
-                left.rests.iter().filter(counts).map(|rest| rest.gain).fold(0.0_f64, f64::max);
+            let rests = left.worthy().filter(counts).map(|rest| rest.gain);
+            let rest = rests.fold(0.0_f64, f64::max);
             if gain > 0.0 { gain / (gain + rest) } else { 0.0 }
         };
         let (own, any) = (share(true), share(false));
@@ -259,6 +262,10 @@ impl Round<'_> {
         let others = all.iter().filter(alike);
         others.map(|other| self.all[other.candidate].entry.info.id.to_owned()).collect()
     }
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
 fn cosine(a: &[f64], b: &[f64]) -> f64 {

@@ -132,7 +132,8 @@ impl Table {
                 Bar::AtLeast(bar) => ("at least", bar),
                 Bar::AtMost(bar) => ("at most", bar),
             };
-            let _ = writeln!(text, "  {what:<52} {median:>6.3} {unit:<1} (bar: {side} {bar}{unit})");
+            let _ =
+                writeln!(text, "  {what:<52} {median:>6.3} {unit:<1} (bar: {side} {bar}{unit})");
         }
         text
     }

@@ -12,6 +12,7 @@ mod help;
 mod init;
 mod interrupt;
 mod simulate;
+mod worked_example;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

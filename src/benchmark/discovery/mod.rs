@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use drivescope_discovery::{
-    Error, Evidence, Measured, Unwatched, Verdict, bic_of, discover, noise,
+    Error, Evidence, Measured, Unwatched, Verdict, add, bic_of, discover, noise,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
@@ -176,12 +176,17 @@ fn judge(case: &Case, noise_given: bool) -> Outcome {
     Outcome { group, foreign, grade, noise_given, hidden, detectable, answer, seconds }
 }
 
-/// Whether each truth beats the base; a truth that cannot be fitted leaves no case out.
+/// Whether each truth is worth its parameters beside the others; a truth that cannot be fitted
+/// leaves no case out.
 fn detectable(case: &Case, noise_given: bool) -> bool {
     let gain = |kind: &String| {
         let estimation = evidence(&case.drive, &case.estimation, noise_given)?;
         let validation = evidence(&case.drive, &case.validation, noise_given)?;
-        bic_of(&case.drive, kind, &estimation, &validation)
+        let mut base = case.drive.clone();
+        for other in case.hidden.iter().filter(|other| *other != kind) {
+            base = add(&base, other, &estimation, &validation, &Unwatched)?.drive;
+        }
+        bic_of(&base, kind, &estimation, &validation)
     };
     case.hidden.iter().all(|kind| gain(kind).map_or(true, |gain| gain > DETECTABLE))
 }

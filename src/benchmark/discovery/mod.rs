@@ -6,6 +6,7 @@
 //! must beat the base by [`DETECTABLE`] in BIC. No case is left out for its result: one whose
 //! discovery fails counts as a miss wherever it is counted.
 
+mod emps;
 mod foreign;
 mod own;
 mod tally;
@@ -130,6 +131,14 @@ pub(crate) struct Answer {
     validation_after: f64,
 }
 
+/// What a run of the benchmark found.
+#[derive(Debug)]
+pub(crate) struct Found {
+    pub(crate) outcomes: Vec<Outcome>,
+    /// Absent where the data are not there.
+    pub(crate) emps: Option<emps::Emps>,
+}
+
 /// Draws and judges that many cases.
 ///
 /// # Errors
@@ -139,7 +148,7 @@ pub(crate) fn run(
     seed: u64,
     python: &foreign::Python,
     advance: &(dyn Fn() + Sync),
-) -> miette::Result<Vec<Outcome>> {
+) -> miette::Result<Found> {
     let mut all = python.cases(cases / 2, seed)?;
     interrupt::check()?;
     all.extend(own::cases(cases - all.len(), seed));
@@ -150,7 +159,9 @@ pub(crate) fn run(
         advance();
         Ok(outcome)
     });
-    judged.collect()
+    let outcomes = judged.collect::<miette::Result<_>>()?;
+    let emps = emps::folder().map(|folder| emps::Emps::of(&folder)).transpose()?;
+    Ok(Found { outcomes, emps })
 }
 
 /// A recording as evidence, its noise given or estimated.

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use drivescope_discovery::Verdict;
 use serde::Serialize;
 
-use super::{Answer, Grade, Group, Noise, Outcome};
+use super::emps::Emps;
+use super::{Answer, Found, Grade, Group, Noise, Outcome};
 use crate::benchmark::rate::{Bar, Rate};
 
 /// The published table.
@@ -18,6 +19,9 @@ pub(crate) struct Table {
     /// Must collapse: every case held against the truth of another.
     shuffled: Vec<Rate>,
     medians: Vec<Median>,
+    /// Measured data; absent where they are not there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    emps: Option<Emps>,
     cases: Vec<Outcome>,
 }
 
@@ -60,7 +64,8 @@ impl<'a> Cases<'a> {
 }
 
 impl Table {
-    pub(crate) fn new(seed: u64, cases: Vec<Outcome>) -> Self {
+    pub(crate) fn new(seed: u64, found: Found) -> Self {
+        let Found { outcomes: cases, emps } = found;
         let of = |groups: &[Group]| Cases::of(&cases, groups);
         let detectable = |groups: &[Group]| of(groups).only(|it| it.detectable == Some(true));
         let (white, loaded) = (detectable(&[Group::Hidden]), detectable(&[Group::HiddenLoaded]));
@@ -111,7 +116,7 @@ impl Table {
             Grade::OTHERS.map(|grade| is(grade).rate(&grade.told(), by_name)).into_iter().collect();
         let by_effect = by_effect(&both);
         let medians = medians(&both.only(by_name), &every);
-        Self { seed, rates, by_effect, by_grade, shuffled, medians, cases }
+        Self { seed, rates, by_effect, by_grade, shuffled, medians, emps, cases }
     }
 
     /// The table for a person.
@@ -135,6 +140,10 @@ impl Table {
             let _ =
                 writeln!(text, "  {what:<52} {median:>6.3} {unit:<1} (bar: {side} {bar}{unit})");
         }
+        text += &self.emps.as_ref().map_or_else(
+            || "EMPS: not run, DRIVESCOPE_DATA names no folder with emps/\n".to_owned(),
+            Emps::text,
+        );
         text
     }
 }
@@ -261,6 +270,10 @@ mod tests {
         }
     }
 
+    fn table(outcomes: Vec<Outcome>) -> Table {
+        Table::new(1, Found { outcomes, emps: None })
+    }
+
     fn hits(table: &Table, what: &str) -> (usize, usize) {
         let rate = table.rates.iter().find(|it| it.what == what).expect("a row");
         (rate.hits, rate.of)
@@ -274,7 +287,7 @@ mod tests {
     fn exchanged_truths_collapse_the_table() {
         let kinds = ["cogging", "saturation", "brush_drop", "stribeck"];
         let honest = kinds.map(|it| outcome(Group::Hidden, &[it], Some(&[it])));
-        let table = Table::new(1, honest.to_vec());
+        let table = table(honest.to_vec());
         assert_eq!((hits(&table, RIGHT), hits(&table, WRONG)), ((4, 4), (0, 4)));
         assert_eq!(table.shuffled[0].hits, 0);
     }
@@ -285,7 +298,7 @@ mod tests {
             let group = if hidden.is_empty() { Group::Null } else { Group::Hidden };
             outcome(group, hidden, Some(&["cogging"]))
         });
-        let table = Table::new(1, cases.to_vec());
+        let table = table(cases.to_vec());
         assert_eq!((hits(&table, FALSE), hits(&table, WRONG)), ((1, 1), (1, 2)));
     }
 
@@ -295,7 +308,7 @@ mod tests {
             let group = if hidden.is_empty() { Group::Null } else { Group::Hidden };
             outcome(group, hidden, None)
         });
-        let table = Table::new(1, cases.to_vec());
+        let table = table(cases.to_vec());
         assert_eq!((hits(&table, RIGHT), hits(&table, FALSE)), ((0, 1), (1, 1)));
         assert_eq!(hits(&table, "no answer: counted as misses above"), (2, 2));
     }

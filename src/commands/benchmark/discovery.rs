@@ -15,7 +15,8 @@ const FEWEST: usize = 40;
 /// How often hidden effects are named right, and what is named where nothing is hidden.
 ///
 /// Half of the cases come from independent generators, Python programs that need numpy: the
-/// Python of DRIVESCOPE_PYTHON, or python3 on the path.
+/// Python of DRIVESCOPE_PYTHON, or python3 on the path. Where DRIVESCOPE_DATA names a folder with
+/// `emps/`, the measured data of that axis are a row of the table.
 #[derive(Debug, Args)]
 pub(super) struct OfDiscovery {
     /// Cases to draw; 1000 hold more than 300 without a hidden effect.
@@ -37,9 +38,9 @@ impl Run for OfDiscovery {
         let seed = session.given_seed.unwrap_or_else(fresh);
         let bar = session.progress(self.cases as u64, "discovering");
         let advance = || bar.inc(1);
-        let outcomes = run(self.cases, seed, &python(), &advance)?;
+        let found = run(self.cases, seed, &python(), &advance)?;
         bar.finish_and_clear();
-        let table = Table::new(seed, outcomes);
+        let table = Table::new(seed, found);
         session.answer(&table.text(), &table)?;
         Ok(Ending::Done)
     }

@@ -33,7 +33,7 @@ pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, Setting, Squares};
 pub use discover::{
     Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung, Step,
-    Unwatched, Verdict, Watch, Where, add, bic_of, discover,
+    Unwatched, Verdict, Watch, add, bic_of, discover,
 };
 pub use doubt::{Doubt, doubts};
 pub use error::Error;

@@ -3,7 +3,7 @@
 //! At sample k the sensors are read, the observer corrects the state by what they should have
 //! shown, and the state is advanced to the next sample under u_k (and the load), held.
 
-use drivescope_numerics::Real;
+use drivescope_numerics::{Dual, Real};
 use drivescope_plant::integrate::{Integrator, State};
 use drivescope_plant::model::{Applied, CURRENT, POSITION, SPEED};
 use drivescope_plant::sampled::DelayLine;
@@ -133,8 +133,22 @@ impl<R: Real> Runner<'_, R> {
         &self.state
     }
 
+    /// Whether u acts later than it is applied.
+    pub(crate) fn holds_back(&self) -> bool {
+        self.delay.is_some()
+    }
+
     /// Whether nothing has overflowed.
     pub(crate) fn is_finite(&self) -> bool {
         self.state.is_finite()
+    }
+}
+
+impl<const P: usize> Runner<'_, Dual<P>> {
+    /// Makes the derivatives of the state those by itself: what the next sample does to it.
+    pub(crate) fn seed(&mut self) {
+        for (number, [value]) in self.state.x.iter_mut().enumerate() {
+            *value = Dual::parameter(value.v, number);
+        }
     }
 }

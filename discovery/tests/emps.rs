@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 
 use drivescope_discovery::{
-    Estimate, Evidence, Fitted, Measured, Observer, Options, Setting, USUAL_BAND_HZ, evaluate, fit,
-    noise, relative_force_error,
+    Estimate, Evidence, Fitted, Measured, Observer, Options, Ranked, Rung, Setting, USUAL_BAND_HZ,
+    Unwatched, discover, evaluate, fit, noise, relative_force_error,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::{ReadOptions, read};
@@ -85,4 +85,34 @@ fn friction_differs_by_direction_and_lowers_the_validation_error() {
     println!("validation error {ratio} of the base");
     assert!((65.0..82.0).contains(&difference) && (185.0..210.0).contains(&mean));
     assert!(ratio <= 0.80, "{ratio}");
+}
+
+#[test]
+fn discovery_names_the_direction_of_friction_and_refuses_the_rest_in_words() {
+    let Some(folder) = folder() else { return };
+    let base = Drive::parse(EMPS, "emps.toml").expect("right");
+    let data = evidence(&base, &folder, "emps_estimation.csv");
+    let unseen = evidence(&base, &folder, "emps_validation.csv");
+    let found = discover(&base, &data, &unseen, &Unwatched).expect("the base can be fitted");
+    let others: Vec<&String> = found.named.iter().filter(|it| *it != "delay").collect();
+    assert_eq!(others, ["asymmetric_friction"], "{:?}", found.ranking);
+    let all = found.drive.parameters();
+    let value = |name: &str| all.iter().find(|it| it.name == name).expect("it has it").value;
+    let difference = 2.0 * value("asymmetric_friction.dB_m");
+    let mean = value("B_m");
+    assert!((65.0..82.0).contains(&difference) && (185.0..210.0).contains(&mean));
+    let ends = |rung: &Rung| rung.validation_error;
+    let ratio = ends(found.ladder.last().expect("a base")) / ends(&found.ladder[0]);
+    println!("F_v- minus F_v+ {difference}, mean {mean}, validation error {ratio} of the base");
+    assert!(ratio <= 0.80, "{ratio}");
+    // Nothing slow was recorded, and the ripple of the screw has another phase in each recording.
+    let stribeck = found.not_judged.iter().find(|it| it.effect == "stribeck").expect("refused");
+    assert!(stribeck.reason.contains("nothing slow enough was recorded"), "{stribeck:?}");
+    let of_screw = |it: &&Ranked| {
+        let wave = it.parameters.get("cogging.N").map_or(0.0, |it| it.value);
+        (std::f64::consts::TAU / wave - 2.5e-3).abs() < 0.05e-3
+    };
+    let ripple = found.ranking.iter().find(of_screw).expect("it is reported");
+    let refused = ripple.refused.as_deref().unwrap_or_default();
+    assert!(refused.contains("its phase changes from recording to recording"), "{ripple:?}");
 }

@@ -47,6 +47,9 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
+/// Share of the error above the floor that a learned curve may leave: its 17 knots are farther
+/// apart than the bump is wide.
+const LEFT_BY_A_CURVE: f64 = 0.4;
 /// Largest error after the loop, over the noise floor.
 const FLOOR: f64 = 1.05;
 
@@ -74,6 +77,21 @@ fn hidden_effects_are_named_and_the_error_falls_to_the_floor() {
     }
 }
 
+/// Native and exported, the drive file runs the same under the same u.
+fn assert_runs_as_an_fmu(here: &Path, drive: &str) {
+    let quiet = ["--noise", "off", "--duration", "2", "--period", "0.001"];
+    let native = ["simulate", drive, "--input", OTHER, "-o", "native.csv"];
+    done(here, &[&native[..], &quiet].concat());
+    done(here, &["export", drive, "-o", "found.fmu", "--open-loop", "--quiet"]);
+    let run =
+        ["fmu", "run", "found.fmu", "--input", "native.csv", "--stop", "2", "--step", "0.001"];
+    done(here, &[&run[..], &["-o", "fmu.csv"]].concat());
+    let [a, b] = ["native.csv", "fmu.csv"].map(|name| column(here, name, "omega [rad/s]"));
+    let largest = a.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
+    let worst = a.iter().zip(&b).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
+    assert!(largest > 20.0 && worst < 1e-9 * largest, "{worst} of {largest}");
+}
+
 #[test]
 fn what_was_found_runs_as_an_fmu_and_needs_nothing_more() {
     let here = folder();
@@ -82,18 +100,7 @@ fn what_was_found_runs_as_an_fmu_and_needs_nothing_more() {
     let again = ["discover", "found.toml", "one.csv", "--validate", "two.csv", "--json", "-"];
     let again = done(here, &again).json();
     assert_eq!((&again["verdict"], &again["output"]), (&"none".into(), &Value::Null), "{again}");
-    // Native and exported, the same drive under the same u.
-    let quiet = ["--noise", "off", "--duration", "2", "--period", "0.001"];
-    let native = ["simulate", "found.toml", "--input", OTHER, "-o", "native.csv"];
-    done(here, &[&native[..], &quiet].concat());
-    done(here, &["export", "found.toml", "-o", "found.fmu", "--open-loop", "--quiet"]);
-    let run =
-        ["fmu", "run", "found.fmu", "--input", "native.csv", "--stop", "2", "--step", "0.001"];
-    done(here, &[&run[..], &["-o", "fmu.csv"]].concat());
-    let [a, b] = ["native.csv", "fmu.csv"].map(|name| column(here, name, "omega [rad/s]"));
-    let largest = a.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
-    let worst = a.iter().zip(&b).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
-    assert!(largest > 20.0 && worst < 1e-9 * largest, "{worst} of {largest}");
+    assert_runs_as_an_fmu(here, "found.toml");
 }
 
 #[test]
@@ -106,9 +113,23 @@ fn nothing_hidden_is_none_and_something_strange_is_unknown() {
     // A brush that chatters around one speed.
     let bump = "[[effect]]\nkind = \"custom\"\ntorque = \"-h * sign(omega) * exp(-((abs(omega) - \
                 60) / 12)^2)\"\nparameters = { h = 0.008 }";
-    let answer = discovered(here.path(), bump);
+    let here = here.path();
+    let answer = discovered(here, bump);
     assert_eq!(answer["verdict"], "unknown", "{answer}");
     assert_eq!(answer["named"], serde_json::json!([]), "{answer}");
+    assert_eq!(answer["where"][0]["variable"], "omega", "{answer}");
+    // The curve is shown with a formula, and it can be added like any effect.
+    let learned = &answer["learned"];
+    assert_eq!((&learned["balance"], &learned["over"]), (&"torque".into(), &"omega".into()));
+    assert!(learned["formula"].as_str().is_some_and(|it| it.contains("omega")), "{learned}");
+    let add = ["add", "base.toml", "learned", "one.csv", "--validate", "two.csv"];
+    let added = done(here, &[&add[..], &["-o", "added.toml", "--json", "-"]].concat()).json();
+    for key in ["error", "validation_error"] {
+        let (before, after) = (number(&added["before"][key]), number(&added["after"][key]));
+        let left = (after - 1.0) / (before - 1.0);
+        assert!(left < LEFT_BY_A_CURVE, "{key}: {before} to {after}");
+    }
+    assert_runs_as_an_fmu(here, "added.toml");
 }
 
 #[test]

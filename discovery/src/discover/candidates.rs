@@ -12,7 +12,7 @@ use drivescope_plant::drive::{Drive, EffectData, Motion};
 use drivescope_plant::effects::law::{Place, Variable};
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
-use super::scales::Scales;
+use super::scales::{SLOW_SPEED, Scales};
 use crate::estimate::Evidence;
 use crate::measured::{Measured, Output};
 
@@ -23,6 +23,10 @@ const FINEST_WAVE: f64 = 240.0;
 /// Steps of the search for a spatial period a wave over the travel: two neighbours then differ by
 /// half a wave at its end.
 const STEPS_A_WAVE: f64 = 2.0;
+/// Share of the time below a tenth of the fastest speed from which on slow motion was recorded: a
+/// shaft that is only ever accelerated spends a tenth there, one that is cruising and reversed
+/// quickly less.
+const SLOW_ENOUGH: f64 = 0.06;
 /// Stribeck speeds over the fastest speed.
 const STRIBECK: [f64; 4] = [0.005, 0.015, 0.04, 0.1];
 /// Currents over which a voltage drop is rounded, over the greatest current.
@@ -41,7 +45,7 @@ const CONTACT_HZ: f64 = 60.0;
 /// Shares of the inertia behind a coupling or a gap.
 const BEHIND: [f64; 2] = [0.25, 0.5];
 /// Gaps, rad; on an axis, over its travel.
-const GAPS: [f64; 3] = [0.03, 0.1, 0.3];
+const GAPS: [f64; 4] = [0.03, 0.1, 0.2, 0.35];
 /// Travel of an axis that counts as one radian of a rotor, m a m.
 const AXIS_RADIAN: f64 = 0.02;
 /// Temperature of a winding under the greatest current for a quarter of the recording, K: it
@@ -90,7 +94,7 @@ pub(crate) fn candidates(
         let own = |reason: String| NotJudged { effect: entry.info.id.to_owned(), reason };
         if let Some(refusal) = drive.refuses(entry) {
             not.push(own(format!("impossible in this drive: {refusal}")));
-        } else if let Some(reason) = unseen(entry, drive, evidence) {
+        } else if let Some(reason) = unseen(entry, drive, evidence, scales) {
             not.push(own(reason));
         } else {
             found.push(candidate(entry, drive, scales));
@@ -122,7 +126,7 @@ fn free_id(drive: &Drive, kind: &str) -> String {
 }
 
 /// Why these recordings cannot show the effect.
-fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence) -> Option<String> {
+fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence, scales: &Scales) -> Option<String> {
     let has = |one: &Measured, output| one.output(output).is_some();
     let any = |wanted: &[Output]| {
         evidence.recordings.iter().all(|one| wanted.iter().any(|output| has(one, *output)))
@@ -147,6 +151,15 @@ fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence) -> Option<String> {
             let signal = if shows_current { "i" } else { "omega" };
             return Some(format!("distorts the signal {signal}, which was not recorded"));
         }
+    }
+    if info.id == "stribeck" && scales.slow < SLOW_ENOUGH {
+        let (share, limit) = (100.0 * scales.slow, SLOW_SPEED * scales.speed);
+        let unit = if drive.motion == Motion::Linear { "m/s" } else { "rad/s" };
+        return Some(format!(
+            "shows in slow motion only, and nothing slow enough was recorded: {share:.0} % of the \
+             time is below {limit:.3} {unit}, a tenth of the fastest speed, and that in passing; \
+             record slow reversals"
+        ));
     }
     if info.id == "presliding" && !drive.effects.iter().any(dry) {
         return Some(

@@ -6,6 +6,8 @@
 use drivescope_plant::drive::Drive;
 use nalgebra::DMatrix;
 
+use super::response::{Forcing, responses};
+use super::ripple::Trajectory;
 use crate::case::{Case, Setting};
 use crate::estimate::{Evidence, Fit, Fitted, with_own};
 use crate::measured::Measured;
@@ -40,6 +42,39 @@ impl<'a> At<'a> {
         Self { drive: &fitted.drive, fits: &fitted.recordings, evidence, setting }
     }
 
+    /// One recording's case, handed to the function.
+    pub(crate) fn with_case<T>(&self, recording: usize, then: impl FnOnce(&Case<'_>) -> T) -> T {
+        let fit = &self.fits[recording];
+        then(&Case {
+            drive: &with_own(self.drive, fit),
+            measured: &self.evidence.recordings[recording],
+            noise: &self.evidence.noise[recording],
+            starts: &fit.starts,
+            setting: self.setting,
+        })
+    }
+
+    /// Responses of all recordings to the same number of series in each.
+    pub(crate) fn responses(
+        &self,
+        runs: &[Trajectory],
+        series: impl Fn(usize) -> Vec<Forcing>,
+    ) -> DMatrix<f64> {
+        let of = |recording: usize| {
+            let linearised = runs[recording].linearised.as_ref();
+            self.with_case(recording, |case| responses(linearised, case, &series(recording)))
+        };
+        let each: Vec<DMatrix<f64>> = (0..self.fits.len()).map(of).collect();
+        let values = each.iter().map(DMatrix::ncols).sum();
+        let mut all = DMatrix::zeros(each.first().map_or(0, DMatrix::nrows), values);
+        let mut from = 0;
+        for one in each {
+            all.columns_mut(from, one.ncols()).copy_from(&one);
+            from += one.ncols();
+        }
+        all
+    }
+
     /// Rows of every recording for those directions; `change` may add to the drive.
     pub(crate) fn rows(
         &self,
@@ -70,8 +105,6 @@ impl<'a> At<'a> {
 pub(crate) enum Owned {
     Parameter(String),
     Start { piece: usize, state: usize },
-    Torque(Vec<f64>),
-    Voltage(Vec<f64>),
 }
 
 impl Owned {
@@ -79,8 +112,6 @@ impl Owned {
         match self {
             Self::Parameter(name) => Direction::Parameter(name),
             Self::Start { piece, state } => Direction::Start { piece: *piece, state: *state },
-            Self::Torque(series) => Direction::Torque(series),
-            Self::Voltage(series) => Direction::Voltage(series),
         }
     }
 }
@@ -109,6 +140,12 @@ impl Columns {
             residual.extend_from_slice(&rows.residual);
         }
         Self { places, residual, columns }
+    }
+
+    /// The residuals alone.
+    pub(crate) fn residuals(at: &At<'_>) -> Self {
+        let rows = at.rows(Drive::clone, at.setting, |_, _| Vec::new());
+        Self::shared(at.evidence, &rows)
     }
 
     /// The base of a fit: its parameters, and what belongs to each recording.

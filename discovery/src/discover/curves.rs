@@ -13,7 +13,8 @@ use drivescope_plant::effects::law::Variable;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::columns::{At, Columns, Owned};
+use super::columns::At;
+use super::response::Forcing;
 use super::ripple::Trajectory;
 use super::scales::Scales;
 use crate::measured::Measured;
@@ -83,8 +84,8 @@ impl Curve {
         self.over == Over::Time
     }
 
-    /// Its directions in one recording: one a knot, of a flux two.
-    fn directions(&self, drive: &Drive, measured: &Measured, run: &Trajectory) -> Vec<Owned> {
+    /// What it adds to the balances of one recording, a hat at a time.
+    fn forcings(&self, drive: &Drive, measured: &Measured, run: &Trajectory) -> Vec<Forcing> {
         let n = run.speed.len();
         let h = measured.period_s;
         let acceleration = |k: usize| {
@@ -116,19 +117,15 @@ impl Curve {
             hat.iter().zip(with).map(|(hat, with)| by * hat * with).collect()
         };
         let against = |hat: Vec<f64>| hat.iter().map(|value| -value).collect();
-        let mut all = Vec::new();
-        for hat in hats {
-            match self.balance {
-                Balance::Torque => all.push(Owned::Torque(against(hat))),
-                Balance::Voltage => all.push(Owned::Voltage(against(hat))),
-                Balance::Flux => {
-                    all.push(Owned::Torque(times(&hat, &run.current, -drive.motor.k_m)));
-                    let k_e = drive.motor.k_e.unwrap_or(0.0);
-                    all.push(Owned::Voltage(times(&hat, &run.speed, k_e)));
-                }
-            }
-        }
-        all
+        let of = |hat: Vec<f64>| match self.balance {
+            Balance::Torque => Forcing { torque: against(hat), voltage: Vec::new() },
+            Balance::Voltage => Forcing { torque: Vec::new(), voltage: against(hat) },
+            Balance::Flux => Forcing {
+                torque: times(&hat, &run.current, -drive.motor.k_m),
+                voltage: times(&hat, &run.speed, drive.motor.k_e.unwrap_or(0.0)),
+            },
+        };
+        hats.into_iter().map(of).collect()
     }
 
     /// The knots around a value with their shares.
@@ -223,15 +220,8 @@ pub(crate) fn responses(
         if stopped() {
             return DMatrix::zeros(0, 0);
         }
-        let rows = at.rows(Drive::clone, at.setting, |recording, measured| {
-            curve.directions(at.drive, measured, &runs[recording])
-        });
-        let all = Columns::shared(at.evidence, &rows).columns;
-        if curve.balance != Balance::Flux {
-            return all;
-        }
-        DMatrix::from_fn(all.nrows() / 2, all.ncols(), |row, value| {
-            all[(2 * row, value)] + all[(2 * row + 1, value)]
+        at.responses(runs, |recording| {
+            curve.forcings(at.drive, &at.evidence.recordings[recording], &runs[recording])
         })
     };
     curves.par_iter().map(of).collect()

@@ -13,10 +13,22 @@ pub(crate) const MAIN: f64 = 0.5;
 /// Least share of the first excess that a further effect must remove: below, it may be what a
 /// named law's own formula leaves.
 pub(crate) const FURTHER: f64 = 0.1;
+/// The same of an effect that shows over other variables than any named law.
+pub(crate) const APART: f64 = 0.003;
+/// Share of the variance of an output that its past does not foretell, below which the errors as
+/// they are may judge where innovations do not: no random load of a bench foretells that much.
+pub(crate) const REMEMBERS: f64 = 0.05;
+/// Least share of the excess, on estimation and on validation data, that an effect must remove to
+/// be named by the errors as they are, whatever the innovations say.
+pub(crate) const PLAIN: f64 = 0.2;
 /// Least cosine between the phases in estimation and validation data.
 pub(crate) const PHASE: f64 = 0.7;
 /// Candidates that are refitted.
 pub(crate) const REFITTED: usize = 5;
+/// Share of the best screened worth from which on candidates are refitted at once; the others of
+/// [`REFITTED`] follow where none of these passes. A refit gains more than the screen where a law
+/// is far from linear, but not five times.
+pub(crate) const AT_ONCE: f64 = 0.2;
 /// Effects that are added at most.
 pub(crate) const ROUNDS: usize = 4;
 /// Laws whose gains are this close are not told apart by these recordings.
@@ -26,5 +38,8 @@ pub(crate) const BLOCK_S: f64 = 0.25;
 /// Least share of the excess that a curve over time must remove to count as something unknown:
 /// time does not repeat, so no other recording can confirm it, and a slow random load looks alike.
 pub(crate) const OVER_TIME: f64 = 0.7;
+/// Least share of what the best curve removes that one must remove which the effect `learned` can
+/// hold, to be shown in its place.
+pub(crate) const ADDABLE: f64 = 0.8;
 /// Least cosine between what two laws change for them to be one confusion set.
 pub(crate) const ALIKE: f64 = 0.98;

@@ -67,28 +67,43 @@ fn name(over: Over) -> &'static str {
     }
 }
 
-/// The curve as an effect of a drive, if the effect `learned` can hold it.
-pub(crate) fn effect(drive: &Drive, rest: &Rest) -> Option<EffectData> {
-    let curve = &rest.curve;
-    let over = match (curve.over, curve.factor) {
-        (Over::Speed, Factor::One) => Variable::Speed,
-        (Over::Current, Factor::One) => Variable::Current,
-        (Over::Position, Factor::One) => Variable::Position,
-        (Over::Time, Factor::One) => Variable::Time,
-        _ => return None,
-    };
-    let (target, sign) = match curve.balance {
-        Balance::Torque => (Target::Torque, -1.0),
-        Balance::Voltage => (Target::Voltage, -1.0),
-        Balance::Flux => return None,
-    };
+impl Curve {
+    /// Where and over what the effect `learned` holds the curve, if it can.
+    fn as_effect(&self) -> Option<(Target, Variable)> {
+        let over = match (self.over, self.factor) {
+            (Over::Speed, Factor::One) => Variable::Speed,
+            (Over::Current, Factor::One) => Variable::Current,
+            (Over::Position, Factor::One) => Variable::Position,
+            (Over::Time, Factor::One) => Variable::Time,
+            _ => return None,
+        };
+        match self.balance {
+            Balance::Torque => Some((Target::Torque, over)),
+            Balance::Voltage => Some((Target::Voltage, over)),
+            Balance::Flux => None,
+        }
+    }
+
+    /// Whether the effect `learned` can hold it.
+    pub(crate) fn is_addable(&self) -> bool {
+        self.as_effect().is_some()
+    }
+}
+
+/// The curve as an effect of a drive, if the effect `learned` can hold it, with the names of the
+/// values that these recordings do not tell.
+pub(crate) fn effect(drive: &Drive, rest: &Rest) -> Option<(EffectData, Vec<String>)> {
+    let (target, over) = rest.curve.as_effect()?;
     let id = (1..)
         .map(|k| if k == 1 { "learned".to_owned() } else { format!("learned_{k}") })
         .find(|id| !drive.effects.iter().any(|effect| effect.id == *id))?;
+    // A curve is what is lost; the effect adds.
     let values = rest.values.iter().enumerate();
-    let parameters = values.map(|(k, value)| (LawData::value_name(k), sign * value)).collect();
-    let law = LawData::Learned { target, over, knots: curve.knots.clone() };
-    Some(EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) })
+    let parameters = values.map(|(k, value)| (LawData::value_name(k), -value)).collect();
+    let untold = rest.told.iter().enumerate().filter(|(_, told)| !**told);
+    let kept = untold.map(|(k, _)| format!("{id}.{}", LawData::value_name(k))).collect();
+    let law = LawData::Learned { target, over, knots: rest.curve.knots.clone() };
+    Some((EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) }, kept))
 }
 
 /// A form, and its text for a coefficient.

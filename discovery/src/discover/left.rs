@@ -1,6 +1,6 @@
 //! What is left of a residual, by curves: how much each could take away, and where.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::columns::{At, Columns, Place};
@@ -8,9 +8,9 @@ use super::curves::{Curve, curves, responses};
 use super::gates;
 use super::projection::{Explained, Projection};
 use super::refit::{p_value, squared};
-use super::report::Where;
 use super::ripple::trajectories;
 use super::scales::Scales;
+use super::smooth::{smooth, told};
 use super::whiten::Whitener;
 use crate::estimate::Evidence;
 
@@ -19,8 +19,10 @@ use crate::estimate::Evidence;
 pub(crate) struct Rest {
     /// The curve.
     pub(crate) curve: Curve,
-    /// Its values at the knots.
+    /// Its values at the knots, the smoothest that explain as much.
     pub(crate) values: Vec<f64>,
+    /// Which of them these recordings tell.
+    pub(crate) told: Vec<bool>,
     /// Squared error, less one a hat.
     pub(crate) removed: f64,
     /// Squared innovations, less one a hat.
@@ -72,8 +74,8 @@ impl Left {
             responses.par_iter().map(|columns| plain.explain(columns)).collect();
         let best = (0..all.len()).max_by(|a, b| raw[*a].gain.total_cmp(&raw[*b].gain));
         let after = best.map(|best| {
-            let beside = plain.beside(&responses[best]);
-            plain.after(&beside, &raw[best].coefficients).as_slice().to_vec()
+            let change = plain.change(&responses[best], &raw[best].coefficients);
+            (plain.residual() - change).as_slice().to_vec()
         });
         let whitener = Whitener::of(&base.places, after.as_ref().unwrap_or(&base.residual));
         let white = whitener.applied(&base.places, &base.residual);
@@ -82,29 +84,28 @@ impl Left {
         let rests = all.into_par_iter().zip(&responses).zip(&raw).map(|((curve, columns), raw)| {
             let columns = whitener.filtered(&base.places, columns);
             let explained = projection.explain(&columns);
-            let beside = projection.beside(&columns);
             let before = projection.residual().as_slice();
-            let after = projection.after(&beside, &explained.coefficients);
+            let after =
+                projection.residual() - projection.change(&columns, &explained.coefficients);
             let block = blocks(at.evidence, gates::BLOCK_S);
             let p = p_value(&base.places, before, after.as_slice(), explained.rank, block);
             let gain = explained.gain - explained.rank as f64;
+            let products = projection.products(&columns);
+            let values = smooth(&products, curve.period.is_some(), base.residual.len());
+            let told = told(&products, &values);
             // What is not worth its price is not worth the run over the validation data either.
             let worth = gain - explained.rank as f64 * (base.residual.len() as f64).ln();
             let validation_gain = if worth > 0.0 {
-                let shift = projection.shift(&columns, &explained.coefficients);
-                other.gain(
-                    validation,
-                    &curve,
-                    &whitener,
-                    &explained,
-                    &shift.as_slice()[..shared.len()],
-                )
+                let shift = projection.shift(&columns, &values);
+                let shift = &shift.as_slice()[..shared.len()];
+                other.gain(validation, &curve, &whitener, &values, shift)
             } else {
                 0.0
             };
             Rest {
                 curve,
-                values: explained.coefficients.as_slice().to_vec(),
+                values: values.as_slice().to_vec(),
+                told,
                 removed: raw.gain - raw.rank as f64,
                 gain,
                 rank: explained.rank,
@@ -121,46 +122,42 @@ impl Left {
         (self.power - floor).max(1.0)
     }
 
-    /// The curves that are worth their price, as a candidate has to be: what a rich curve takes
-    /// away by chance is no evidence for its shape.
-    pub(crate) fn worthy(&self) -> impl Iterator<Item = &Rest> {
-        let price = (self.values as f64).ln() - 1.0;
-        self.rests
-            .iter()
-            .filter(move |rest| rest.gain - rest.rank as f64 * price > gates::DELTA_BIC)
-    }
-
-    /// The curve beyond chance that removes most, if there is any.
-    pub(crate) fn unknown(&self, floor: f64) -> Option<&Rest> {
+    /// The curves that are worth their price, as a candidate has to be, and repeat: what a rich
+    /// curve takes away by chance is no evidence for its shape.
+    pub(crate) fn worthy(&self, floor: f64) -> impl Iterator<Item = &Rest> {
         let excess = self.excess(floor);
-        let beyond = |rest: &&Rest| {
+        let price = (self.values as f64).ln() - 1.0;
+        self.rests.iter().filter(move |rest| {
             let repeats = if rest.curve.is_over_time() {
                 rest.removed > gates::OVER_TIME * excess
             } else {
                 rest.validation_gain > 0.0
             };
-            rest.p_value * (self.rests.len() as f64) < gates::P_VALUE && repeats
-        };
-        self.worthy().filter(beyond).max_by(|a, b| a.removed.total_cmp(&b.removed))
+            rest.gain - rest.rank as f64 * price > gates::DELTA_BIC && repeats
+        })
     }
 
-    /// Variables over which the model fails, most telling first.
-    pub(crate) fn fails(&self, floor: f64) -> Vec<Where> {
-        let excess = self.excess(floor);
-        let mut fails: Vec<Where> = Vec::new();
-        for rest in &self.rests {
-            let p_value = (rest.p_value * self.rests.len() as f64).min(1.0);
-            let variable = rest.curve.variables()[0].name();
-            let share = (rest.removed / excess).clamp(0.0, 1.0);
-            let one = Where { variable, p_value, share };
-            match fails.iter_mut().find(|it| it.variable == variable) {
-                Some(it) if it.share < share => *it = one,
-                Some(_) => {}
-                None => fails.push(one),
-            }
-        }
-        fails.sort_by(|a, b| b.share.total_cmp(&a.share));
-        fails
+    /// The curve beyond chance that removes most, if there is any; one that can be added stands
+    /// before one that cannot and removes little more.
+    pub(crate) fn unknown(&self, floor: f64) -> Option<&Rest> {
+        let chance = |rest: &Rest| rest.p_value * self.rests.len() as f64;
+        let beyond = |rest: &&Rest| chance(rest) < gates::P_VALUE;
+        let mut some: Vec<&Rest> = self.worthy(floor).filter(beyond).collect();
+        some.sort_by(|a, b| b.removed.total_cmp(&a.removed));
+        let best = *some.first()?;
+        let addable = some.iter().find(|rest| rest.curve.is_addable());
+        addable.filter(|it| it.removed >= gates::ADDABLE * best.removed).or(Some(&best)).copied()
+    }
+
+    /// The curve to add where the user asks for one: the unknown one if it can be added, or what
+    /// removes most of those that lower the error on the validation data too.
+    pub(crate) fn addable(&self, floor: f64) -> Option<&Rest> {
+        let addable = |rest: &&Rest| rest.curve.is_addable();
+        self.unknown(floor).filter(addable).or_else(|| {
+            let repeats = |rest: &&Rest| rest.curve.is_addable() && rest.validation_gain > 0.0;
+            let some = self.rests.iter().filter(repeats);
+            some.max_by(|a, b| a.removed.total_cmp(&b.removed))
+        })
     }
 }
 
@@ -187,14 +184,14 @@ impl Other {
         at: &At<'_>,
         curve: &Curve,
         whitener: &Whitener,
-        explained: &Explained,
+        values: &DVector<f64>,
         shift: &[f64],
     ) -> f64 {
         let response = responses(at, &self.runs, std::slice::from_ref(curve), &|| false);
         let columns = whitener.filtered(&self.places, &response[0]);
-        let mut after = nalgebra::DVector::from_column_slice(&self.white);
-        after -= columns.tr_mul(&explained.coefficients);
-        after -= self.base.tr_mul(&nalgebra::DVector::from_column_slice(shift));
+        let mut after = DVector::from_column_slice(&self.white);
+        after -= columns.tr_mul(values);
+        after -= self.base.tr_mul(&DVector::from_column_slice(shift));
         squared(&self.white) - after.norm_squared()
     }
 }

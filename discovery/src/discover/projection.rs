@@ -29,6 +29,17 @@ pub(crate) struct Projection {
     residual: DVector<f64>,
 }
 
+/// Products of some columns with themselves and the residual, the base taken out.
+#[derive(Debug, Clone)]
+pub(crate) struct Products {
+    /// C_perp C_perp^T.
+    pub(crate) information: DMatrix<f64>,
+    /// Squared length of each column with the base in it.
+    pub(crate) whole: Vec<f64>,
+    /// C_perp r.
+    pub(crate) score: DVector<f64>,
+}
+
 /// What some columns explain.
 #[derive(Debug, Clone)]
 pub(crate) struct Explained {
@@ -38,8 +49,8 @@ pub(crate) struct Explained {
     pub(crate) gain: f64,
     /// Columns that are independent of each other and of the base.
     pub(crate) rank: usize,
-    /// Least share of a column's squared length that stands out of the base.
-    pub(crate) stands_out: f64,
+    /// Share of each column's squared length that stands out of the base.
+    pub(crate) stands_out: Vec<f64>,
 }
 
 impl Projection {
@@ -64,28 +75,53 @@ impl Projection {
 
     /// What the columns explain beside the base.
     pub(crate) fn explain(&self, columns: &DMatrix<f64>) -> Explained {
-        let cross = columns * self.base.transpose();
-        let whole = columns * columns.transpose();
-        let information = &whole - &cross * &self.inverse * cross.transpose();
-        let score = columns * &self.residual;
+        let Products { information, whole, score } = self.products(columns);
         let stands_out = (0..columns.nrows())
-            .map(|k| if whole[(k, k)] > 0.0 { information[(k, k)] / whole[(k, k)] } else { 0.0 })
-            .fold(f64::INFINITY, f64::min);
+            .map(|k| if whole[k] > 0.0 { information[(k, k)] / whole[k] } else { 0.0 })
+            .collect();
         let rank = rank(&information, &whole);
         let coefficients = pseudo_inverse(&information) * &score;
         let gain = coefficients.dot(&score).max(0.0);
         Explained { coefficients, gain, rank, stands_out }
     }
 
-    /// The columns with the base taken out.
-    pub(crate) fn beside(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let cross = columns * self.base.transpose();
-        columns - cross * &self.inverse * &self.base
+    /// Information and score of the columns beside the base, in one run over the values: columns
+    /// are few and values are many.
+    pub(crate) fn products(&self, columns: &DMatrix<f64>) -> Products {
+        let (rows, bases) = (columns.nrows(), self.base.nrows());
+        let width = bases + rows + 1;
+        let mut side = vec![0.0; width];
+        let mut sums = vec![0.0; rows * width];
+        for (value, residual) in self.residual.iter().enumerate() {
+            let own = &columns.as_slice()[value * rows..(value + 1) * rows];
+            side[..bases]
+                .copy_from_slice(&self.base.as_slice()[value * bases..(value + 1) * bases]);
+            side[bases..bases + rows].copy_from_slice(own);
+            side[width - 1] = *residual;
+            for (factor, sums) in own.iter().zip(sums.chunks_exact_mut(width)) {
+                for (sum, side) in sums.iter_mut().zip(&side) {
+                    *sum += factor * side;
+                }
+            }
+        }
+        let cross = DMatrix::from_fn(rows, bases, |row, k| sums[row * width + k]);
+        let product = DMatrix::from_fn(rows, rows, |row, k| sums[row * width + bases + k]);
+        Products {
+            whole: (0..rows).map(|k| product[(k, k)]).collect(),
+            information: product - &cross * &self.inverse * cross.transpose(),
+            score: DVector::from_fn(rows, |row, _| sums[row * width + width - 1]),
+        }
     }
 
-    /// The residual after the columns with those coefficients.
-    pub(crate) fn after(&self, beside: &DMatrix<f64>, coefficients: &DVector<f64>) -> DVector<f64> {
-        &self.residual - beside.tr_mul(coefficients)
+    /// What the columns with those coefficients change beside the base.
+    pub(crate) fn change(
+        &self,
+        columns: &DMatrix<f64>,
+        coefficients: &DVector<f64>,
+    ) -> DVector<f64> {
+        let change = columns.tr_mul(coefficients);
+        let shift = &self.inverse * (&self.base * &change);
+        change - self.base.tr_mul(&shift)
     }
 
     /// By how much the base moves where the columns take these coefficients.
@@ -144,9 +180,9 @@ pub(crate) fn wald(
 }
 
 /// Directions of the information that stand out of the base.
-fn rank(information: &DMatrix<f64>, whole: &DMatrix<f64>) -> usize {
+fn rank(information: &DMatrix<f64>, whole: &[f64]) -> usize {
     let n = information.nrows();
-    let scale = |k: usize| if whole[(k, k)] > 0.0 { 1.0 / whole[(k, k)].sqrt() } else { 0.0 };
+    let scale = |k: usize| if whole[k] > 0.0 { 1.0 / whole[k].sqrt() } else { 0.0 };
     let scaled = DMatrix::from_fn(n, n, |j, k| information[(j, k)] * scale(j) * scale(k));
     scaled.symmetric_eigenvalues().iter().filter(|value| **value > STANDS_OUT).count()
 }
@@ -194,11 +230,11 @@ mod tests {
         let columns = rows(&[&other]);
         let explained = projection.explain(&columns);
         assert!((explained.coefficients[0] - 0.5).abs() < 0.1, "{explained:?}");
-        let beside = projection.beside(&columns);
-        let after = projection.after(&beside, &explained.coefficients);
+        let change = projection.change(&columns, &explained.coefficients);
+        let after = projection.residual() - change;
         let fell = projection.residual().norm_squared() - after.norm_squared();
         assert!((fell / explained.gain - 1.0).abs() < 1e-9);
-        assert_eq!((explained.rank, explained.stands_out > 0.9), (1, true));
+        assert_eq!((explained.rank, explained.stands_out[0] > 0.9), (1, true));
     }
 
     #[test]
@@ -206,7 +242,7 @@ mod tests {
         let (base, twice) = (wave(0.01), wave(0.01).iter().map(|v| 2.0 * v).collect::<Vec<_>>());
         let projection = Projection::new(rows(&[&base]), &gaussian(VALUES, 4));
         let explained = projection.explain(&rows(&[&twice]));
-        assert!(explained.stands_out < STANDS_OUT, "{explained:?}");
+        assert!(explained.stands_out[0] < STANDS_OUT, "{explained:?}");
         assert_eq!(explained.rank, 0);
     }
 
@@ -225,9 +261,11 @@ mod tests {
             let projection = Projection::new(rows(&[&wave(0.5)]), &slow);
             let columns = rows(&[&column]);
             let explained = projection.explain(&columns);
-            let change = projection.beside(&columns) * explained.coefficients[0];
+            let change = projection.change(&columns, &explained.coefficients);
+            let after = projection.residual() - &change;
+            let change = change.transpose();
+            let change = DMatrix::from_row_slice(1, VALUES, change.as_slice());
             let information = &change * change.transpose();
-            let after = projection.residual() - change.transpose().column(0);
             let places: Vec<Place> =
                 (0..VALUES).map(|sample| Place { recording: 0, sample, output: 0 }).collect();
             let one = DVector::from_element(1, 1.0);

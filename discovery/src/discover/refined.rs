@@ -7,7 +7,6 @@
 //! estimation data say in innovations, and the validation data are judged with that step, their
 //! own starts fitted to them.
 
-use drivescope_plant::drive::Drive;
 use nalgebra::DVector;
 
 use super::columns::{At, Columns, Place};
@@ -54,7 +53,6 @@ impl Refined {
 
 /// The filter to innovations that the residual of a model asks for.
 pub(crate) fn whitener(at: &At<'_>) -> Whitener {
-    let rows = at.rows(Drive::clone, at.setting, |_, _| Vec::new());
-    let rows = Columns::shared(at.evidence, &rows);
+    let rows = Columns::residuals(at);
     Whitener::of(&rows.places, &rows.residual)
 }

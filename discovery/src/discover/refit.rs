@@ -80,10 +80,10 @@ pub(crate) fn refit(
     Ok(model)
 }
 
-/// The drive with a learned curve, fitted again.
+/// The drive with a learned curve, fitted again but for the values of those names.
 pub(crate) fn with_learned(
     base: &Model,
-    effect: EffectData,
+    (effect, kept): (EffectData, Vec<String>),
     estimation: &Evidence,
     validation: &Evidence,
 ) -> Result<Model, Error> {
@@ -91,7 +91,11 @@ pub(crate) fn with_learned(
     drive.effects.push(effect);
     let setting = finer(&base.setting, &drive);
     let options = Options { starts: 1, ..Options::default() };
-    Model::fit(&drive, estimation, validation, setting, &options)
+    let fixed = drive.fixed.clone();
+    drive.fixed.extend(kept);
+    let mut model = Model::fit(&drive, estimation, validation, setting, &options)?;
+    model.fitted.drive.fixed = fixed;
+    Ok(model)
 }
 
 /// p value of the hypothesis that the change from one model to the next, of `k` parameters,

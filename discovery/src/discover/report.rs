@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
 use super::learned::LearnedCurve;
+use crate::compare::Finding;
 use crate::observer::Observer;
 
 /// What the loop says while it runs.
@@ -80,17 +81,6 @@ pub struct Ranked {
     pub refused: Option<String>,
 }
 
-/// A variable over which the model fails.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Where {
-    /// The variable.
-    pub variable: &'static str,
-    /// p value, the number of curves counted.
-    pub p_value: f64,
-    /// Share of the error above the noise floor that a curve over it removes.
-    pub share: f64,
-}
-
 /// What the loop answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -118,8 +108,8 @@ pub struct Discovery {
     pub remaining: Verdict,
     /// Candidates of the first round, best first, then those that later rounds named.
     pub ranking: Vec<Ranked>,
-    /// Where the base fails, most telling first.
-    pub fails: Vec<Where>,
+    /// Where the base fails, most telling first, as a comparison says.
+    pub fails: Vec<Finding>,
     /// What could not be judged.
     pub not_judged: Vec<NotJudged>,
     /// The curve that describes what nobody knows.

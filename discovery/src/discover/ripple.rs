@@ -6,11 +6,10 @@
 //! series is its signature, and the base drive's own steps serve.
 
 use drivescope_plant::drive::Drive;
+use rayon::prelude::*;
 
-use super::columns::{At, Owned};
-use crate::case::Case;
-use crate::estimate::with_own;
-use crate::measured::Measured;
+use super::columns::At;
+use super::response::{Forcing, Linearised};
 
 /// Angle within a sample below which its average is its middle, rad.
 const SMALL: f64 = 1e-4;
@@ -24,29 +23,23 @@ pub(crate) struct Trajectory {
     pub(crate) speed: Vec<f64>,
     /// Position, rad (m): measured where it is.
     pub(crate) position: Vec<f64>,
+    /// What a torque or a voltage would do to it.
+    pub(crate) linearised: Option<Linearised>,
 }
 
 /// The trajectories of all recordings; 0 where there is none.
 pub(crate) fn trajectories(at: &At<'_>) -> Vec<Trajectory> {
-    let of = |recording: usize| {
-        let fit = &at.fits[recording];
-        let drive = with_own(at.drive, fit);
-        let measured: &Measured = &at.evidence.recordings[recording];
-        let case = Case {
-            drive: &drive,
-            measured,
-            noise: &at.evidence.noise[recording],
-            starts: &fit.starts,
-            setting: at.setting,
-        };
-        let finite = |values: Vec<f64>| -> Vec<f64> {
-            values.into_iter().map(|value| if value.is_finite() { value } else { 0.0 }).collect()
-        };
-        let [current, speed, position] = case.trajectory().map(finite);
-        let position = measured.angle.clone().unwrap_or(position);
-        Trajectory { current, speed, position }
+    let finite = |values: Vec<f64>| -> Vec<f64> {
+        values.into_iter().map(|value| if value.is_finite() { value } else { 0.0 }).collect()
     };
-    (0..at.fits.len()).map(of).collect()
+    let of = |recording: usize| {
+        at.with_case(recording, |case| {
+            let [current, speed, position] = case.trajectory().map(finite);
+            let position = case.measured.angle.clone().unwrap_or(position);
+            Trajectory { current, speed, position, linearised: Linearised::of(case) }
+        })
+    };
+    (0..at.fits.len()).into_par_iter().map(of).collect()
 }
 
 /// cos(N theta) and sin(N theta), averaged from each sample to the next.
@@ -69,25 +62,22 @@ pub(crate) fn waves(position: &[f64], n: f64) -> [Vec<f64>; 2] {
     waves
 }
 
-/// The directions whose sums are the signature of a ripple of N periods in that recording: for
-/// the cosine, then the sine, a torque, and for a ripple of the flux a voltage too.
-pub(crate) fn directions(kind: &str, n: f64, drive: &Drive, run: &Trajectory) -> Vec<Owned> {
-    let waves = waves(&run.position, n);
+/// The cosine's, then the sine's part of the signature of a ripple of N periods in that recording:
+/// a torque, and for a ripple of the flux a voltage too.
+pub(crate) fn forcings(kind: &str, n: f64, drive: &Drive, run: &Trajectory) -> Vec<Forcing> {
     let product = |wave: &[f64], with: &[f64], factor: f64| -> Vec<f64> {
         wave.iter().zip(with).map(|(wave, with)| factor * wave * with).collect()
     };
-    let mut all = Vec::new();
-    for wave in &waves {
-        if kind == "cogging" {
-            all.push(Owned::Torque(wave.iter().map(|wave| -wave).collect()));
-            continue;
+    let of = |wave: Vec<f64>| match drive.motor.k_e {
+        _ if kind == "cogging" => {
+            Forcing { torque: wave.iter().map(|wave| -wave).collect(), voltage: Vec::new() }
         }
-        all.push(Owned::Torque(product(wave, &run.current, drive.motor.k_m)));
-        if let Some(k_e) = drive.motor.k_e {
-            all.push(Owned::Voltage(product(wave, &run.speed, -k_e)));
-        }
-    }
-    all
+        k_e => Forcing {
+            torque: product(&wave, &run.current, drive.motor.k_m),
+            voltage: k_e.map_or(Vec::new(), |k_e| product(&wave, &run.speed, -k_e)),
+        },
+    };
+    waves(&run.position, n).map(of).into()
 }
 
 #[cfg(test)]

@@ -5,6 +5,8 @@ use drivescope_plant::drive::{Drive, Input};
 use crate::estimate::Evidence;
 use crate::measured::{Measured, Output};
 
+/// Share of the fastest speed below which motion is slow.
+pub(crate) const SLOW_SPEED: f64 = 0.1;
 /// Samples over which a position is differentiated.
 const SPAN: usize = 10;
 
@@ -21,6 +23,8 @@ pub(crate) struct Scales {
     pub(crate) travel: f64,
     /// Length of the longest recording, s.
     pub(crate) duration_s: f64,
+    /// Share of the time that the shaft moves slower than a tenth of the fastest speed.
+    pub(crate) slow: f64,
 }
 
 impl Scales {
@@ -42,6 +46,7 @@ impl Scales {
             voltage,
             travel: most(&travel),
             duration_s: most(&|one| one.len() as f64 * one.period_s),
+            slow: slow(evidence, SLOW_SPEED * most(&fastest)),
         }
     }
 }
@@ -59,6 +64,31 @@ fn fastest(measured: &Measured) -> f64 {
         }
         (None, None) => 0.0,
     }
+}
+
+/// Share of all samples with a speed between rest and that.
+fn slow(evidence: &Evidence, below: f64) -> f64 {
+    let (mut slow, mut all) = (0.0, 0.0_f64);
+    for measured in &evidence.recordings {
+        let mut see = |speed: f64| {
+            if speed.is_finite() {
+                all += 1.0;
+                slow += f64::from(u8::from(speed.abs() < below && speed != 0.0));
+            }
+        };
+        match (measured.output(Output::Speed), measured.output(Output::Position)) {
+            (Some(speed), _) => {
+                let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+                speed.values.windows(SPAN).for_each(|part| see(mean(part)));
+            }
+            (None, Some(x)) => {
+                let span = SPAN as f64 * measured.period_s;
+                x.values.windows(SPAN + 1).for_each(|part| see((part[SPAN] - part[0]) / span));
+            }
+            (None, None) => {}
+        }
+    }
+    slow / all.max(1.0)
 }
 
 fn travel(measured: &Measured) -> f64 {

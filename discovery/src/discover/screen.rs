@@ -6,15 +6,22 @@
 //! null is an infinite stiffness are run as they are, at each point of their grid.
 
 use drivescope_plant::drive::Drive;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::columns::{At, Columns, Owned};
+use super::columns::{At, Columns, Owned, Place};
 use super::projection::{Explained, Projection, STANDS_OUT};
-use super::ripple::{Trajectory, directions, trajectories};
+use super::ripple::{Trajectory, forcings, trajectories};
+use super::whiten::Whitener;
 use crate::case::{Case, Setting};
 use crate::estimate::with_own;
 
+/// Share of the residual's variance that its past does not foretell, below which the screen looks
+/// at its innovations too.
+const COLOURED: f64 = 0.98;
+/// Further variants from which a law without a derivative at its null is fitted.
+const OTHERS: usize = 2;
 /// Directions of a pass.
 const A_PASS: usize = 8;
 
@@ -25,13 +32,16 @@ pub(crate) struct Screened {
     pub(crate) candidate: usize,
     /// Number of its best variant.
     pub(crate) variant: usize,
+    /// Further variants to begin a refit with, where the law is so far from linear that one does
+    /// not lead to the others.
+    pub(crate) others: Vec<usize>,
     /// Coefficients to begin a refit with.
     pub(crate) coefficients: Vec<f64>,
     /// Squared error that goes, in units of the noise.
     pub(crate) gain: f64,
     /// Gain less its price.
     pub(crate) worth: f64,
-    /// Share of its signature that stands out of the base.
+    /// Greatest share of a column of its signature that stands out of the base.
     pub(crate) stands_out: f64,
 }
 
@@ -49,36 +59,114 @@ struct Seat {
     variant: usize,
 }
 
-/// Every candidate with the best of its variants, best candidate first.
+/// The residual with its base, as it is and in innovations: under a random load, or beside a
+/// larger effect, a small one shows only there.
+#[derive(Debug)]
+pub(crate) struct Views {
+    plain: Projection,
+    white: Option<(Whitener, Vec<Place>, Projection)>,
+}
+
+impl Views {
+    /// Of these columns of a base; in innovations too where the residual remembers anything.
+    pub(crate) fn of(base: &Columns) -> Self {
+        let plain = Projection::new(base.columns.clone(), &base.residual);
+        let whitener = Whitener::of(&base.places, plain.residual().as_slice());
+        let white = (whitener.unforeseen() < COLOURED).then(|| {
+            let columns = whitener.filtered(&base.places, &base.columns);
+            let residual = whitener.applied(&base.places, &base.residual);
+            (whitener, base.places.clone(), Projection::new(columns, &residual))
+        });
+        Self { plain, white }
+    }
+
+    /// The columns as each view sees them.
+    fn seen(&self, columns: DMatrix<f64>) -> Vec<(&Projection, DMatrix<f64>)> {
+        let white = self.white.as_ref().map(|(whitener, places, projection)| {
+            (projection, whitener.filtered(places, &columns))
+        });
+        std::iter::once((&self.plain, columns)).chain(white).collect()
+    }
+}
+
+/// What was screened: as it is, and in innovations, best candidate first.
+#[derive(Debug, Default)]
+pub(crate) struct Screen {
+    pub(crate) plain: Vec<Screened>,
+    pub(crate) white: Vec<Screened>,
+}
+
+impl Screen {
+    /// The most promising of both views by turns, every candidate once, but a ripple of other
+    /// periods again.
+    pub(crate) fn promising<'a>(
+        &'a self,
+        candidates: &[Candidate],
+        enough: impl Fn(&Screened) -> bool,
+    ) -> Vec<&'a Screened> {
+        let mut all: Vec<&Screened> = Vec::new();
+        for place in 0..self.plain.len().max(self.white.len()) {
+            for one in [self.plain.get(place), self.white.get(place)].into_iter().flatten() {
+                let same = |other: &&Screened| {
+                    let variant = !is_ripple(&candidates[one.candidate]);
+                    other.candidate == one.candidate && (variant || other.variant == one.variant)
+                };
+                if enough(one) && !all.iter().any(same) {
+                    all.push(one);
+                }
+            }
+        }
+        all
+    }
+}
+
+/// Every candidate that `may` take part, with the best of its variants in each view.
 pub(crate) fn screen(
     at: &At<'_>,
-    projection: &Projection,
+    views: &Views,
     candidates: &[Candidate],
+    may: &dyn Fn(&Candidate) -> bool,
     stopped: &(dyn Fn() -> bool + Sync),
-) -> Vec<Screened> {
-    let values = projection.residual().len() as f64;
+) -> Screen {
     let runs = trajectories(at);
-    let passes = passes(candidates);
+    let passes = passes(candidates, may);
     let linear = passes.par_iter().flat_map_iter(|seats| {
-        if stopped() { Vec::new() } else { pass(at, &runs, projection, candidates, seats) }
+        if stopped() { Vec::new() } else { pass(at, &runs, views, candidates, seats) }
     });
-    let stiff: Vec<Seat> = seats(candidates, false).collect();
+    let stiff: Vec<Seat> = seats(candidates, may, false).collect();
     let stiff = stiff.par_iter().flat_map_iter(|seat| {
-        if stopped() { None } else { scanned(at, projection, candidates, *seat) }
+        if stopped() { None } else { scanned(at, &views.plain, candidates, *seat) }
     });
-    let all: Vec<Screened> = linear.chain(stiff).collect();
+    let all: Vec<(usize, Screened)> = linear.chain(stiff.map(|one| (0, one))).collect();
+    let of = |view: usize| {
+        let some = all.iter().filter(|(own, _)| *own == view).map(|(_, one)| one.clone());
+        best_variants(some, candidates, views.plain.residual().len())
+    };
+    Screen { plain: of(0), white: of(1) }
+}
+
+/// The best variant of every candidate, best candidate first.
+fn best_variants(
+    all: impl Iterator<Item = Screened>,
+    candidates: &[Candidate],
+    values: usize,
+) -> Vec<Screened> {
+    let values = values as f64;
     let price = |one: &Screened| {
         let candidate = &candidates[one.candidate];
         // The search over a grid is a parameter of its own.
         let shape = usize::from(candidate.variants.len() > 1);
         (candidate.coefficients.len() + shape) as f64 * values.ln()
     };
+    let mut all: Vec<Screened> =
+        all.map(|one| Screened { worth: one.gain - price(&one), ..one }).collect();
+    all.sort_by(|a, b| b.worth.total_cmp(&a.worth));
     let mut best: Vec<Screened> = Vec::new();
-    for mut one in all {
-        one.worth = one.gain - price(&one);
+    for one in all {
         match best.iter_mut().find(|other| other.candidate == one.candidate) {
-            Some(other) if other.worth < one.worth => *other = one,
-            Some(_) => {}
+            Some(other)
+                if candidates[one.candidate].is_linear() || other.others.len() == OTHERS => {}
+            Some(other) => other.others.push(one.variant),
             None => best.push(one),
         }
     }
@@ -86,8 +174,13 @@ pub(crate) fn screen(
     best
 }
 
-fn seats(candidates: &[Candidate], linear: bool) -> impl Iterator<Item = Seat> + '_ {
-    let some = candidates.iter().enumerate().filter(move |(_, it)| it.is_linear() == linear);
+fn seats<'a>(
+    candidates: &'a [Candidate],
+    may: &'a dyn Fn(&Candidate) -> bool,
+    linear: bool,
+) -> impl Iterator<Item = Seat> + 'a {
+    let wanted = move |it: &Candidate| it.is_linear() == linear && may(it);
+    let some = candidates.iter().enumerate().filter(move |(_, it)| wanted(it));
     some.flat_map(|(candidate, it)| {
         (0..it.variants.len()).map(move |variant| Seat { candidate, variant })
     })
@@ -100,17 +193,15 @@ fn is_ripple(candidate: &Candidate) -> bool {
 
 /// Variants that share a pass: ripples keep to their kind, and stiff effects, whose steps are
 /// short, to themselves.
-fn passes(candidates: &[Candidate]) -> Vec<Vec<Seat>> {
+fn passes(candidates: &[Candidate], may: &dyn Fn(&Candidate) -> bool) -> Vec<Vec<Seat>> {
     let mut passes: Vec<Vec<Seat>> = Vec::new();
     let (mut room, mut before) = (0, usize::MAX);
-    for seat in seats(candidates, true) {
+    for seat in seats(candidates, may, true) {
         let candidate = &candidates[seat.candidate];
         let slow = candidate.entry.info.stiff || candidate.entry.info.id == "delay";
         let alone = is_ripple(candidate) || slow;
         let company = if alone { seat.candidate } else { usize::MAX };
-        // The flux acts in two balances.
-        let ripples = if is_ripple(candidate) { candidate.entry.info.acts_on.len() } else { 1 };
-        let k = candidate.coefficients.len() * ripples;
+        let k = candidate.coefficients.len();
         if room < k || company != before || passes.is_empty() {
             passes.push(Vec::new());
             room = A_PASS;
@@ -124,25 +215,20 @@ fn passes(candidates: &[Candidate]) -> Vec<Vec<Seat>> {
 }
 
 /// Columns of some ripples of one kind.
-fn ripples(at: &At<'_>, runs: &[Trajectory], candidates: &[Candidate], seats: &[Seat]) -> Columns {
-    let rows = at.rows(Drive::clone, at.setting, |recording, _| {
+fn ripples(
+    at: &At<'_>,
+    runs: &[Trajectory],
+    candidates: &[Candidate],
+    seats: &[Seat],
+) -> DMatrix<f64> {
+    at.responses(runs, |recording| {
         let of = |seat: &Seat| {
             let candidate = &candidates[seat.candidate];
             let (_, n) = candidate.variants[seat.variant].effect.parameters[0];
-            directions(candidate.entry.info.id, n, at.drive, &runs[recording])
+            forcings(candidate.entry.info.id, n, at.drive, &runs[recording])
         };
         seats.iter().flat_map(of).collect()
-    });
-    let mut columns = Columns::shared(at.evidence, &rows);
-    // The responses to torque and voltage together are that to the flux.
-    let each = columns.columns.nrows() / (2 * seats.len());
-    if each == 2 {
-        let (all, n) = (&columns.columns, columns.columns.ncols());
-        columns.columns = nalgebra::DMatrix::from_fn(all.nrows() / 2, n, |row, value| {
-            all[(2 * row, value)] + all[(2 * row + 1, value)]
-        });
-    }
-    columns
+    })
 }
 
 /// The drive with the variants of a pass, each under a name of its own.
@@ -163,61 +249,71 @@ fn seat_name(number: usize) -> String {
 fn pass(
     at: &At<'_>,
     runs: &[Trajectory],
-    projection: &Projection,
+    views: &Views,
     candidates: &[Candidate],
     seats: &[Seat],
-) -> Vec<Screened> {
+) -> Vec<(usize, Screened)> {
     let columns = if is_ripple(&candidates[seats[0].candidate]) {
         ripples(at, runs, candidates, seats)
     } else {
-        columns(at, candidates, seats)
+        columns(at, candidates, seats).columns
     };
+    let seen = views.seen(columns);
     let mut from = 0;
     let mut found = Vec::new();
     for seat in seats {
         let candidate = &candidates[seat.candidate];
         let k = candidate.coefficients.len();
-        let own = columns.columns.rows(from, k).into_owned();
-        from += k;
-        if own.iter().any(|value| !value.is_finite()) {
-            continue;
+        for (view, (projection, columns)) in seen.iter().enumerate() {
+            let own = columns.rows(from, k).into_owned();
+            if own.iter().any(|value| !value.is_finite()) {
+                continue;
+            }
+            let explained = within(candidate, projection, own);
+            let stands_out = explained.stands_out.iter().fold(0.0_f64, |most, it| most.max(*it));
+            let one = Screened {
+                candidate: seat.candidate,
+                variant: seat.variant,
+                others: Vec::new(),
+                coefficients: explained.coefficients.as_slice().to_vec(),
+                gain: explained.gain,
+                worth: 0.0,
+                stands_out,
+            };
+            found.push((view, one));
         }
-        let explained = within(candidate, projection, &own);
-        let judged = explained.stands_out >= STANDS_OUT;
-        found.push(Screened {
-            candidate: seat.candidate,
-            variant: seat.variant,
-            coefficients: explained.coefficients.as_slice().to_vec(),
-            gain: if judged { explained.gain } else { 0.0 },
-            worth: 0.0,
-            stands_out: explained.stands_out,
-        });
+        from += k;
     }
     found
 }
 
-/// What the columns explain with coefficients that are possible: one that would leave its range
-/// is left out.
-fn within(
-    candidate: &Candidate,
-    projection: &Projection,
-    columns: &nalgebra::DMatrix<f64>,
-) -> Explained {
-    let mut columns = columns.clone();
-    loop {
-        let explained = projection.explain(&columns);
-        let range = |name: &str| {
-            let parameters = candidate.entry.parameters;
-            parameters.iter().find(|it| it.name == name).map_or((0.0, 0.0), |it| it.range)
-        };
-        let outside = candidate.coefficients.iter().zip(explained.coefficients.iter());
-        let worst = outside.enumerate().find(|(row, (name, value))| {
-            let (low, high) = range(name);
-            columns.row(*row).iter().any(|v| *v != 0.0) && (**value < low || **value > high)
-        });
-        let Some((row, _)) = worst else { return explained };
-        columns.row_mut(row).fill(0.0);
+/// What the columns explain with coefficients that are told and possible: one that the base
+/// imitates, or that would leave its range, is left out and stays at its null. All that stands
+/// out is that of the best column.
+fn within(candidate: &Candidate, projection: &Projection, mut columns: DMatrix<f64>) -> Explained {
+    let range = |name: &str| {
+        let parameters = candidate.entry.parameters;
+        parameters.iter().find(|it| it.name == name).map_or((0.0, 0.0), |it| it.range)
+    };
+    let mut explained = projection.explain(&columns);
+    let stands_out = explained.stands_out.clone();
+    let untold = (0..columns.nrows()).filter(|row| stands_out[*row] < STANDS_OUT);
+    untold.for_each(|row| columns.row_mut(row).fill(0.0));
+    if stands_out.iter().any(|share| *share < STANDS_OUT) {
+        explained = projection.explain(&columns);
     }
+    for _ in 0..columns.nrows() {
+        let named = candidate.coefficients.iter().zip(explained.coefficients.iter()).enumerate();
+        let beyond = |(row, (name, value)): (usize, (&&str, &f64))| {
+            let (low, high) = range(name);
+            let left_out = columns.row(row).iter().all(|v| *v == 0.0);
+            (!left_out && (*value < low || *value > high)).then_some(row)
+        };
+        let Some(row) = named.filter_map(beyond).next() else { break };
+        columns.row_mut(row).fill(0.0);
+        explained = projection.explain(&columns);
+    }
+    Explained { stands_out, ..explained }
 }
 
 /// Columns of the coefficients of some variants, in one run.
@@ -270,6 +366,7 @@ fn scanned(
     sum.is_finite().then(|| Screened {
         candidate: seat.candidate,
         variant: seat.variant,
+        others: Vec::new(),
         coefficients: Vec::new(),
         gain: projection.residual().norm_squared() - sum,
         worth: 0.0,

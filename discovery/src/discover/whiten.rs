@@ -26,6 +26,8 @@ pub(crate) struct Whitener {
     weights: [Vec<f64>; OUTPUTS],
     /// Standard deviation of the innovations of each output.
     sd: [f64; OUTPUTS],
+    /// Least share of an output's variance that is left.
+    unforeseen: f64,
 }
 
 /// Averages of the past of a list of signals, each with several outputs.
@@ -105,19 +107,28 @@ impl Whitener {
                 }
             }
         }
-        let mut filter = Self { weights, sd: [1.0; OUTPUTS] };
+        let mut filter = Self { weights, sd: [1.0; OUTPUTS], unforeseen: 1.0 };
         let innovations = filter.applied(places, residual);
         for output in 0..OUTPUTS {
-            let own: Vec<f64> = places
-                .iter()
-                .zip(&innovations)
-                .filter(|(place, _)| place.output == output)
-                .map(|(_, value)| *value)
-                .collect();
-            let power = own.iter().map(|value| value * value).sum::<f64>() / own.len() as f64;
-            filter.sd[output] = if power > 0.0 { power.sqrt() } else { 1.0 };
+            let power = |values: &[f64]| {
+                let own = places.iter().zip(values).filter(|(place, _)| place.output == output);
+                let (sum, count) = own.fold((0.0, 0.0), |(sum, count), (_, value)| {
+                    (sum + value * value, count + 1.0)
+                });
+                sum / count
+            };
+            let left = power(&innovations);
+            if left > 0.0 {
+                filter.sd[output] = left.sqrt();
+                filter.unforeseen = filter.unforeseen.min(left / power(residual));
+            }
         }
         filter
+    }
+
+    /// Least share of an output's variance that its past does not foretell.
+    pub(crate) fn unforeseen(&self) -> f64 {
+        self.unforeseen
     }
 
     /// The innovations of a residual.

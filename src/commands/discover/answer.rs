@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use drivescope_discovery::compare::Finding;
 use drivescope_discovery::{
-    Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung, Verdict, Where,
+    Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung, Verdict,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_plant::file::Change;
@@ -47,7 +48,7 @@ pub(super) struct Answer {
     after: Errors,
     noise: NoiseOf,
     #[serde(rename = "where")]
-    fails: Vec<Where>,
+    fails: Vec<Finding>,
     verdict: Verdict,
     named: Vec<String>,
     remaining: Verdict,
@@ -105,13 +106,9 @@ impl Answer {
             0.0 => writeln!(text, "free run from u; errors in units of the noise, floor 1"),
             hz => writeln!(text, "observer of {hz} Hz, frozen; errors in units of the noise"),
         };
-        if let Some(most) = self.fails.first().filter(|it| it.share > 0.0) {
-            let _ = writeln!(
-                text,
-                "the base fails over {}: a curve over it removes {:.0} % of the excess",
-                most.variable,
-                100.0 * most.share
-            );
+        for one in &self.fails {
+            let share = 100.0 * one.share;
+            let _ = writeln!(text, "fails over {}: {} ({share:.0} %)", one.variable, one.words);
         }
         text.push('\n');
         for rung in &self.ladder {

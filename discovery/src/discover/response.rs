@@ -1,0 +1,210 @@
+//! Responses of the outputs to known torques and voltages along a run, for hundreds of them at
+//! the price of one.
+//!
+//! Along a run the deviation dx of the state obeys, exactly to first order and through stick-slip,
+//!
+//! dy_k = C_k dx_k + D_k b_k,   dx_(k+1) = A_k dx_k + B_k b_k,
+//!
+//! with b the torque and voltage added over sample k. One run over duals, seeded anew at each
+//! sample by the state and the two inputs, yields A, B, C, D; every series then costs a small
+//! matrix product a sample.
+
+use drivescope_numerics::Dual;
+use nalgebra::DMatrix;
+
+use crate::case::Case;
+use crate::run::Runner;
+use crate::sensitivity::Direction;
+
+/// Derivatives in the run: by the states and two inputs.
+const SEEDS: usize = 8;
+/// States that this leaves room for.
+const MOST_STATES: usize = SEEDS - 2;
+/// Outputs there may be.
+const OUTPUTS: usize = 3;
+/// Series that advance together.
+const TOGETHER: usize = 8;
+
+/// A torque against nothing, N m (N), positive forward, and a voltage in the armature circuit, V,
+/// one value a sample, held; nothing where empty.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Forcing {
+    pub(crate) torque: Vec<f64>,
+    pub(crate) voltage: Vec<f64>,
+}
+
+/// The maps of one sample: derivatives by the states, then torque and voltage.
+#[derive(Debug, Clone, Copy)]
+struct Map {
+    next: [[f64; SEEDS]; MOST_STATES],
+    shown: [[f64; SEEDS]; OUTPUTS],
+}
+
+/// A drive linearised along a recording.
+#[derive(Debug, Clone)]
+pub(crate) struct Linearised {
+    states: usize,
+    /// One a sample of the pieces, in order.
+    maps: Vec<Map>,
+}
+
+impl Linearised {
+    /// Of that case; nothing where the drive has too many states, or holds its input back.
+    pub(crate) fn of(case: &Case<'_>) -> Option<Self> {
+        let fixed = |value| Dual { v: value, d: [0.0; SEEDS] };
+        let starts = case.starts.iter().map(|it| [it.current, it.speed, it.position].map(fixed));
+        let mut runner: Runner<'_, Dual<SEEDS>> =
+            Runner::new(case, starts.collect(), |_, value| fixed(value));
+        let states = runner.state().x.len();
+        if states > MOST_STATES || runner.holds_back() {
+            return None;
+        }
+        let added = [states, states + 1].map(|seed| Dual::parameter(0.0, seed));
+        let mut maps = Vec::with_capacity(case.measured.len());
+        for k in case.measured.pieces.iter().cloned().flatten() {
+            runner.seed();
+            let shown = runner.sample(k, added).map(|value| value.d);
+            let mut next = [[0.0; SEEDS]; MOST_STATES];
+            for (row, [value]) in next.iter_mut().zip(&runner.state().x) {
+                *row = value.d;
+            }
+            maps.push(Map { next, shown });
+        }
+        Some(Self { states, maps })
+    }
+
+    /// Responses in units of the noise: one row a series, one column a measured value.
+    fn respond(&self, case: &Case<'_>, series: &[Forcing]) -> DMatrix<f64> {
+        let mut columns = DMatrix::zeros(series.len(), case.measured.values());
+        for (chunk, some) in series.chunks(TOGETHER).enumerate() {
+            self.few(case, some, chunk * TOGETHER, &mut columns);
+        }
+        columns
+    }
+
+    /// The responses to a few series, written from that row on.
+    fn few(&self, case: &Case<'_>, series: &[Forcing], from: usize, columns: &mut DMatrix<f64>) {
+        let n = self.states;
+        let (mut place, mut value) = (0, 0);
+        for piece in &case.measured.pieces {
+            // States, then torque and voltage.
+            let mut x = [[0.0; TOGETHER]; SEEDS];
+            for k in piece.clone() {
+                let map = &self.maps[place];
+                place += 1;
+                for (slot, forcing) in series.iter().enumerate() {
+                    x[n][slot] = forcing.torque.get(k).copied().unwrap_or(0.0);
+                    x[n + 1][slot] = forcing.voltage.get(k).copied().unwrap_or(0.0);
+                }
+                for (channel, sd) in case.measured.outputs.iter().zip(case.noise) {
+                    if channel.values[k].is_finite() {
+                        let shown = along(&map.shown[channel.output as usize], &x, n + 2);
+                        for (slot, shown) in shown[..series.len()].iter().enumerate() {
+                            columns[(from + slot, value)] = shown / sd;
+                        }
+                        value += 1;
+                    }
+                }
+                let mut next = x;
+                for (row, map) in next[..n].iter_mut().zip(&map.next) {
+                    *row = along(map, &x, n + 2);
+                }
+                x = next;
+            }
+        }
+    }
+}
+
+/// A row of a map times several vectors.
+#[inline(always)]
+fn along(row: &[f64; SEEDS], x: &[[f64; TOGETHER]; SEEDS], used: usize) -> [f64; TOGETHER] {
+    let mut sum = [0.0; TOGETHER];
+    for (factor, x) in row[..used].iter().zip(x) {
+        for (sum, x) in sum.iter_mut().zip(x) {
+            *sum += factor * x;
+        }
+    }
+    sum
+}
+
+/// Responses of a case to these series, one row each; by runs over duals where there is no
+/// linearisation.
+pub(crate) fn responses(
+    linearised: Option<&Linearised>,
+    case: &Case<'_>,
+    series: &[Forcing],
+) -> DMatrix<f64> {
+    if let Some(linearised) = linearised {
+        return linearised.respond(case, series);
+    }
+    let zeros = vec![0.0; case.measured.len()];
+    let some = |values: &'_ [f64]| if values.is_empty() { zeros.clone() } else { values.to_vec() };
+    let owned: Vec<(Vec<f64>, Vec<f64>)> =
+        series.iter().map(|it| (some(&it.torque), some(&it.voltage))).collect();
+    let directions: Vec<Direction<'_>> = owned
+        .iter()
+        .flat_map(|(torque, voltage)| [Direction::Torque(torque), Direction::Voltage(voltage)])
+        .collect();
+    let rows = case.sensitivities(&directions).columns;
+    DMatrix::from_fn(series.len(), rows.ncols(), |row, value| {
+        rows[(2 * row, value)] + rows[(2 * row + 1, value)]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{bench, dr300, gaussian};
+    use crate::{Measured, Observer, Setting, Start};
+
+    /// Both are exact derivatives of the same run: what is left are sums in another order.
+    const ROUNDING: f64 = 1e-9;
+
+    #[test]
+    fn responses_are_those_of_runs_over_duals() {
+        let drive = dr300();
+        let measured = Measured::new(&drive, &bench(&drive, 2.0, 0.001)).expect("it can be used");
+        let (noise, starts) = ([0.01, 0.3], vec![Start::REST; measured.pieces.len()]);
+        let n = measured.len();
+        let forcing = |seed: u64| Forcing {
+            torque: if seed == 3 { Vec::new() } else { gaussian(n, seed) },
+            voltage: if seed == 4 { Vec::new() } else { gaussian(n, seed + 100) },
+        };
+        let series: Vec<Forcing> = (0..11).map(forcing).collect();
+        for hz in [0.0, 10.0] {
+            let setting = Setting::new(&drive, Observer { hz });
+            let case = Case {
+                drive: &drive,
+                measured: &measured,
+                noise: &noise,
+                starts: &starts,
+                setting: &setting,
+            };
+            let linearised = Linearised::of(&case).expect("three states");
+            let fast = responses(Some(&linearised), &case, &series);
+            let slow = responses(None, &case, &series);
+            let largest = slow.amax();
+            let worst = (fast - slow).amax();
+            assert!(largest > 1e-3 && worst < ROUNDING * largest, "{worst} of {largest}");
+        }
+    }
+
+    #[test]
+    fn a_drive_that_holds_its_input_back_is_run_over_duals() {
+        let mut drive = dr300();
+        let measured = Measured::new(&drive, &bench(&drive, 0.5, 0.001)).expect("it can be used");
+        let parameters = vec![("tau".into(), 4e-4)];
+        let (kind, id) = ("delay".into(), "delay".into());
+        drive.effects.push(drivescope_plant::drive::EffectData { kind, id, parameters, law: None });
+        let (noise, starts) = ([0.01, 0.3], vec![Start::REST; measured.pieces.len()]);
+        let setting = Setting::new(&drive, Observer::NONE);
+        let case = Case {
+            drive: &drive,
+            measured: &measured,
+            noise: &noise,
+            starts: &starts,
+            setting: &setting,
+        };
+        assert!(Linearised::of(&case).is_none());
+    }
+}

@@ -1,7 +1,7 @@
 //! Recordings as evidence on a drive: read, judged fit for use, their noise known, and part of
 //! them held out where the user names no validation.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use drivescope_discovery::{Evidence, Measured};
@@ -49,13 +49,9 @@ pub(crate) struct Gathered {
 }
 
 impl Gathered {
-    /// Names of the files that are fitted to, without their folders.
+    /// Names of the files that are fitted to.
     pub(crate) fn files(&self) -> String {
-        let own = |name: &str| match Path::new(name).file_name() {
-            Some(file) => file.to_string_lossy().into_owned(),
-            None => name.to_owned(),
-        };
-        let names: Vec<_> = self.estimation.recordings.iter().map(|it| own(&it.name)).collect();
+        let names: Vec<_> = self.estimation.recordings.iter().map(|it| it.name.as_str()).collect();
         names.join(", ")
     }
 }

@@ -47,9 +47,9 @@ pub(crate) fn read_evidence(
     session: &Session,
 ) -> miette::Result<ReadEvidence> {
     let mut read = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
-    for file in files {
+    for (file, name) in files.iter().zip(short_names(files)) {
         let (recording, _) = reading.read(file, session)?;
-        let measured = Measured::new(drive, &recording).map_err(told)?;
+        let measured = Measured { name, ..Measured::new(drive, &recording).map_err(told)? };
         read.doubts.extend(doubts(drive, &measured).map_err(told)?.iter().map(ToString::to_string));
         let found = noise(drive, &measured, given);
         let known = measured.outputs.iter().zip(&found).map(|(channel, noise)| KnownNoise {
@@ -64,6 +64,27 @@ pub(crate) fn read_evidence(
     }
     read.doubts.iter().for_each(|doubt| session.remark(doubt));
     Ok(read)
+}
+
+/// Names of files without their folders, as results show them; with the last folder where two
+/// would be the same.
+fn short_names(files: &[PathBuf]) -> Vec<String> {
+    let own = |file: &PathBuf| {
+        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+        name.into_owned()
+    };
+    let with_folder = |file: &PathBuf| {
+        let folder = file.parent().and_then(|it| it.file_name())?.to_string_lossy().into_owned();
+        Some(format!("{folder}/{}", own(file)))
+    };
+    let alone = |file: &&PathBuf| files.iter().filter(|it| own(it) == own(file)).count() == 1;
+    files
+        .iter()
+        .map(|file| match alone(&file) {
+            true => own(file),
+            false => with_folder(file).unwrap_or_else(|| own(file)),
+        })
+        .collect()
 }
 
 /// The standard deviations of the command line: `i=0.01,omega=0.3`.
@@ -98,6 +119,14 @@ pub(crate) fn given_noise(drive: &Drive, text: Option<&str>) -> miette::Result<V
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn recordings_are_called_by_their_files() {
+        let names =
+            |files: &[&str]| short_names(&files.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(names(&["/home/me/a.csv", "b.csv"]), ["a.csv", "b.csv"]);
+        assert_eq!(names(&["/x/1/a.csv", "/x/2/a.csv"]), ["1/a.csv", "2/a.csv"]);
+    }
 
     #[test]
     fn noise_is_given_by_name() {

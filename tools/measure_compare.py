@@ -6,10 +6,12 @@
 Makes recordings that drivescope did not simulate (tools/generators), fits the base drive to each
 and compares. Printed are rates with 95 % Wilson intervals: the variable that the hidden effect's
 fingerprint names first is first in `where` (bar: 95 %), and nothing is reported in recordings
-without a hidden effect (bar: 95 %) with white noise, with a random load torque, and with another
-zero-speed law. Two broken versions must collapse: the truth of another case (shuffled), and the
-hidden effect left out of the recording. Exit status 1 if a bar is missed or a broken version
-does not collapse. Other seeds than those the method was tuned on (1001 to 2003): from 9001 on.
+without a hidden effect (bar: 95 %), half of both under a random load torque; and, without a bar,
+recordings with another zero-speed law, where there is a small thing to be found. Two broken
+versions must collapse: the truth of another case (shuffled), and the hidden effect left out of
+the recording. Exit status 1 if a bar is missed or a broken version does not collapse. Other seeds
+than those the method was tuned on (below 4000): from 9001 on. Cases in the folder of --keep that
+are there already are not made again.
 """
 
 import argparse
@@ -20,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
 from pathlib import Path
 
 from generators import cases, files
@@ -78,9 +81,19 @@ class Program:
         return found["where"], found["before"]["error"]
 
 
-def run(program, made, folder, workers):
+def made(plan, folder):
+    """Folders of a plan's cases, in order; a plan always gives the same bytes."""
+    stamp, wanted = folder / "plan.json", json.dumps(asdict(plan), indent=1) + "\n"
+    if not stamp.exists() or stamp.read_text(encoding="utf-8") != wanted:
+        for case in cases.make(plan):
+            files.write(case, folder, plan.period)
+        files.replace(stamp, wanted)
+    return [folder / f"case_{k:04d}" for k in range(len(plan.hidden))]
+
+
+def run(program, plan, folder, workers):
     """`where` of each case, in order."""
-    folders = [files.write(case, folder, 1e-3) for case in made]
+    folders = made(plan, folder)
     with ThreadPoolExecutor(workers) as pool:
         return list(pool.map(program.where, folders))
 
@@ -118,11 +131,11 @@ def main():
     passed = True
 
     half = options.cases // 2
-    right, shuffled, total, wrong = 0, 0, 0, []
+    right, total, wrong = 0, 0, []
     expected_all, found_all = [], []
     for coloured, seed in ((False, options.seed), (True, options.seed + 1)):
         ids, plan = hidden_cases(options, coloured, half, seed)
-        answers = run(program, cases.make(plan), folder / f"hidden_{seed}", options.workers)
+        answers = run(program, plan, folder / f"hidden_{seed}", options.workers)
         expected = {id: expectation(program, id) for id in set(ids)}
         hits = 0
         for k, (id, (found, error)) in enumerate(zip(ids, answers, strict=True)):
@@ -141,33 +154,32 @@ def main():
     shuffled = sum(a == b for a, b in zip(expected_all, found_all, strict=True))
     passed &= told("broken: truth of another case", shuffled, total) < COLLAPSED
 
-    silent, count, reported = 0, 0, []
+    silent, count, reported, white = 0, 0, [], []
     kinds = (("white noise", False, False), ("random load", True, False),
              ("another zero-speed law", False, True))  # fmt: skip
     for place, (label, coloured, smooth) in enumerate(kinds):
-        share = options.cases // 2 if coloured else options.cases // 4
-        seed = options.seed + 10 + place
+        share, seed = half // 2 if smooth else half, options.seed + 10 + place
         plan = cases.Plan([None] * share, seed, options.noise, coloured, smooth)
-        answers = run(program, cases.make(plan), folder / f"null_{seed}", options.workers)
+        answers = run(program, plan, folder / f"null_{seed}", options.workers)
         quiet = sum(not found for found, _ in answers)
         told(f"nothing hidden, {label}", quiet, share)
         for k, (found, error) in enumerate(answers):
             if found:
-                reported.append(f"{seed}/{k}: {found[0]['words']}, p {found[0]['p_value']:.1e}")
-        silent, count = silent + quiet, count + share
+                what = f"{found[0]['words']}, p {found[0]['p_value']:.1e}, error {error:.3f}"
+                reported.append(f"{seed}/{k}: {what}")
+        if not smooth:
+            silent, count = silent + quiet, count + share
+            white = white or answers
     passed &= told("nothing hidden: nothing reported", silent, count) >= BAR
     for line in reported:
         print("   reported", line)
     # The hidden effect left out: the same question has no right answer in these.
     laws = [law.id for law in catalogue().values() if law.fails_over]
-    share = options.cases // 4
-    plan = cases.Plan([None] * share, options.seed + 20, options.noise)
-    answers = run(program, cases.make(plan), folder / "left_out", options.workers)
     hits = sum(
-        variable(found) == catalogue()[laws[k % len(laws)]].fails_over[0]
-        for k, (found, _) in enumerate(answers)
+        variable(found) == expectation(program, laws[k % len(laws)])
+        for k, (found, _) in enumerate(white)
     )
-    passed &= told("broken: effect left out of the recordings", hits, share) < COLLAPSED
+    passed &= told("broken: effect left out of the recordings", hits, len(white)) < COLLAPSED
     sys.exit(0 if passed else 1)
 
 

@@ -10,6 +10,8 @@ use drivescope_discovery::compare::{
     Comparison, Curve, Finding, Options, RecordingComparison, Span, compare,
 };
 use drivescope_discovery::{Observer, Setting, USUAL_BAND_HZ, evaluate, relative_force_error};
+use drivescope_plant::drive::Motion;
+use drivescope_plant::units::for_motion;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -62,6 +64,8 @@ struct SpanOf<'a> {
 #[derive(Debug, Serialize)]
 struct Answer<'a> {
     drive: &'a str,
+    #[serde(skip)]
+    motion: Motion,
     observer_hz: f64,
     noise_floor: f64,
     before: Before,
@@ -116,6 +120,7 @@ impl Run for Compare {
         let first = evidence.recordings.first();
         let answer = Answer {
             drive: &drive.name,
+            motion: drive.motion,
             observer_hz: compared.observer_hz,
             noise_floor: compared.floor,
             before: Before { error: compared.error, validation_error },
@@ -187,9 +192,10 @@ fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
         }
     }
     if !compared.findings.is_empty() {
+        let unit = for_motion(answer.motion, "rad");
         let _ = writeln!(text, "where it fails       share  by chance  what it looks like");
         for it in &compared.findings {
-            let period = it.period.map_or(String::new(), |it| format!(", period {it:.4}"));
+            let period = it.period.map_or(String::new(), |it| format!(", period {it:.4} {unit}"));
             let _ = writeln!(
                 text,
                 "  {:<14} {:>8.1} % {:>10.1e}  {}{period}",

@@ -3,8 +3,8 @@
 //! Every shape is scored on the plain residual: what it explains, less what chance would, with
 //! the variance of its coefficients from blocks. The best few are tested with the residual made
 //! white after their removal ([`super::whitening`]); only where none of them stands is the search
-//! repeated on the whitened residual, which sees small effects below a random load. What is found
-//! joins the base, and the rest is tested anew: so every finding is conditional on those before.
+//! repeated on the whitened residual, by probability: it sees small effects below a random load.
+//! What is found joins the base, and the rest is tested anew: so every finding is conditional on those before.
 
 use drivescope_plant::effects::info::Variable;
 use nalgebra::{DMatrix, DVector};
@@ -14,8 +14,8 @@ use super::score::{Score, basis, outside, own_basis, score};
 use super::shape::Shape;
 use super::whitening::Whitening;
 
-/// Probability, after correction for the number of shapes (Holm, 1979), below which a shape is
-/// reported. One in a thousand and not one in twenty: blocks are few, a random load is no normal
+/// Probability, after correction for the number of shapes (Bonferroni, by variable), below which a
+/// shape is reported. One in a thousand and not one in twenty: blocks are few, a random load is no normal
 /// noise, and a real effect of any size falls far below.
 pub(super) const LEVEL: f64 = 1e-3;
 /// Share of the noise's power that a shape must explain to be worth a word: the error then falls
@@ -40,6 +40,8 @@ pub(super) struct Data<'a> {
     pub(super) white_blocks: (Vec<usize>, usize),
     /// Squared error of a perfect model, per value.
     pub(super) floor: f64,
+    /// Wave numbers of the angle among which those of the shapes were chosen.
+    pub(super) looked_at: usize,
 }
 
 /// A shape that was found.
@@ -86,23 +88,36 @@ impl Data<'_> {
 
     /// The next shape that stands, with its corrected probability.
     fn next(&self, added: &[usize]) -> Option<(usize, f64)> {
-        let plain = self.ranked(added, &|column| column.to_vec(), &self.blocks);
-        let hypotheses = plain.len() as f64;
+        let mut plain = self.ranked(added, &|column| column.to_vec(), &self.blocks);
+        plain.sort_by(|a, b| b.worth.total_cmp(&a.worth));
         let worth = WORTH * self.floor * self.layout.values();
         let judge = |number: usize| {
             let gain = plain.iter().find(|it| it.number == number)?.score.gain;
-            let p_value = (self.confirmed(added, number)? * hypotheses).min(1.0);
+            let p_value = (self.confirmed(added, number)? * self.hypotheses(number)).min(1.0);
             (p_value < LEVEL && gain > worth).then_some((number, p_value))
         };
-        let best = |ranked: &[Ranked]| {
-            let few = ranked.iter().take(TESTED).filter(|it| it.worth > 0.0);
-            few.map(|it| it.number).find_map(judge)
-        };
-        best(&plain).or_else(|| {
+        let clearly = plain.iter().take(TESTED).filter(|it| it.worth > 0.0);
+        clearly.map(|it| it.number).find_map(judge).or_else(|| {
             let filter = Whitening::fit(self.left(added).as_slice(), self.layout);
             let white = |column: &[f64]| filter.apply(column, self.layout);
-            best(&self.ranked(added, &white, &self.white_blocks))
+            let mut ranked = self.ranked(added, &white, &self.white_blocks);
+            let p_value = |it: &Ranked| it.score.p_value * self.hypotheses(it.number);
+            ranked.sort_by(|a, b| p_value(a).total_cmp(&p_value(b)));
+            let clearly = ranked.iter().filter(|it| it.worth > 0.0).take(TESTED);
+            clearly.map(|it| it.number).find_map(judge)
         })
+    }
+
+    /// By how much a probability is corrected: every variable has an equal part of the level, and
+    /// its shapes share that, so that the many waves over the angle do not hide a friction.
+    fn hypotheses(&self, number: usize) -> f64 {
+        let variable = self.shapes[number].variable();
+        let mut variables: Vec<Variable> = self.shapes.iter().map(|it| it.variable()).collect();
+        let of_this = variables.iter().filter(|it| **it == variable).count();
+        variables.sort_unstable();
+        variables.dedup();
+        let waves = if variable == Variable::Theta { self.looked_at } else { 0 };
+        (variables.len() * (of_this + waves)) as f64
     }
 
     /// Columns of the base and of what was found.
@@ -122,7 +137,7 @@ impl Data<'_> {
         basis(columns.iter().map(Vec::as_slice), self.layout.rows())
     }
 
-    /// All other shapes through that filter, the most telling first.
+    /// All other shapes through that filter.
     fn ranked(
         &self,
         added: &[usize],
@@ -133,7 +148,7 @@ impl Data<'_> {
         let e = outside(&known, &filter(&self.residual));
         let chance = self.layout.values().ln();
         let others = (0..self.shapes.len()).filter(|number| !added.contains(number));
-        let mut ranked: Vec<Ranked> = others
+        others
             .filter_map(|number| {
                 let columns: Vec<Vec<f64>> =
                     self.columns[number].iter().map(|column| filter(column)).collect();
@@ -141,9 +156,7 @@ impl Data<'_> {
                 let by_chance = score.variance.max(1.0) * score.columns as f64 * chance;
                 Some(Ranked { number, score, worth: score.gain - by_chance })
             })
-            .collect();
-        ranked.sort_by(|a, b| b.worth.total_cmp(&a.worth));
-        ranked
+            .collect()
     }
 
     /// Probability of a shape with the residual made white after its removal.

@@ -190,11 +190,21 @@ pub fn compare(
         })
         .fold(0.0, f64::max);
     let block_s = (BLOCK_MEMORIES * memory_s).clamp(BLOCK_S.0, BLOCK_S.1);
-    let shapes = shapes(&maker, &angles::wave_numbers(&maker, &known, &residual));
+    let waves = angles::wave_numbers(&maker, base.iter().map(Vec::as_slice), &residual);
+    let shapes = shapes(&maker, &waves.kept);
     let columns = maker.shapes(&shapes);
     let (blocks, white_blocks) = (layout.blocks(block_s), layout.blocks(BLOCK_S.0));
-    let data =
-        Data { layout: &layout, residual, base, shapes, columns, blocks, white_blocks, floor };
+    let data = Data {
+        layout: &layout,
+        residual,
+        base,
+        shapes,
+        columns,
+        blocks,
+        white_blocks,
+        floor,
+        looked_at: waves.looked_at,
+    };
     let found = data.search();
     let excess = |sum: f64| (sum - floor * layout.values()).max(0.0);
     let (now, after) = (data.residual.iter().map(|e| e * e).sum::<f64>(), left.norm_squared());
@@ -256,6 +266,8 @@ fn shapes(maker: &Maker<'_>, waves: &[f64]) -> Vec<Shape> {
     let Some(case) = maker.cases.first() else { return Vec::new() };
     let mut shapes = vec![
         Shape::TorqueOverSpeed,
+        Shape::DragOverSpeed,
+        Shape::FrictionNearRest,
         Shape::TorqueAfterReversal,
         Shape::FluxOverSpeed,
         Shape::TorqueByDirection,
@@ -273,7 +285,9 @@ fn shapes(maker: &Maker<'_>, waves: &[f64]) -> Vec<Shape> {
     if case.measured.output(Output::Current).is_some() {
         shapes.push(Shape::CurrentOffset);
     }
-    shapes.extend((0..maker.cases.len()).map(Shape::FrictionOverTime));
+    for place in 0..maker.cases.len() {
+        shapes.extend([Shape::FrictionOverTime(place), Shape::FrictionDrift(place)]);
+    }
     let speed = case.measured.output(Output::Speed).is_some();
     if speed {
         shapes.push(Shape::SpeedShownLate);

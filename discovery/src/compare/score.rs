@@ -2,8 +2,10 @@
 //!
 //! The shape's columns are made orthogonal to the base's, and an orthonormal basis O of what is
 //! left is taken: beta = O' e. The score of block b is s_b = sum of O_row (e - O beta)_row over its
-//! rows, from the residual after the shape was removed, and V = sum s_b s_b'. Then W = beta' V^-1
-//! beta, divided by k (G - 1) / (G - k), is compared with F(k, G - k) for k columns and G blocks
+//! rows, from the residual after the shape was removed. A shape that lives in a few blocks fits
+//! their noise, and would leave them too little: with M_b = sum of O_row O_row' the score counts
+//! as (1 - M_b)^-1/2 s_b, which has the right variance (Bell and McCaffrey, 2002). Then V = sum
+//! s_b s_b' and W = beta' V^-1 beta, divided by k (G - 1) / (G - k), is compared with F(k, G - k) for k columns and G blocks
 //! (Hotelling, 1931): few blocks know their variance badly, and the law of F knows that.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -14,6 +16,9 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 const OUTSIDE: f64 = 1e-4;
 /// A column of the base is left out if less than this share of its length is new.
 const NEW: f64 = 1e-5;
+
+/// Share of a direction outside a block below which it is in that block alone.
+const ALONE: f64 = 1e-3;
 
 /// What a shape explains.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,13 +90,31 @@ pub(super) fn score(own: &DMatrix<f64>, e: &DVector<f64>, blocks: (&[usize], usi
     let beta = own.tr_mul(e);
     let left = e - own * &beta;
     let mut scores = DMatrix::<f64>::zeros(k, blocks.1);
+    let mut shares = vec![DMatrix::<f64>::zeros(k, k); blocks.1];
     for (row, block) in blocks.0.iter().enumerate() {
+        let share = &mut shares[*block];
         for j in 0..k {
             scores[(j, *block)] += own[(row, j)] * left[row];
+            for l in 0..k {
+                share[(j, l)] += own[(row, j)] * own[(row, l)];
+            }
         }
     }
+    let variance = scores.norm_squared() / k as f64;
+    let gain = beta.norm_squared();
+    for (mut score, share) in scores.column_iter_mut().zip(shares) {
+        let eigen = SymmetricEigen::new(share);
+        if eigen.eigenvalues.iter().any(|share| 1.0 - share < ALONE) {
+            // A direction that is in one block alone has no variance to be judged by.
+            return Score { gain, columns: k, variance, p_value: 1.0 };
+        }
+        let mut turned = eigen.eigenvectors.tr_mul(&score);
+        for (value, share) in turned.iter_mut().zip(eigen.eigenvalues.iter()) {
+            *value /= (1.0 - share).sqrt();
+        }
+        score.copy_from(&(eigen.eigenvectors * turned));
+    }
     let v = &scores * scores.transpose();
-    let variance = v.trace() / k as f64;
     let w = v.cholesky().map_or(0.0, |it| beta.dot(&it.solve(&beta)));
     let (g, k_f) = (blocks.1 as f64, k as f64);
     let f = w * (g - k_f) / (k_f * (g - 1.0));
@@ -100,7 +123,7 @@ pub(super) fn score(own: &DMatrix<f64>, e: &DVector<f64>, blocks: (&[usize], usi
         // Fewer blocks than columns: nothing can be said.
         _ => 1.0,
     };
-    Score { gain: beta.norm_squared(), columns: k, variance, p_value }
+    Score { gain, columns: k, variance, p_value }
 }
 
 #[cfg(test)]

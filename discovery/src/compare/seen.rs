@@ -115,7 +115,7 @@ impl Seen<'_> {
         let span = layout.starts[place]..layout.starts[place + 1];
         let row = |group: usize| group * layout.outputs + j;
         let steps: Vec<f64> =
-            span.clone().skip(whitening::ORDER).map(|group| self.one_step[row(group)]).collect();
+            span.clone().skip(whitening::FIRST).map(|group| self.one_step[row(group)]).collect();
         let squares = steps.iter().map(|v| v * v).sum::<f64>();
         let one_step_error = (squares / steps.len().max(1) as f64).sqrt();
         // What is not measured is 0 here: it adds nothing to a correlation.

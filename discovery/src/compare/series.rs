@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::path::{Path, Scales};
 use super::shape::{
-    BENT_S, CURRENT_KNOTS, FLUX_SPEED_KNOTS, HEAT_S, RESONANCES_HZ, SPEED_KNOTS, Shape, TIME_KNOTS,
+    BENT_S, CURRENT_KNOTS, FLUX_SPEED_KNOTS, HEAT_S, RESONANCES_HZ, REST_SHARES, SPEED_KNOTS,
+    Shape, TIME_KNOTS,
 };
 use crate::measured::Output;
 
@@ -72,6 +73,13 @@ impl Shape {
             Self::TorqueOverSpeed => {
                 Series::Torque(each(&|k| -path.direction[k] * hat(&SPEED_KNOTS, column, speed(k))))
             }
+            Self::DragOverSpeed => {
+                Series::Torque(each(&|k| -path.direction[k] * speed(k).powi(column as i32 + 2)))
+            }
+            Self::FrictionNearRest => {
+                let near = REST_SHARES[column];
+                Series::Torque(each(&|k| -path.direction[k] * (-(speed(k) / near).powi(2)).exp()))
+            }
             Self::TorqueAfterReversal => {
                 let way = BENT_S[column] * scales.omega;
                 Series::Torque(each(&|k| path.direction[k] * (-path.since[k] / way).exp()))
@@ -103,6 +111,11 @@ impl Shape {
                 let here = if path.place == place { 1.0 } else { 0.0 };
                 let at = |k: usize| k as f64 / path.len() as f64;
                 Series::Torque(each(&|k| -here * path.direction[k] * hat(&knots, column, at(k))))
+            }
+            Self::FrictionDrift(place) => {
+                let here = if path.place == place { 1.0 } else { 0.0 };
+                let at = |k: usize| (k as f64 / path.len() as f64).powi(column as i32 + 1);
+                Series::Torque(each(&|k| -here * path.direction[k] * at(k)))
             }
             Self::ResistanceOverHeat => Series::Voltage(heated(path, scales, HEAT_S[column])),
             Self::Resonances => Series::Torque(swinging(path, scales, column)),

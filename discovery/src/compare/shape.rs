@@ -14,8 +14,10 @@ pub(super) const SPEED_KNOTS: [f64; 7] = [0.0, 0.015, 0.045, 0.12, 0.3, 0.6, 1.0
 pub(super) const FLUX_SPEED_KNOTS: [f64; 4] = [0.0, 0.2, 0.5, 1.0];
 /// Share of the usual top current.
 pub(super) const CURRENT_KNOTS: [f64; 6] = [0.0, 0.04, 0.12, 0.3, 0.6, 1.0];
-/// Knots over the time of a recording.
-pub(super) const TIME_KNOTS: usize = 5;
+/// Knots over the time of a recording: something that touches the shaft for an eighth of it shows.
+pub(super) const TIME_KNOTS: usize = 9;
+/// Shares of the usual top speed over which friction near rest falls.
+pub(super) const REST_SHARES: [f64; 2] = [0.02, 0.06];
 /// Frequencies of a bank of oscillators that the acceleration excites, Hz: elastic and loose
 /// couplings below them and between them are combinations.
 pub(super) const RESONANCES_HZ: [f64; 5] = [6.0, 11.0, 18.0, 28.0, 45.0];
@@ -29,6 +31,11 @@ pub(super) const HEAT_S: [f64; 2] = [4.0, 30.0];
 pub(super) enum Shape {
     /// Friction of any form over the speed.
     TorqueOverSpeed,
+    /// Drag that grows with the square and the cube of the speed: what few columns tell shows
+    /// under a random load where a free form does not.
+    DragOverSpeed,
+    /// Friction that is higher near rest.
+    FrictionNearRest,
     /// A torque that dies away with the way since the motion began or turned.
     TorqueAfterReversal,
     /// A flux that depends on the speed.
@@ -53,6 +60,8 @@ pub(super) enum Shape {
     SpeedShownOverAngle(f64),
     /// Friction that changes in time, in that recording.
     FrictionOverTime(usize),
+    /// Friction that drifts slowly, in that recording.
+    FrictionDrift(usize),
     /// A resistance that follows the losses.
     ResistanceOverHeat,
     /// Something on the shaft that swings, or is loose.
@@ -69,9 +78,11 @@ impl Shape {
     /// The variable over which it is one.
     pub(super) fn variable(self) -> Variable {
         match self {
-            Self::TorqueOverSpeed | Self::TorqueAfterReversal | Self::FluxOverSpeed => {
-                Variable::Omega
-            }
+            Self::TorqueOverSpeed
+            | Self::DragOverSpeed
+            | Self::FrictionNearRest
+            | Self::TorqueAfterReversal
+            | Self::FluxOverSpeed => Variable::Omega,
             Self::TorqueByDirection => Variable::OmegaSign,
             Self::VoltageOverCurrent
             | Self::FluxOverCurrent
@@ -81,7 +92,7 @@ impl Shape {
             | Self::FluxOverAngle(_)
             | Self::FrictionOverAngle(_)
             | Self::SpeedShownOverAngle(_) => Variable::Theta,
-            Self::FrictionOverTime(_) => Variable::Time,
+            Self::FrictionOverTime(_) | Self::FrictionDrift(_) => Variable::Time,
             Self::ResistanceOverHeat => Variable::Temperature,
             Self::Resonances | Self::LateInput | Self::SpeedShownLate => Variable::Acceleration,
             Self::AtLimit => Variable::Limits,
@@ -132,6 +143,8 @@ impl Shape {
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::TorqueOverSpeed => "friction depends on the speed in another way",
+            Self::DragOverSpeed => "the drag grows with the speed in another way",
+            Self::FrictionNearRest => "friction near rest is another than at speed",
             Self::TorqueAfterReversal => "friction builds up only after the motion begins or turns",
             Self::FluxOverSpeed => "the torque constant depends on the speed",
             Self::TorqueByDirection => "the torque differs by direction",
@@ -144,6 +157,7 @@ impl Shape {
             Self::FrictionOverAngle(_) => "friction repeats with the angle",
             Self::SpeedShownOverAngle(_) => "the speed shown ripples with the angle",
             Self::FrictionOverTime(_) => "friction changes in time",
+            Self::FrictionDrift(_) => "friction drifts in time",
             Self::ResistanceOverHeat => "the resistance follows the losses",
             Self::Resonances => "something behind the shaft swings or is loose",
             Self::LateInput => "the input acts late",

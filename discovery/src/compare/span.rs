@@ -28,6 +28,12 @@ const MORE_OFTEN: f64 = 0.35;
 /// Shares of the usual top beyond which a signal is large, and below which a speed is small.
 const LARGE: f64 = 0.6;
 const SLOW: f64 = 0.05;
+/// Share of the largest input by which it steps from one sample to the next.
+const STEP: f64 = 0.25;
+/// Share of the samples in which it may do so and still be told.
+const RARELY: f64 = 0.01;
+/// Change of the speed over a span, as a share of its usual top, that is no steady motion.
+const CHANGES: f64 = 0.1;
 
 /// A stretch of time in which the model fails.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -119,18 +125,8 @@ impl View<'_> {
     fn sentence(&self, from: usize, to: usize) -> String {
         let (path, scales) = (self.path, self.scales);
         let [speed_unit, current_unit] = self.units;
-        let mut said = Vec::new();
-        let turns = |k: usize| path.direction[k] * path.direction[k.saturating_sub(1)] < 0.0;
+        let mut said = self.events(from, to);
         let stands = |k: usize| path.direction[k] == 0.0;
-        let begins = |k: usize| k > 0 && stands(k) != stands(k - 1);
-        if (from..to).any(turns) {
-            said.push("speed crosses zero".to_owned());
-        } else if (from..to).any(begins) {
-            let sets_off = !stands(to - 1);
-            said.push(
-                if sets_off { "the shaft sets off" } else { "the shaft comes to rest" }.into(),
-            );
-        }
         let fast = LARGE * scales.omega;
         let much = LARGE * scales.i;
         let quick = 0.3 * LARGE * scales.alpha;
@@ -157,14 +153,74 @@ impl View<'_> {
             .collect();
         more.sort_by(|a, b| b.0.total_cmp(&a.0));
         said.extend(more.into_iter().take(2 - said.len().min(1)).map(|(_, words)| words));
-        if said.is_empty() {
-            let speeds = || path.omega[from..to].iter().copied();
-            let (low, high) = speeds()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
-            said.push(format!("speed between {} and {} {speed_unit}", short(low), short(high)));
+        if said.len() < 2 {
+            said.extend(self.motion(from, to));
         }
         let at = |k: usize| self.start_s + k as f64 * path.period_s;
         format!("fails at {:.2} to {:.2} s: {}", at(from), at(to), said.join(", "))
+    }
+}
+
+impl View<'_> {
+    /// What begins or ends in the span: at most one thing of the motion, and a step of the input.
+    fn events(&self, from: usize, to: usize) -> Vec<String> {
+        let path = self.path;
+        let turns = |k: &usize| path.direction[*k] * path.direction[k.saturating_sub(1)] < 0.0;
+        let stands = |k: usize| path.direction[k] == 0.0;
+        let begins = |k: &usize| *k > 0 && stands(*k) != stands(k - 1);
+        let mut said = Vec::new();
+        match (from..to).filter(turns).count() {
+            0 if (from..to).any(|k| begins(&k)) => {
+                let moved = |range: &mut dyn Iterator<Item = usize>| {
+                    range.map(|k| path.direction[k]).find(|direction| *direction != 0.0)
+                };
+                let (before, after) = (moved(&mut (from..to)), moved(&mut (from..to).rev()));
+                said.push(match (stands(from), stands(to - 1)) {
+                    (true, false) => "the shaft sets off".to_owned(),
+                    (false, true) => "the shaft comes to rest".to_owned(),
+                    (false, false) if before != after => "the shaft stops and turns back".into(),
+                    (false, false) => "the shaft stops and goes on".to_owned(),
+                    (true, true) => "the shaft moves and stops".to_owned(),
+                });
+            }
+            0 => {}
+            1 => said.push("speed crosses zero".to_owned()),
+            times => said.push(format!("speed crosses zero {times} times")),
+        }
+        let largest = path.u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let change = |k: usize| (path.u[k] - path.u[k.saturating_sub(1)]).abs();
+        // A controller that differentiates noise changes its output as much in every sample.
+        let often = (0..path.len()).filter(|k| change(*k) > STEP * largest).count();
+        let rare = often as f64 <= RARELY * path.len() as f64;
+        if rare && (from..to).any(|k| change(k) > STEP * largest) {
+            said.push("the input steps".to_owned());
+        }
+        said
+    }
+
+    /// The motion in the span, where it has one direction.
+    fn motion(&self, from: usize, to: usize) -> Option<String> {
+        let (path, unit) = (self.path, self.units[0]);
+        let direction = path.direction[from];
+        if direction == 0.0 || (from..to).any(|k| path.direction[k] != direction) {
+            return None;
+        }
+        let way = if direction > 0.0 { "forward" } else { "backward" };
+        let size = |k: usize| path.omega[k].abs();
+        let (first, last) = (size(from), size(to - 1));
+        let sizes = || (from..to).map(size);
+        let (least, most) = (sizes().fold(first, f64::min), sizes().fold(first, f64::max));
+        let changed = CHANGES * self.scales.omega;
+        let speeds = |a: f64, b: f64| format!("{} to {} {unit}", short(a), short(b));
+        Some(if most - least <= changed {
+            format!("running {way} at {} {unit}", short(0.5 * (most + least)))
+        } else if last - first > 0.7 * (most - least) {
+            format!("running up {way} from {}", speeds(first, last))
+        } else if first - last > 0.7 * (most - least) {
+            format!("slowing down {way} from {}", speeds(first, last))
+        } else {
+            format!("running {way} at {}", speeds(least, most))
+        })
     }
 }
 
@@ -222,6 +278,17 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert!((found[0].from - 2.45).abs() < 0.05 && (found[0].to - 2.56).abs() < 0.05);
         assert!(found[0].sentence.ends_with("speed crosses zero"), "{}", found[0].sentence);
+        // A quarter of the time before, it only slows down; and a step of the input is told.
+        let mut stepped = super::tests::path(4000);
+        stepped.u[1000..].fill(-1.0);
+        assert_eq!(
+            view.motion(500, 1000).expect("one direction"),
+            "slowing down forward from 75 to 50 rad/s"
+        );
+        assert_eq!(view.motion(1900, 2100), None, "it turns");
+        view.path = &stepped;
+        assert_eq!(view.events(900, 1100), ["the input steps"]);
+        view.path = &path;
         let quiet = vec![(2.0, 2usize); 4000];
         view.squares = &quiet;
         assert_eq!(spans(&view), []);

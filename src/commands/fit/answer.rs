@@ -214,7 +214,15 @@ impl Answer {
             let _ = writeln!(text, "{a} and {b} are hardly told apart: correlation {rho:.3}");
         }
         if !self.kept.is_empty() {
-            text.push_str("standard errors hold for the values that were kept\n");
+            let names = self.kept.iter().map(|it| it.parameter.as_str()).collect::<Vec<_>>();
+            let _ = writeln!(
+                text,
+                "all other values and standard errors hold only if the kept {} right",
+                match names.as_slice() {
+                    [one] => format!("{one} is"),
+                    some => format!("{} are", some.join(", ")),
+                }
+            );
         }
         let _ = writeln!(text, "written: {}", self.output.display());
         text

@@ -8,8 +8,11 @@ use serde::Serialize;
 use super::curves::{Balance, Curve, Factor, Over};
 use super::left::Rest;
 
-/// Shares of the largest argument at which a rounded step or a bump is tried.
+/// Shares of the largest argument over which a rounded step is tried.
 const WIDTHS: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7];
+/// Places of a bump up to the largest argument, and its widths over its place.
+const BUMPS: usize = 20;
+const BUMP_WIDTHS: [f64; 2] = [0.2, 0.4];
 /// Share of the curve's power that a formula must hold to be suggested.
 const HOLDS: f64 = 0.9;
 
@@ -131,8 +134,9 @@ fn formula(curve: &Curve, values: &[f64]) -> Option<String> {
             Box::new(move |x| (x / width).tanh()),
             Box::new(move |c| format!("{c:.4e} * tanh({z} / {width:.4e})")),
         ));
-        for middle in WIDTHS.map(|share| share * largest) {
-            let wide = 0.3 * middle;
+    }
+    for middle in (1..BUMPS).map(|k| k as f64 / BUMPS as f64 * largest) {
+        for wide in BUMP_WIDTHS.map(|share| share * middle) {
             forms.push((
                 Box::new(move |x| x.signum() * (-((x.abs() - middle) / wide).powi(2)).exp()),
                 Box::new(move |c| {
@@ -196,6 +200,8 @@ mod tests {
         assert_eq!(drag.as_deref(), Some("-(3.0000e-6 * omega * abs(omega))"));
         let even = suggested(|z| 2e-6 * z * z);
         assert_eq!(even.as_deref(), Some("-(2.0000e-6 * omega^2)"));
+        let bump = suggested(|z| 0.01 * z.signum() * (-((z.abs() - 40.0) / 16.0).powi(2)).exp());
+        assert!(bump.is_some_and(|it| it.contains("exp(-((abs(omega) - 4.0000e1)")));
         // Nothing simple: no suggestion.
         assert_eq!(suggested(|z| (0.7 * z).sin() + (0.31 * z).cos()), None);
     }

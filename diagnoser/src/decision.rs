@@ -72,16 +72,22 @@ pub struct Trace {
 impl Trace {
     /// Share of exceeding samples over a span: r_td over a fault's span, r_fd over a healthy one.
     pub fn exceedance_rate(&self, span: Range<usize>) -> Result<f64, SpanError> {
-        let samples = self.verdicts.len();
-        if span.is_empty() || span.end > samples {
-            return Err(SpanError::OutsideRun { span, samples });
-        }
-        if span.start < self.run_up {
-            return Err(SpanError::InRunUp { span, run_up: self.run_up });
-        }
+        self.check(&span)?;
         let length = span.len() as f64;
         let exceeding = self.verdicts[span].iter().filter(|verdict| verdict.exceeds).count();
         Ok(exceeding as f64 / length)
+    }
+
+    /// Refuses spans over which nothing can be stated.
+    pub(crate) fn check(&self, span: &Range<usize>) -> Result<(), SpanError> {
+        let samples = self.verdicts.len();
+        if span.is_empty() || span.end > samples {
+            return Err(SpanError::OutsideRun { span: span.clone(), samples });
+        }
+        if span.start < self.run_up {
+            return Err(SpanError::InRunUp { span: span.clone(), run_up: self.run_up });
+        }
+        Ok(())
     }
 
     /// t_dt of every declaration, in order: start of its run of exceedances + window. The first

@@ -112,11 +112,25 @@ fn gmdh(c: &mut Criterion) {
     let runs = [testing::multisine(1000, 1), testing::multisine(1000, 2)];
     let [estimation, validation] = [data(&runs[0]).unwrap(), data(&runs[1]).unwrap()];
     let options = GmdhOptions::default();
-    let synthesise =
-        || Gmdh::synthesise(&[estimation.clone()], &[validation.clone()], &options).unwrap().0;
+    let synthesise = || {
+        Gmdh::synthesise(
+            std::slice::from_ref(&estimation),
+            std::slice::from_ref(&validation),
+            &options,
+        )
+        .unwrap()
+        .0
+    };
     let network = synthesise();
-    let design =
-        || RobustGmdh::design(&network, &[validation.clone()], &BoundOptions::default()).unwrap();
+    let design = || {
+        RobustGmdh::design(
+            &network,
+            std::slice::from_ref(&validation),
+            &[],
+            &BoundOptions::default(),
+        )
+        .unwrap()
+    };
     let robust = design();
     let mut bands = robust.bands().unwrap();
     let control = &runs[0].control;
@@ -151,7 +165,7 @@ fn classifier(c: &mut Criterion) {
     let draws = testing::noise(2 * 1200, 5);
     let samples = |fault: usize| {
         let own = draws[200 * fault..][..200].chunks_exact(2);
-        own.map(|e| vec![4.0 * fault as f64 + e[0], (fault * fault % 7) as f64 * 4.0 + e[1]])
+        own.map(move |e| vec![4.0 * fault as f64 + e[0], (fault * fault % 7) as f64 * 4.0 + e[1]])
     };
     let fault = |fault| FaultSymptoms { fault: String::new(), samples: samples(fault).collect() };
     let symptoms = Symptoms::new((0..12).map(fault).collect()).unwrap();

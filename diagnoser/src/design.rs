@@ -238,9 +238,11 @@ mod tests {
         assert!(report.normality.is_some() && report.whiteness.is_some());
         let options =
             GmdhOptions { delays: 2, survivors: 2, most_layers: 2, ..GmdhOptions::default() };
-        let (network, _) = Gmdh::synthesise(&[open.clone()], &[open.clone()], &options).unwrap();
+        let (network, _) =
+            Gmdh::synthesise(std::slice::from_ref(&open), std::slice::from_ref(&open), &options)
+                .unwrap();
         let how = BoundOptions { run_up: RUN_UP, ..BoundOptions::default() };
-        let robust = RobustGmdh::design(&network, &[open.clone()], &how).unwrap();
+        let robust = RobustGmdh::design(&network, std::slice::from_ref(&open), &[], &how).unwrap();
         let diagnoser = diagnoser.with_gmdh(robust.clone()).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("motor.toml");

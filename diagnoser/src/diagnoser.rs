@@ -69,7 +69,6 @@ pub enum ThresholdKind {
 
 /// A stored threshold, running.
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "one a detector, next to a model of the same size")]
 pub enum ThresholdRun {
     /// Bands of model error modelling.
     ModelError(ErrorBands<ModelRun>),

@@ -36,7 +36,11 @@ pub fn fault_size(trace: &Trace, span: Range<usize>) -> Result<f64, SpanError> {
 /// Groups of faults by S, in the order given. Fewer than three different sizes leave groups empty,
 /// from the middle on; sizes that are not positive and finite are small or large.
 pub fn size_groups(sizes: &[f64]) -> Vec<Size> {
-    let logarithm = |size: f64| size.max(f64::MIN_POSITIVE).min(f64::MAX).ln();
+    let logarithm = |size: f64| {
+        let positive =
+            if size > 0.0 { size.clamp(f64::MIN_POSITIVE, f64::MAX) } else { f64::MIN_POSITIVE };
+        positive.ln()
+    };
     let mut sorted: Vec<f64> = sizes.iter().map(|size| logarithm(*size)).collect();
     sorted.sort_by(f64::total_cmp);
     sorted.dedup();

@@ -12,7 +12,8 @@
 //! [`ErrorBands`] are model error modelling, [`ConstantThreshold`] the plain alternative; a
 //! [`Detector`] puts them to work sample by sample, and its [`Trace`] yields rates and times.
 //! [`RobustGmdh`] is a second kind of model that brings its own bounds. Behind a declared fault,
-//! an [`Isolator`] names its class and [`fault_size`] its size. A [`Diagnoser`] holds them all for one set of signals and is what the file stores.
+//! an [`Isolator`] names its class and [`fault_size`] its size. A [`Diagnoser`] holds them all for
+//! one set of signals and is what the file stores; [`Diagnoser::learn`] makes one from recordings.
 //!
 //! Equation numbers are those of K. Patan, M. Witczak, J. Korbicz, "Towards robustness in neural
 //! network based fault diagnosis", Int. J. Appl. Math. Comput. Sci. 18 (2008), 443-454.
@@ -32,6 +33,7 @@ mod isolation;
 mod model;
 mod model_error;
 mod network;
+mod recipe;
 mod scale;
 mod signal_model;
 mod stability;
@@ -66,6 +68,7 @@ pub use network::{
     StructureRow, Theta, Trained, Training, TrainingError, approximation_table, select_structure,
     train,
 };
+pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, free_run, residual};
 pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};

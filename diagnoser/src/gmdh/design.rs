@@ -7,7 +7,13 @@
 //! as a whole has hidden neurons that no longer imitate the output: their sets are then wide.
 //!
 //! Noise bounds: the smallest that leave any parameters (Chebyshev), times an inflation; or given.
+//! They are those of the healthy runs that (19) is to watch. A loop that holds one set point says
+//! nothing about the gain, so that its parameter set alone would explain every fault; excited runs
+//! (an open loop) bound the parameters as well. The bounds (10) may depend on the sample: those of
+//! an excited run exceed the healthy ones by as much as its own smallest bound does, for the model
+//! errs more where it is driven through more.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -41,13 +47,20 @@ pub struct RobustGmdh {
 }
 
 impl RobustGmdh {
-    /// Bounds the parameters of a network on healthy recordings.
+    /// Bounds the parameters of a network on healthy recordings of the kind that it will watch,
+    /// and on `excited` ones (healthy too), which say more of its parameters. Recordings count on
+    /// from the healthy ones in errors.
     pub fn design(
         network: &Arc<Gmdh>,
         healthy: &[Data],
+        excited: &[Data],
         options: &BoundOptions,
     ) -> Result<Self, RobustError> {
-        check(network, healthy, options)?;
+        if healthy.is_empty() {
+            return Err(RobustError::NoRecording);
+        }
+        let all = [healthy, excited].concat();
+        check(network, &all, options)?;
         let output = network.neurons.len() - 1;
         let unit = network.output_scale.deviation;
         let given = options.given.map(|noise| noise.map(|epsilon| epsilon / unit));
@@ -55,12 +68,14 @@ impl RobustGmdh {
         let mut bounds: Vec<NeuronBounds> = Vec::new();
         for neuron in first..=output {
             let refuse = |source| RobustError::Neuron { neuron, source };
-            let equations =
-                equations(network, neuron, &bounds, healthy, options.run_up).map_err(refuse)?;
             let noise = given.filter(|_| neuron == output);
-            let all = options.orthants == Orthants::All;
+            let mut equations =
+                equations(network, neuron, &bounds, &all, options.run_up).map_err(refuse)?;
+            let multiples = multiples(&equations, healthy.len()..all.len(), noise, options);
+            equations.set_multiples(multiples.map_err(refuse)?);
+            let every = options.orthants == Orthants::All;
             let found =
-                ParameterSet::of(&equations, noise, options.inflation, all).map_err(refuse)?;
+                ParameterSet::of(&equations, noise, options.inflation, every).map_err(refuse)?;
             bounds.push(NeuronBounds { neuron, noise: found.noise, set: found.set });
         }
         Ok(Self { network: Arc::clone(network), bounds })
@@ -86,9 +101,6 @@ impl RobustGmdh {
 }
 
 fn check(network: &Gmdh, healthy: &[Data], options: &BoundOptions) -> Result<(), RobustError> {
-    if healthy.is_empty() {
-        return Err(RobustError::NoRecording);
-    }
     // Written so that NaN is refused.
     let enough = options.inflation >= 1.0;
     if !enough {
@@ -140,6 +152,29 @@ fn equations(
     Ok(equations)
 }
 
+/// Noise bounds of every recording as a multiple of the healthy ones.
+fn multiples(
+    equations: &Equations,
+    excited: Range<usize>,
+    given: Option<[f64; 2]>,
+    options: &BoundOptions,
+) -> Result<Vec<f64>, BoundError> {
+    let mut multiples = vec![1.0; excited.end];
+    if excited.is_empty() {
+        return Ok(multiples);
+    }
+    // Half the width that the excited runs' own bounds are compared with.
+    let healthy = match given {
+        Some([lower, upper]) => 0.5 * (upper - lower) / options.inflation,
+        None => equations.of_recordings(0..excited.start).least_bound()?,
+    };
+    for recording in excited {
+        let own = equations.of_recordings(recording..recording + 1).least_bound()?;
+        multiples[recording] = own / healthy;
+    }
+    Ok(multiples)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,7 +208,7 @@ mod tests {
         let run = multisine(500, 3);
         let network = network();
         let options = options(Uncertain::OutputNeuron);
-        let robust = RobustGmdh::design(&network, &[data(&run)], &options).unwrap();
+        let robust = RobustGmdh::design(&network, &[data(&run)], &[], &options).unwrap();
         assert_eq!((robust.bounds.len(), robust.inputs()), (1, Some(1)));
         let bands = robust.bands().unwrap();
         let mut detector = Detector::new(network.run(), bands, 1, RUN_UP).unwrap();
@@ -208,13 +243,21 @@ mod tests {
         let clean = free_run(&mut network.run(), &inputs).swap_remove(0);
         let y: Vec<f64> = clean.iter().zip(e).map(|(y, e)| y + 0.004 * e.tanh()).collect();
         let data = Data::new(inputs, Column { name: "y", values: &y }).unwrap();
-        let robust =
-            RobustGmdh::design(&network, &[data.clone()], &options(Uncertain::EveryNeuron))
-                .unwrap();
+        let robust = RobustGmdh::design(
+            &network,
+            std::slice::from_ref(&data),
+            &[],
+            &options(Uncertain::EveryNeuron),
+        )
+        .unwrap();
         assert_eq!(robust.bounds.len(), 3);
-        let alone =
-            RobustGmdh::design(&network, &[data.clone()], &options(Uncertain::OutputNeuron))
-                .unwrap();
+        let alone = RobustGmdh::design(
+            &network,
+            std::slice::from_ref(&data),
+            &[],
+            &options(Uncertain::OutputNeuron),
+        )
+        .unwrap();
         let run = |robust: &RobustGmdh| {
             let bands = robust.bands().unwrap();
             Detector::new(network.run(), bands, 1, RUN_UP).unwrap().run(&data).unwrap()
@@ -234,6 +277,7 @@ mod tests {
         let robust = RobustGmdh::design(
             &network,
             &[data(&multisine(500, 3))],
+            &[],
             &options(Uncertain::OutputNeuron),
         )
         .unwrap();
@@ -263,7 +307,7 @@ mod tests {
         let given =
             BoundOptions { given: Some([lower, upper]), ..options(Uncertain::OutputNeuron) };
         let design = design.with_output("T", &y_design).unwrap();
-        let robust = RobustGmdh::design(&network, &[design], &given).unwrap();
+        let robust = RobustGmdh::design(&network, &[design], &[], &given).unwrap();
         bands = robust.bands().unwrap();
         let mut detector = Detector::new(network.run(), bands, 1, RUN_UP).unwrap();
         let fresh = fresh.with_output("T", &y_fresh).unwrap();
@@ -277,14 +321,15 @@ mod tests {
     #[test]
     fn a_fault_is_found_in_closed_loop_and_health_is_not() {
         let open = [multisine(1000, 1), multisine(1000, 2)];
-        let closed = [3, 4, 5].map(|seed| closed_loop(1500, seed, usize::MAX, 0.0));
+        let closed = [3, 4].map(|seed| closed_loop(1500, seed, usize::MAX, 0.0));
+        let design = closed_loop(4000, 5, usize::MAX, 0.0);
         let estimation = [data(&open[0]), data(&closed[0])];
         let validation = [data(&open[1]), data(&closed[1])];
         let options = GmdhOptions::default();
         let (network, _) = Gmdh::synthesise(&estimation, &validation, &options).unwrap();
         let how = BoundOptions { inflation: 1.2, ..BoundOptions::default() };
-        let healthy = [data(&open[1]), data(&closed[2])];
-        let robust = RobustGmdh::design(&network, &healthy, &how).unwrap();
+        let robust =
+            RobustGmdh::design(&network, &[data(&design)], &[data(&open[1])], &how).unwrap();
         let watch = |fault: f64| {
             let run = closed_loop(5000, 6, 4000, fault);
             let bands = robust.bands().unwrap();
@@ -307,7 +352,8 @@ mod tests {
         let network = network();
         let run = multisine(400, 3);
         let good = options(Uncertain::OutputNeuron);
-        let design = |data: &[Data], how: &BoundOptions| RobustGmdh::design(&network, data, how);
+        let design =
+            |data: &[Data], how: &BoundOptions| RobustGmdh::design(&network, data, &[], how);
         assert_eq!(design(&[], &good).unwrap_err(), RobustError::NoRecording);
         let none = BoundOptions { inflation: 0.9, ..good };
         assert_eq!(
@@ -329,7 +375,8 @@ mod tests {
         assert!(matches!(refusal, RobustError::Data { recording: 0, .. }));
         let mut unstable = Gmdh::clone(&network);
         unstable.neurons[0].a[0] = -1.2;
-        let refusal = RobustGmdh::design(&Arc::new(unstable), &[data(&run)], &good).unwrap_err();
+        let refusal =
+            RobustGmdh::design(&Arc::new(unstable), &[data(&run)], &[], &good).unwrap_err();
         assert!(matches!(refusal, RobustError::Network { .. }));
     }
 }

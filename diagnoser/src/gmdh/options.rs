@@ -39,7 +39,7 @@ impl Default for GmdhOptions {
             first_delay: 1,
             delays: 4,
             survivors: 5,
-            least_gain: 1e-3,
+            least_gain: 1e-2,
             most_layers: 8,
             memory: 250.0,
             run_up: 100,

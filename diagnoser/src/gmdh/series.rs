@@ -1,6 +1,6 @@
 //! Recordings as the synthesis sees them: standardised variables, one array each.
 
-use super::{Gmdh, NeuronOrders, Source};
+use super::{NeuronOrders, Source};
 use crate::data::Data;
 use crate::scale::Scale;
 
@@ -41,18 +41,6 @@ impl Series {
             y: data.output().values.iter().map(|y| output_scale.standardise(*y)).collect(),
             from,
         }
-    }
-
-    /// The input variables that a finished network is fed with, in the order of `variables`.
-    pub(super) fn of_network(network: &Gmdh, data: &Data, from: usize) -> (Vec<Source>, Self) {
-        let mut sources: Vec<Source> = Vec::new();
-        for source in network.neurons.iter().flat_map(|neuron| neuron.sources) {
-            if matches!(source, Source::Input { .. }) && !sources.contains(&source) {
-                sources.push(source);
-            }
-        }
-        let series = Self::new(data, &sources, &network.input_scales, network.output_scale, from);
-        (sources, series)
     }
 
     /// Judged samples.

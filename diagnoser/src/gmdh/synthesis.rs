@@ -365,18 +365,21 @@ mod tests {
         let run = multisine(300, 1);
         let good = data(&run);
         let options = GmdhOptions::default();
-        let refusal = Gmdh::synthesise(&[], &[good.clone()], &options).unwrap_err();
+        let refusal = Gmdh::synthesise(&[], std::slice::from_ref(&good), &options).unwrap_err();
         assert_eq!(refusal, GmdhError::NoRecording { set: "estimation" });
         let short = good.span(0..110);
-        let refusal = Gmdh::synthesise(&[good.clone()], &[short], &options).unwrap_err();
+        let refusal =
+            Gmdh::synthesise(std::slice::from_ref(&good), &[short], &options).unwrap_err();
         let message = refusal.to_string();
         assert!(message.contains("validation recording 0") && message.contains("113"), "{message}");
         let still = vec![2.0; 300];
         let dead = Data::new(vec![Column { name: "C_m", values: &still }], good.output()).unwrap();
-        let refusal = Gmdh::synthesise(&[dead], &[good.clone()], &options).unwrap_err();
+        let refusal = Gmdh::synthesise(&[dead], std::slice::from_ref(&good), &options).unwrap_err();
         assert!(refusal.to_string().contains("signal C_m is constant at 2"), "{refusal}");
         let one = GmdhOptions { delays: 1, ..options };
-        let refusal = Gmdh::synthesise(&[good.clone()], &[good.clone()], &one).unwrap_err();
+        let refusal =
+            Gmdh::synthesise(std::slice::from_ref(&good), std::slice::from_ref(&good), &one)
+                .unwrap_err();
         assert_eq!(refusal, GmdhError::NoCouple { inputs: 1, delays: 1 });
         let extra = noise(300, 4);
         let inputs = vec![good.inputs()[0], Column { name: "extra", values: &extra }];

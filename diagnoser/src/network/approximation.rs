@@ -3,7 +3,9 @@
 //! The theorem promises, for every epsilon and horizon I, sizes v1 and v2 of a network with
 //! max_{0 <= k <= I} |z(k) - y(k)| < epsilon for every bounded input. Networks of growing size are
 //! trained on one run of a system and shown other inputs; the largest error over all of them falls
-//! with the size.
+//! with the size. Sizes include the order r: with first-order filters an example stays at 0.09
+//! however many neurons it gets (sums of functions of one exponentially weighted past each), with
+//! second order it falls on.
 
 use super::{Structure, Training, TrainingError, train};
 use crate::data::Data;
@@ -73,13 +75,17 @@ mod tests {
 
     #[test]
     fn the_error_falls_below_epsilon_as_the_network_grows() {
-        let (estimation, validation) = (system(1000, 1), system(1000, 2));
+        let (estimation, validation) = (system(2000, 1), system(1000, 2));
         let tests: Vec<_> = (3..13).map(|seed| system(201, seed)).collect();
         let tests: Vec<Data> = tests.iter().map(data).collect();
-        let structures =
-            [(1, 1), (2, 1), (5, 1)].map(|(v1, v2)| Structure { v1, v2, ..Structure::PAPER });
-        let method = Method::LevenbergMarquardt(Limits { steps: 100, relative_decrease: 1e-6 });
-        let training = Training { method, starts: 4, seed: 1, run_up: 0 };
+        let structures = [(1, 1), (2, 1), (5, 1)].map(|(v1, v2)| Structure {
+            v1,
+            v2,
+            order: 2,
+            ..Structure::PAPER
+        });
+        let method = Method::LevenbergMarquardt(Limits { steps: 150, relative_decrease: 1e-6 });
+        let training = Training { method, starts: 6, seed: 1, run_up: 0 };
         let (estimation, validation) = (data(&estimation), data(&validation));
         let rows =
             approximation_table(&structures, &estimation, &validation, &tests, 200, &training)

@@ -1,13 +1,15 @@
 //! What a neuron's parameters must fulfil: one double inequality a sample.
 //!
 //! lower(k) <= (r(k) - e(k))^T p <= upper(k) for some e(k) within its bounds, where lower and upper
-//! are y - epsilon^M and y - epsilon^m through xi^-1: (8)-(10), (13)-(15), (17), (18).
+//! are y - epsilon^M and y - epsilon^m through xi^-1: (8)-(10), (13)-(15), (17), (18). The bounds
+//! (10) may differ from sample to sample: those of a recording are a multiple of the first's.
 
 use microlp::Error;
 
 use super::frame::Frame;
 use super::lp::least_violation;
-use super::polytope::HalfSpace;
+use super::polytope::{HalfSpace, product};
+use super::regressor::BoundError;
 use crate::gmdh::Activation;
 
 /// A search for the smallest bound ends at this relative width.
@@ -24,6 +26,8 @@ pub(crate) struct Equations {
     y: Vec<f64>,
     /// Recording and sample.
     places: Vec<(usize, usize)>,
+    /// Noise bounds of every recording as a multiple of the first's.
+    multiples: Vec<f64>,
 }
 
 /// One of them.
@@ -32,13 +36,42 @@ pub(super) struct Equation<'a> {
     /// Empty if exact.
     pub(super) errors: &'a [[f64; 2]],
     pub(super) y: f64,
+    /// Its noise bounds as a multiple of the first recording's.
+    pub(super) multiple: f64,
     pub(super) place: (usize, usize),
 }
 
 impl Equations {
     pub(crate) fn new(dimension: usize, activation: Activation) -> Self {
         let (regressors, errors, y, places) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { dimension, activation, regressors, errors, y, places }
+        Self { dimension, activation, regressors, errors, y, places, multiples: Vec::new() }
+    }
+
+    /// The equations of some recordings alone, their noise bounds all alike.
+    pub(crate) fn of_recordings(&self, chosen: std::ops::Range<usize>) -> Self {
+        let mut alone = Self::new(self.dimension, self.activation);
+        for Equation { regressor, errors, y, place, .. } in self.iter() {
+            if chosen.contains(&place.0) {
+                alone.push(regressor, errors, y, place);
+            }
+        }
+        alone
+    }
+
+    /// Gives the noise bounds of every recording as a multiple of the first's; without, all have
+    /// the same.
+    pub(crate) fn set_multiples(&mut self, multiples: Vec<f64>) {
+        self.multiples = multiples;
+    }
+
+    fn multiple(&self, k: usize) -> f64 {
+        self.multiples.get(self.places[k].0).copied().unwrap_or(1.0)
+    }
+
+    /// The smallest epsilon that leaves any parameters, whatever their signs.
+    pub(crate) fn least_bound(&self) -> Result<f64, BoundError> {
+        let frame = Frame::of(self).ok_or(BoundError::Unbounded)?;
+        Ok(self.smallest_bound(&frame, &[])?)
     }
 
     /// Adds a sample; `errors` is empty if the regressor is exact, in all samples alike.
@@ -74,6 +107,7 @@ impl Equations {
             regressor: &self.regressors[k * d..][..d],
             errors: if self.errors.is_empty() { &[] } else { &self.errors[k * d..][..d] },
             y: self.y[k],
+            multiple: self.multiple(k),
             place: self.places[k],
         })
     }
@@ -95,9 +129,9 @@ impl Equations {
             return Ok(least * frame.sigma);
         }
         // What the least-squares estimate errs by is enough, but for the signs.
-        let errs = self.regressors().zip(&self.y).map(|(r, y)| {
-            let q: f64 = r.iter().zip(&frame.centre).map(|(r, p)| r * p).sum();
-            (y - self.activation.value(q)).abs()
+        let errs = self.iter().map(|Equation { regressor, y, multiple, .. }| {
+            let q = product(regressor, frame.centre.as_slice());
+            (y - self.activation.value(q)).abs() / multiple
         });
         let feasible = |epsilon: f64| -> Result<bool, Error> {
             let (_, least) = least_violation(&self.rows(frame, epsilon), hard, self.dimension)?;
@@ -117,23 +151,29 @@ impl Equations {
     /// Farthest that a feasible z can lie from the centre: |z|^2 is the mean square of
     /// (r^T p - r^T centre) / sigma, and the inequalities bound that at every sample.
     pub(super) fn reach(&self, frame: &Frame, noise: [f64; 2]) -> f64 {
-        let farthest = |(r, y): (&[f64], &f64)| {
-            let q: f64 = r.iter().zip(&frame.centre).map(|(r, p)| r * p).sum();
-            let ends = noise.map(|epsilon| (self.activation.inverse(y - epsilon) - q).abs());
-            ends[0].max(ends[1]) / frame.sigma
+        let farthest = |Equation { regressor, y, multiple, .. }: Equation| {
+            let q = product(regressor, frame.centre.as_slice());
+            let end = |epsilon| (self.activation.inverse(y - multiple * epsilon) - q).abs();
+            end(noise[0]).max(end(noise[1])) / frame.sigma
         };
-        self.regressors().zip(&self.y).map(farthest).fold(0.0, f64::max)
+        self.iter().map(farthest).fold(0.0, f64::max)
     }
 
-    /// Both inequalities of every sample, in the frame, errors in the regressors aside.
+    /// Both inequalities of every sample, in the frame, errors in the regressors aside; divided by
+    /// the multiples of the noise bounds, so that one violation counts alike in all.
     fn rows(&self, frame: &Frame, epsilon: f64) -> Vec<HalfSpace> {
-        let both = |(r, y): (&[f64], &f64)| {
-            let [low, high] = [y - epsilon, y + epsilon].map(|y| self.activation.inverse(y));
-            let above = high.is_finite().then(|| frame.half_space(r, high));
+        let both = |Equation { regressor: r, y, multiple, .. }: Equation| {
+            let ends = [y - multiple * epsilon, y + multiple * epsilon];
+            let [low, high] = ends.map(|y| self.activation.inverse(y));
+            let shared = |HalfSpace { normal, offset }: HalfSpace| HalfSpace {
+                normal: normal.iter().map(|n| n / multiple).collect(),
+                offset: offset / multiple,
+            };
+            let above = high.is_finite().then(|| shared(frame.half_space(r, high)));
             let turned: Vec<f64> = r.iter().map(|r| -r).collect();
-            let below = low.is_finite().then(|| frame.half_space(&turned, -low));
+            let below = low.is_finite().then(|| shared(frame.half_space(&turned, -low)));
             above.into_iter().chain(below)
         };
-        self.regressors().zip(&self.y).flat_map(both).collect()
+        self.iter().flat_map(both).collect()
     }
 }

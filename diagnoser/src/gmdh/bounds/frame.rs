@@ -61,9 +61,4 @@ impl Frame {
         let offset = (offset - normal.dot(&self.centre)) / self.sigma;
         HalfSpace { normal: white.as_slice().to_vec(), offset }
     }
-
-    /// p of z.
-    pub(super) fn parameters(&self, z: &[f64]) -> DVector<f64> {
-        &self.centre + &self.transform * DVector::from_column_slice(z)
-    }
 }

@@ -8,6 +8,8 @@
 //! polytope where no neighbour of a vertex is better: from the vertex of the sample before, a few
 //! steps along edges are a warm-started simplex method.
 
+use std::collections::HashMap;
+
 /// Slack below which a vertex lies on a hyperplane, where coordinates are of order one.
 const ON: f64 = 1e-11;
 
@@ -113,6 +115,10 @@ impl Polytope {
     /// Joins the vertices of a new facet that share an edge of it.
     fn join(&mut self, on: &[usize]) {
         let Some(dimension) = on.first().map(|v| self.vertices[*v].at.len()) else { return };
+        if on.iter().all(|v| self.vertices[*v].facets.len() == dimension) {
+            self.join_simple(on);
+            return;
+        }
         for (i, &x) in on.iter().enumerate() {
             for &y in &on[i + 1..] {
                 let (a, b) = (&self.vertices[x], &self.vertices[y]);
@@ -127,6 +133,33 @@ impl Polytope {
                 if simple || !on.iter().any(|z| third(&z)) {
                     self.vertices[x].neighbours.push(y);
                     self.vertices[y].neighbours.push(x);
+                }
+            }
+        }
+    }
+
+    /// Where every vertex lies on as many facets as there are dimensions, an edge is what two
+    /// vertices share by all facets but one: each facet but the new one is left out in turn.
+    fn join_simple(&mut self, on: &[usize]) {
+        let mut waiting: HashMap<Vec<usize>, usize> = HashMap::with_capacity(4 * on.len());
+        for &x in on {
+            let facets = &self.vertices[x].facets;
+            // The new facet has the highest number, so it is the last.
+            let edges: Vec<Vec<usize>> = (0..facets.len().saturating_sub(1))
+                .map(|left_out| {
+                    let kept = facets.iter().enumerate().filter(|(i, _)| *i != left_out);
+                    kept.map(|(_, facet)| *facet).collect()
+                })
+                .collect();
+            for edge in edges {
+                match waiting.remove(&edge) {
+                    Some(y) => {
+                        self.vertices[x].neighbours.push(y);
+                        self.vertices[y].neighbours.push(x);
+                    }
+                    None => {
+                        waiting.insert(edge, x);
+                    }
                 }
             }
         }

@@ -197,9 +197,10 @@ fn part(
             return Err(BoundError::Empty { recording: 0, sample: 0 });
         }
     }
-    for Equation { regressor, errors, y, place } in equations.iter() {
+    for Equation { regressor, errors, y, multiple, place } in equations.iter() {
         let r = Regressor { values: regressor, errors };
-        let [above, below] = [y - noise[0], y - noise[1]].map(|y| equations.activation.inverse(y));
+        let ends = noise.map(|epsilon| y - multiple * epsilon);
+        let [above, below] = ends.map(|y| equations.activation.inverse(y));
         if above.is_finite() {
             let least = r.extreme(&signs, false);
             if polytope.cut(unit(frame.half_space(&least, above))) == Cut::Empty {

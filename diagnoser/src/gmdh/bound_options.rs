@@ -34,8 +34,10 @@ pub struct BoundOptions {
     pub uncertain: Uncertain,
     /// Where they are looked for.
     pub orthants: Orthants,
-    /// Samples at the start of every recording that only settle the filters.
+    /// Samples at the start of every recording of the watched kind that only settle the filters.
     pub run_up: usize,
+    /// The same of excited recordings, whose bounds are wider.
+    pub excited_run_up: usize,
 }
 
 impl Default for BoundOptions {
@@ -46,6 +48,7 @@ impl Default for BoundOptions {
             uncertain: Uncertain::OutputNeuron,
             orthants: Orthants::OfEstimate,
             run_up: 500,
+            excited_run_up: 300,
         }
     }
 }

@@ -60,7 +60,10 @@ impl RobustGmdh {
             return Err(RobustError::NoRecording);
         }
         let all = [healthy, excited].concat();
-        check(network, &all, options)?;
+        let run_up = |recording: usize| {
+            if recording < healthy.len() { options.run_up } else { options.excited_run_up }
+        };
+        check(network, &all, run_up, options)?;
         let output = network.neurons.len() - 1;
         let unit = network.output_scale.deviation;
         let given = options.given.map(|noise| noise.map(|epsilon| epsilon / unit));
@@ -70,7 +73,7 @@ impl RobustGmdh {
             let refuse = |source| RobustError::Neuron { neuron, source };
             let noise = given.filter(|_| neuron == output);
             let mut equations =
-                equations(network, neuron, &bounds, &all, options.run_up).map_err(refuse)?;
+                equations(network, neuron, &bounds, &all, run_up).map_err(refuse)?;
             let multiples = multiples(&equations, healthy.len()..all.len(), noise, options);
             equations.set_multiples(multiples.map_err(refuse)?);
             let every = options.orthants == Orthants::All;
@@ -100,7 +103,12 @@ impl RobustGmdh {
     }
 }
 
-fn check(network: &Gmdh, healthy: &[Data], options: &BoundOptions) -> Result<(), RobustError> {
+fn check(
+    network: &Gmdh,
+    healthy: &[Data],
+    run_up: impl Fn(usize) -> usize,
+    options: &BoundOptions,
+) -> Result<(), RobustError> {
     // Written so that NaN is refused.
     let enough = options.inflation >= 1.0;
     if !enough {
@@ -116,9 +124,12 @@ fn check(network: &Gmdh, healthy: &[Data], options: &BoundOptions) -> Result<(),
         let inputs = data.inputs().len();
         let fits = orders.filter(|_| inputs == network.input_scales.len());
         let Some(orders) = fits else { return Err(RobustError::Network { recording, inputs }) };
-        data.require_samples(options.run_up + orders.parameters() + 1, "bounds after their run-up")
-            .and_then(|()| data.require_variation())
-            .map_err(|source| RobustError::Data { recording, source })?;
+        data.require_samples(
+            run_up(recording) + orders.parameters() + 1,
+            "bounds after their run-up",
+        )
+        .and_then(|()| data.require_variation())
+        .map_err(|source| RobustError::Data { recording, source })?;
     }
     Ok(())
 }
@@ -129,7 +140,7 @@ fn equations(
     neuron: usize,
     before: &[NeuronBounds],
     healthy: &[Data],
-    run_up: usize,
+    run_up: impl Fn(usize) -> usize,
 ) -> Result<Equations, BoundError> {
     let activation = network.neurons[neuron].activation;
     let dimension = network.neurons[neuron].parameters().len();
@@ -142,7 +153,7 @@ fn equations(
                 *u = column.values[k];
             }
             intervals.step(&u);
-            if k >= run_up {
+            if k >= run_up(recording) {
                 let y = network.output_scale.standardise(*y);
                 let regressor = intervals.regressor(neuron);
                 equations.push(regressor.values, regressor.errors, y, (recording, k));

@@ -110,7 +110,7 @@ pub(crate) fn study() -> StudyResults {
         beta: 0.05,
         fault_span: FaultSpan { from: 4000, to: 5000 },
         window: 50,
-        detection,
+        detection: detection.clone(),
         readings,
         healthy: HealthySummary {
             samples: 90_000,
@@ -155,7 +155,7 @@ pub(crate) fn study() -> StudyResults {
             beta: 0.01,
             r_fd: ByMethod::from_fn(|_| 0.0101),
             alarms: ByMethod::from_fn(|_| 0),
-            detection: detection.clone(),
+            detection,
             readings: Vec::new(),
         }],
         structures: [(1, 1, 1), (3, 6, 1)].map(structure).into(),

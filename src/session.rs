@@ -62,6 +62,11 @@ impl Session {
         output::print(&format!("{text}{end}"))
     }
 
+    /// Whether standard output is for JSON alone.
+    pub(crate) fn prints_json(&self) -> bool {
+        self.json.as_ref().is_some_and(|path| path.as_os_str() == "-")
+    }
+
     /// Says something beside the answer.
     pub(crate) fn remark(&self, text: impl std::fmt::Display) {
         if !self.quiet {

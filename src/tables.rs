@@ -6,8 +6,8 @@ use comfy_table::{Cell, CellAlignment, ContentLineStyle, LineStyle, Table, Table
 use drivescope_scenarios::results::{Method, StudyResults};
 
 use crate::report::words::{
-    count, difference, fault, given, greatest, number, p_value, paper_delay, paper_row, percent,
-    rows_of, si_units, torque, verdict,
+    count, detected, difference, fault, given, greatest, number, p_value, paper_delay, paper_row,
+    percent, rows_of, si_units, torque, verdict,
 };
 
 /// What the study found, as text that ends in a line break: a table of detections a method, the
@@ -15,7 +15,7 @@ use crate::report::words::{
 /// where the eye is when the program ends.
 pub fn study(study: &StudyResults) -> String {
     let mut text = setting(study);
-    for method in Method::ALL {
+    for method in Method::IN_PAPER {
         let title = format!("Table 1, {}", method.label());
         text += &section(&title, &detection(study, method));
     }
@@ -26,7 +26,9 @@ pub fn study(study: &StudyResults) -> String {
     let healthy = &study.healthy;
     let title = format!("{}, {} samples", count(healthy.runs, "healthy run"), healthy.samples);
     text += &section(&title, &rates(study));
+    text += &section("All methods and levels", &levels(study));
     text += &section("Models and residual", &models(study));
+    text += &section("Isolation, lowest share of right answers", &isolation(study));
     text += &section("Size of the symptom, S of (27)", &identification(study));
     text += &section("FMU against other runs, greatest relative difference", &fmu(study));
     if study.fmu.fmpy.is_empty() {
@@ -129,9 +131,55 @@ fn rates(study: &StudyResults) -> Table {
         table.add_row([
             method.label().to_owned(),
             percent(study.r_fd.of(method), 2),
-            percent(study.paper.r_fd.of(method), 1),
-            percent(study.beta, 0),
+            study.paper.r_fd.of(method).map_or_else(|| "-".into(), |rate| percent(rate, 1)),
+            if method == Method::Gmdh { "bounded".into() } else { percent(study.beta, 0) },
             study.healthy.alarms.of(method).to_string(),
+        ]);
+    }
+    table
+}
+
+fn levels(study: &StudyResults) -> Table {
+    let headings = ["method", "beta", "detected", "lowest r_td [%]", "longest delay", "r_fd [%]"];
+    let mut table = table(headings, 1);
+    let own = (study.beta, &study.detection, study.r_fd);
+    let others = study.levels.iter().map(|level| (level.beta, &level.detection, level.r_fd));
+    for (beta, detection, r_fd) in std::iter::once(own).chain(others) {
+        for method in Method::ALL {
+            let rows = rows_of(detection, method);
+            let found = rows.iter().filter(|row| detected(row)).count();
+            let lowest = rows.iter().map(|row| row.r_td).reduce(f64::min);
+            let longest = rows.iter().filter_map(|row| row.delay).max();
+            let none = || "-".to_owned();
+            table.add_row([
+                method.label().to_owned(),
+                given(beta),
+                format!("{found} of {}", rows.len()),
+                lowest.map_or_else(none, |lowest| percent(lowest, 1)),
+                longest.map_or_else(none, |longest| longest.to_string()),
+                percent(r_fd.of(method), 2),
+            ]);
+        }
+    }
+    table
+}
+
+fn isolation(study: &StudyResults) -> Table {
+    let mut table = table(["classes", "right [%]", "mean [%]", "unknown [%]"], 1);
+    let tables = [
+        ("the paper's ten", &study.isolation_paper),
+        ("those of our test", &study.isolation_merged),
+        ("every fault its own", &study.isolation),
+    ];
+    for (name, of) in tables {
+        let right: Vec<f64> = (0..of.faults.len()).map(|fault| of.right(fault)).collect();
+        let unknown = of.matrix.iter().filter_map(|row| row.last());
+        let rows = right.len().max(1) as f64;
+        table.add_row([
+            format!("{name} ({})", of.classes.len()),
+            percent(right.iter().copied().fold(1.0, f64::min), 1),
+            percent(right.iter().sum::<f64>() / rows, 1),
+            percent(unknown.sum::<f64>() / rows, 1),
         ]);
     }
     table

@@ -1,14 +1,17 @@
 //! What the diagnoser costs: the network and its Jacobian, a sample of the running detector, an
-//! ARX fit. Bars: network <= 40 us for 1000 samples, Jacobian <= 3.5 evaluations, detector
-//! <= 0.5 us a sample.
+//! ARX fit, intervals of bounded parameters, the training of the classifier. Bars: network <= 40 us
+//! for 1000 samples, Jacobian <= 3.5 evaluations, detector <= 0.5 us a sample, ARX(20,20) below
+//! numpy's lstsq (1.3 ms), an interval of 6 parameters <= 100 us by programs and <= 2 us a sample
+//! with cached vertices, 200 steps of the classifier <= 3 s.
 
 use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use drivescope_diagnoser::{
-    Arx, Column, Confidence, Data, Detector, ErrorBands, Limits, Method, Orders, SignalModel,
-    Structure, Theta, Training, free_run, train,
+    Arx, BoundOptions, Column, Confidence, Data, Detector, ErrorBands, FaultSymptoms, Gmdh,
+    GmdhOptions, Isolator, IsolatorOptions, Limits, Method, Orders, Partition, RobustGmdh,
+    SignalModel, Structure, Symptoms, Theta, Threshold, Training, free_run, train,
 };
 
 #[path = "../src/testing.rs"]
@@ -105,5 +108,77 @@ fn detector(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, network, training, arx, detector);
+fn gmdh(c: &mut Criterion) {
+    let runs = [testing::multisine(1000, 1), testing::multisine(1000, 2)];
+    let [estimation, validation] = [data(&runs[0]).unwrap(), data(&runs[1]).unwrap()];
+    let options = GmdhOptions::default();
+    let synthesise = || {
+        Gmdh::synthesise(
+            std::slice::from_ref(&estimation),
+            std::slice::from_ref(&validation),
+            &options,
+        )
+        .unwrap()
+        .0
+    };
+    let network = synthesise();
+    let design = || {
+        RobustGmdh::design(
+            &network,
+            std::slice::from_ref(&validation),
+            &[],
+            &BoundOptions::default(),
+        )
+        .unwrap()
+    };
+    let robust = design();
+    let mut bands = robust.bands().unwrap();
+    let control = &runs[0].control;
+    println!(
+        "{} neurons, {} vertices, {} facets",
+        network.neurons.len(),
+        bands.vertices(),
+        robust.bounds[0].set.parts[0].facets.len()
+    );
+    let mut group = c.benchmark_group("GMDH");
+    group.sample_size(10);
+    group.bench_function("synthesis, 1000 samples", |b| b.iter(synthesise));
+    group.bench_function("bounds, 500 samples", |b| b.iter(design));
+    bands.band(&[control[0]]);
+    let values = bands.regressor().values.to_vec();
+    let set = &robust.bounds[0].set;
+    group.bench_function("interval of 6 parameters by programs", |b| {
+        let regressor = drivescope_diagnoser::Regressor { values: &values, errors: &[] };
+        b.iter(|| set.interval_by_programs(black_box(regressor)));
+    });
+    group.throughput(Throughput::Elements(1000));
+    group.bench_function("adaptive threshold, 1000 samples", |b| {
+        b.iter(|| {
+            bands.reset();
+            control.iter().map(|u| bands.band(black_box(&[*u])).upper).sum::<f64>()
+        });
+    });
+    group.finish();
+}
+
+fn classifier(c: &mut Criterion) {
+    let draws = testing::noise(2 * 1200, 5);
+    let samples = |fault: usize| {
+        let own = draws[200 * fault..][..200].chunks_exact(2);
+        own.map(move |e| vec![4.0 * fault as f64 + e[0], (fault * fault % 7) as f64 * 4.0 + e[1]])
+    };
+    let fault = |fault| FaultSymptoms { fault: String::new(), samples: samples(fault).collect() };
+    let symptoms = Symptoms::new((0..12).map(fault).collect()).unwrap();
+    let limits = Limits { steps: 200, relative_decrease: 0.0 };
+    let options = IsolatorOptions { limits, starts: 1, ..IsolatorOptions::default() };
+    let mut group = c.benchmark_group("classifier");
+    group.sample_size(10);
+    group.bench_function("200 steps of one start", |b| {
+        let partition = Partition::paper();
+        b.iter(|| Isolator::train(&symptoms, &symptoms, &partition, &options).unwrap());
+    });
+    group.finish();
+}
+
+criterion_group!(benches, network, training, arx, detector, gmdh, classifier);
 criterion_main!(benches);

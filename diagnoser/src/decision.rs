@@ -72,16 +72,38 @@ pub struct Trace {
 impl Trace {
     /// Share of exceeding samples over a span: r_td over a fault's span, r_fd over a healthy one.
     pub fn exceedance_rate(&self, span: Range<usize>) -> Result<f64, SpanError> {
-        let samples = self.verdicts.len();
-        if span.is_empty() || span.end > samples {
-            return Err(SpanError::OutsideRun { span, samples });
-        }
-        if span.start < self.run_up {
-            return Err(SpanError::InRunUp { span, run_up: self.run_up });
-        }
+        self.check(&span)?;
         let length = span.len() as f64;
         let exceeding = self.verdicts[span].iter().filter(|verdict| verdict.exceeds).count();
         Ok(exceeding as f64 / length)
+    }
+
+    /// The same run judged by bands `factor` times as wide about the same middle: those of another
+    /// significance level.
+    pub fn with_bands_scaled(&self, factor: f64) -> Self {
+        let mut rule = RunRule::new(self.window);
+        let scaled = |(k, verdict): (usize, &Verdict)| {
+            let middle = 0.5 * (verdict.upper + verdict.lower);
+            let half = 0.5 * factor * (verdict.upper - verdict.lower);
+            let (lower, upper) = (middle - half, middle + half);
+            let inside = lower <= verdict.residual && verdict.residual <= upper;
+            let exceeds = k >= self.run_up && !inside;
+            Verdict { lower, upper, exceeds, declared: rule.step(exceeds), ..*verdict }
+        };
+        let verdicts = self.verdicts.iter().enumerate().map(scaled).collect();
+        Self { verdicts, ..*self }
+    }
+
+    /// Refuses spans over which nothing can be stated.
+    pub(crate) fn check(&self, span: &Range<usize>) -> Result<(), SpanError> {
+        let samples = self.verdicts.len();
+        if span.is_empty() || span.end > samples {
+            return Err(SpanError::OutsideRun { span: span.clone(), samples });
+        }
+        if span.start < self.run_up {
+            return Err(SpanError::InRunUp { span: span.clone(), run_up: self.run_up });
+        }
+        Ok(())
     }
 
     /// t_dt of every declaration, in order: start of its run of exceedances + window. The first
@@ -143,6 +165,18 @@ mod tests {
         // ... and with labels shuffled (a healthy span called faulty) r_td is r_fd.
         let fault = trace(|k| k >= 4000 || k % 20 == 0, 5000);
         assert_eq!(fault.exceedance_rate(1000..2000), Ok(0.05));
+    }
+
+    #[test]
+    fn wider_bands_are_exceeded_less() {
+        let mut run = trace(|_| true, 200);
+        run.verdicts.iter_mut().enumerate().for_each(|(k, v)| v.residual = 0.02 * k as f64);
+        // |r| exceeds 1 from sample 51 on, and 2 from sample 101 on.
+        let (once, twice) = (run.with_bands_scaled(1.0), run.with_bands_scaled(2.0));
+        assert_eq!((once.declarations(), twice.declarations()), (vec![101], vec![151]));
+        assert_eq!((twice.verdicts[0].lower, twice.verdicts[0].upper), (-2.0, 2.0));
+        // Nothing exceeds in the run-up, whatever the width.
+        assert!(!run.with_bands_scaled(0.0).verdicts[9].exceeds);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::arx::{Arx, ArxError, Orders};
 use crate::data::{Data, DataError};
 use crate::diagnoser::{Diagnoser, ModelError};
 use crate::file::SCHEMA;
+use crate::gmdh::RobustGmdh;
 use crate::interface::Interface;
 use crate::model::Model;
 use crate::model_error::BandDesign;
@@ -138,7 +139,125 @@ impl Diagnoser {
             constant,
             model,
             model_error,
+            recurrent_error: None,
+            gmdh: None,
         };
         Ok((diagnoser, DesignReport { bands, orders, one_step_sse }))
+    }
+
+    /// Adds a recurrent network as second error model, with bands of its own: trained on the
+    /// residual of `healthy` data, judged and measured on that of `design` data.
+    pub fn with_recurrent_error(
+        mut self,
+        healthy: &Data,
+        design: &Data,
+        structure: Structure,
+        training: &Training,
+    ) -> Result<(Self, BandDesign), DesignError> {
+        let run_up = self.run_up;
+        let inputs = self.interface.inputs.len();
+        for data in [healthy, design] {
+            if data.inputs().len() != inputs {
+                return Err(DesignError::Signals { model: self.model.signals(), inputs });
+            }
+            data.require_samples(run_up + 2, "a design after its run-up")?;
+        }
+        let mut run = self.model.run();
+        let (r, r_design) = (residual(&mut run, healthy), residual(&mut run, design));
+        let healthy = healthy.with_output("residual", &r)?.span(run_up..healthy.len());
+        let design = design.with_output("residual", &r_design)?;
+        let judge = design.span(run_up..design.len());
+        let model = Model::Network(train(structure, &healthy, &judge, training)?.network);
+        let bands = BandDesign::measure(&mut model.run(), &design, run_up)?;
+        let BandDesign { deviation, samples, .. } = bands;
+        self.recurrent_error = Some(ModelError { deviation, samples, model });
+        Ok((self, bands))
+    }
+
+    /// Adds a GMDH network with bounded parameters.
+    pub fn with_gmdh(mut self, gmdh: RobustGmdh) -> Result<Self, DesignError> {
+        let inputs = self.interface.inputs.len();
+        if gmdh.inputs() != Some(inputs) {
+            let model = gmdh.inputs().map(|inputs| (inputs, 1));
+            return Err(DesignError::Signals { model, inputs });
+        }
+        self.gmdh = Some(gmdh);
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! What a diagnoser can hold beside its ARX bands: a second error model and a GMDH network.
+
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::data::Column;
+    use crate::detector::DetectorError;
+    use crate::diagnoser::ThresholdKind;
+    use crate::file::FileError;
+    use crate::gmdh::{BoundOptions, Gmdh, GmdhOptions};
+    use crate::interface::Channel;
+    use crate::testing::{PERIOD, Run, closed_loop, multisine};
+
+    const RUN_UP: usize = 200;
+
+    fn data(run: &Run) -> Data<'_> {
+        let input = Column { name: "C_m", values: &run.control };
+        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
+    }
+
+    /// A process model without dynamics: its residual leaves everything to the error models.
+    fn designed(healthy: &Data) -> Diagnoser {
+        let interface = Interface {
+            period_s: PERIOD,
+            inputs: vec![Channel::new("C_m", "V")],
+            output: Channel::new("T", "rpm"),
+        };
+        let gain = Arc::new(Arx { a: vec![], b: vec![vec![300.0]], constant: 0.0 });
+        let orders = Orders { n_a: 4, n_b: 4, constant: true };
+        let paper = Design::paper(Confidence::new(0.05).unwrap());
+        let how = Design { error_model: ErrorModel::Arx(orders), run_up: RUN_UP, ..paper };
+        Diagnoser::design(interface, Model::Arx(gain), healthy, healthy, &how).unwrap().0
+    }
+
+    #[test]
+    fn a_second_error_model_and_a_gmdh_network_are_stored_and_run() {
+        let (open, closed) = (multisine(500, 1), closed_loop(1500, 2, usize::MAX, 0.0));
+        let (open, closed) = (data(&open), data(&closed));
+        let diagnoser = designed(&closed);
+        for kind in [ThresholdKind::Gmdh, ThresholdKind::RecurrentModelError] {
+            let refusal = diagnoser.detector(kind).unwrap_err();
+            assert!(matches!(refusal, DetectorError::Missing { .. }), "{refusal}");
+        }
+        let small = Structure { v1: 1, v2: 1, ..Structure::PAPER };
+        let training = Training { starts: 1, seed: 3, ..Training::default() };
+        let (diagnoser, report) =
+            diagnoser.with_recurrent_error(&closed, &closed, small, &training).unwrap();
+        assert!(report.normality.is_some() && report.whiteness.is_some());
+        let options =
+            GmdhOptions { delays: 2, survivors: 2, most_layers: 2, ..GmdhOptions::default() };
+        let (network, _) =
+            Gmdh::synthesise(std::slice::from_ref(&open), std::slice::from_ref(&open), &options)
+                .unwrap();
+        let how = BoundOptions { run_up: RUN_UP, ..BoundOptions::default() };
+        let robust = RobustGmdh::design(&network, std::slice::from_ref(&open), &[], &how).unwrap();
+        let diagnoser = diagnoser.with_gmdh(robust.clone()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("motor.toml");
+        diagnoser.save(&path).unwrap();
+        let loaded = Diagnoser::load(&path).unwrap();
+        assert_eq!(loaded, diagnoser);
+        for kind in [ThresholdKind::Gmdh, ThresholdKind::RecurrentModelError] {
+            let run = |diagnoser: &Diagnoser| diagnoser.detector(kind).unwrap().run(&closed);
+            assert_eq!(run(&loaded), run(&diagnoser));
+        }
+        let mut open_set = robust;
+        open_set.bounds[0].set.parts[0].facets.truncate(3);
+        let broken = Diagnoser { gmdh: Some(open_set), ..diagnoser };
+        assert_eq!(broken.detector(ThresholdKind::Gmdh).err(), Some(DetectorError::DamagedBounds));
+        broken.save(&path).unwrap();
+        assert!(matches!(Diagnoser::load(&path), Err(FileError::Bounds { .. })));
     }
 }

@@ -31,6 +31,15 @@ pub enum DetectorError {
         /// Outputs of the model.
         outputs: usize,
     },
+    /// The diagnoser was designed without it.
+    #[error("this diagnoser holds no {part}: design it with one")]
+    Missing {
+        /// What was asked for.
+        part: &'static str,
+    },
+    /// Stored parameter sets that describe no bounded set.
+    #[error("the parameter sets of the GMDH network are damaged: design them again")]
+    DamagedBounds,
     /// Not as many inputs as the model takes.
     #[error("sample {sample} holds {given} inputs, the model takes {expected}")]
     Inputs {

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::decision::Trace;
 use crate::detector::{Detector, DetectorError};
+use crate::gmdh::{GmdhBands, RobustGmdh};
 use crate::interface::{Interface, InterfaceError};
 use crate::model::{Model, ModelRun};
 use crate::model_error::ErrorBands;
@@ -32,6 +33,12 @@ pub struct Diagnoser {
     pub model: Model,
     /// Model of what that model gets wrong.
     pub model_error: ModelError,
+    /// A second one, by a recurrent network.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recurrent_error: Option<ModelError>,
+    /// A model of the output of its own, with bounded parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gmdh: Option<RobustGmdh>,
 }
 
 /// The stored form of the bands (6), (7).
@@ -51,18 +58,24 @@ pub struct ModelError {
 pub enum ThresholdKind {
     /// Bands of model error modelling, (6) and (7).
     ModelError,
+    /// The same with the recurrent error model.
+    RecurrentModelError,
     /// Mean +- t_beta std.
     Constant,
+    /// Output intervals of the GMDH network with bounded parameters (19), around its own output; no
+    /// significance level enters.
+    Gmdh,
 }
 
 /// A stored threshold, running.
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "one a detector, next to a model of the same size")]
 pub enum ThresholdRun {
     /// Bands of model error modelling.
     ModelError(ErrorBands<ModelRun>),
     /// Constant thresholds.
     Constant(Band),
+    /// The adaptive threshold (19).
+    Gmdh(GmdhBands),
 }
 
 impl Threshold for ThresholdRun {
@@ -70,6 +83,7 @@ impl Threshold for ThresholdRun {
         match self {
             Self::ModelError(bands) => bands.reset(),
             Self::Constant(band) => band.reset(),
+            Self::Gmdh(bands) => bands.reset(),
         }
     }
 
@@ -78,6 +92,7 @@ impl Threshold for ThresholdRun {
         match self {
             Self::ModelError(bands) => bands.band(u),
             Self::Constant(band) => band.band(u),
+            Self::Gmdh(bands) => bands.band(u),
         }
     }
 }
@@ -108,12 +123,23 @@ impl Diagnoser {
         kind: ThresholdKind,
         confidence: Confidence,
     ) -> Result<Detector<ModelRun, ThresholdRun>, DetectorError> {
+        let bands = |ModelError { deviation, model, .. }: &ModelError| {
+            ThresholdRun::ModelError(ErrorBands::new(model.run(), *deviation, confidence))
+        };
         let threshold = match kind {
-            ThresholdKind::ModelError => {
-                let ModelError { deviation, model, .. } = &self.model_error;
-                ThresholdRun::ModelError(ErrorBands::new(model.run(), *deviation, confidence))
+            ThresholdKind::ModelError => bands(&self.model_error),
+            ThresholdKind::RecurrentModelError => {
+                let part = "recurrent error model";
+                bands(self.recurrent_error.as_ref().ok_or(DetectorError::Missing { part })?)
             }
             ThresholdKind::Constant => ThresholdRun::Constant(self.constant.band(confidence)),
+            ThresholdKind::Gmdh => {
+                let part = "GMDH network";
+                let robust = self.gmdh.as_ref().ok_or(DetectorError::Missing { part })?;
+                let bands = robust.bands().map_err(|_| DetectorError::DamagedBounds)?;
+                let model = ModelRun::Gmdh(robust.network.run());
+                return Detector::new(model, ThresholdRun::Gmdh(bands), self.window, self.run_up);
+            }
         };
         Detector::new(self.model.run(), threshold, self.window, self.run_up)
     }

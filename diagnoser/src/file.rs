@@ -3,12 +3,14 @@
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::Deserialize;
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
 use crate::diagnoser::Diagnoser;
+use crate::gmdh::BoundError;
 use crate::model::Model;
 
 /// Version of the file format that this code writes and reads.
@@ -70,6 +72,14 @@ pub enum FileError {
         /// Which model.
         which: &'static str,
     },
+    /// Parameter sets of the GMDH network that are none.
+    #[error("{}: GMDH network: {source}", path.display())]
+    Bounds {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with them.
+        source: BoundError,
+    },
     /// A number without meaning.
     #[error("{}: {key} = {value} must be {must}", path.display())]
     Value {
@@ -127,9 +137,15 @@ impl Diagnoser {
     fn check(&self, path: &Path) -> Result<(), FileError> {
         let path = || path.to_path_buf();
         let inputs = self.interface.inputs.len();
-        let models: [(&'static str, &Model); 2] =
-            [("process model", &self.model), ("error model", &self.model_error.model)];
-        for (which, model) in models {
+        let gmdh = self.gmdh.as_ref().map(|gmdh| Model::Gmdh(Arc::clone(&gmdh.network)));
+        let recurrent = self.recurrent_error.as_ref().map(|error| &error.model);
+        let models: [(&'static str, Option<&Model>); 4] = [
+            ("process model", Some(&self.model)),
+            ("error model", Some(&self.model_error.model)),
+            ("recurrent error model", recurrent),
+            ("GMDH network", gmdh.as_ref()),
+        ];
+        for (which, model) in models.into_iter().filter_map(|(w, model)| Some((w, model?))) {
             if inputs == 0 || model.signals() != Some((inputs, 1)) {
                 return Err(FileError::Shape { path: path(), which, inputs });
             }
@@ -137,7 +153,13 @@ impl Diagnoser {
                 return Err(FileError::Unstable { path: path(), which });
             }
         }
+        if let Some(gmdh) = &self.gmdh {
+            let bounds = gmdh.bands().map(|_| ());
+            bounds.map_err(|source| FileError::Bounds { path: path(), source })?;
+        }
+        let recurrent = self.recurrent_error.as_ref().map_or(1.0, |error| error.deviation);
         let positive = [
+            ("recurrent_error.deviation", recurrent),
             ("interface.period_s", self.interface.period_s),
             ("model_error.deviation", self.model_error.deviation),
             ("constant.deviation", self.constant.deviation),

@@ -11,7 +11,9 @@
 //! simulates the output from the input alone ([`Arx`] and [`Network`] are such models); [`BandDesign`] and
 //! [`ErrorBands`] are model error modelling, [`ConstantThreshold`] the plain alternative; a
 //! [`Detector`] puts them to work sample by sample, and its [`Trace`] yields rates and times.
-//! A [`Diagnoser`] holds them all for one set of signals and is what the file stores.
+//! [`RobustGmdh`] is a second kind of model that brings its own bounds. Behind a declared fault,
+//! an [`Isolator`] names its class and [`fault_size`] its size. A [`Diagnoser`] holds them all for
+//! one set of signals and is what the file stores; [`Diagnoser::learn`] makes one from recordings.
 //!
 //! Equation numbers are those of K. Patan, M. Witczak, J. Korbicz, "Towards robustness in neural
 //! network based fault diagnosis", Int. J. Appl. Math. Comput. Sci. 18 (2008), 443-454.
@@ -23,11 +25,15 @@ mod design;
 mod detector;
 mod diagnoser;
 mod file;
+mod gmdh;
 mod history;
+mod identification;
 mod interface;
+mod isolation;
 mod model;
 mod model_error;
 mod network;
+mod recipe;
 mod scale;
 mod signal_model;
 mod stability;
@@ -44,13 +50,25 @@ pub use diagnoser::{Diagnoser, DiagnosisError, ModelError, ThresholdKind, Thresh
 /// When a Levenberg-Marquardt search stops.
 pub use drivescope_numerics::Limits;
 pub use file::{FileError, SCHEMA};
+pub use gmdh::{
+    Activation, BoundError, BoundOptions, Gmdh, GmdhBands, GmdhError, GmdhNeuron, GmdhOptions,
+    GmdhReport, GmdhRun, LayerRow, LocallyRecurrent, NeuronBounds, NeuronOrders, Orthants,
+    ParameterSet, Part, RecurrentLayer, Regressor, RobustError, RobustGmdh, Source, Uncertain,
+};
+pub use identification::{Size, fault_size, size_groups};
 pub use interface::{Channel, Interface, InterfaceError};
+pub use isolation::{
+    Answer, Cloud, FaultSymptoms, IsolationError, IsolationMatrix, IsolationReport, Isolator,
+    IsolatorOptions, Mlp, MlpSize, Partition, Separability, SymptomError, Symptoms, symptoms_of,
+};
 pub use model::{Model, ModelRun};
 pub use model_error::{BandDesign, ErrorBands};
 pub use network::{
-    FirNeuron, IirNeuron, Method, Network, NetworkRun, StartRow, Structure, StructureRow, Theta,
-    Trained, Training, TrainingError, select_structure, train,
+    ApproximationRow, FirNeuron, IirNeuron, Method, Network, NetworkRun, StartRow, Structure,
+    StructureRow, Theta, Trained, Training, TrainingError, approximation_table, select_structure,
+    train,
 };
+pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, free_run, residual};
 pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::arx::{Arx, ArxRun};
+use crate::gmdh::{Gmdh, GmdhRun};
 use crate::network::{Network, NetworkRun};
 use crate::signal_model::SignalModel;
 
@@ -16,6 +17,8 @@ pub enum Model {
     Arx(Arc<Arx>),
     /// A locally recurrent cascade network.
     Network(Arc<Network>),
+    /// A GMDH network.
+    Gmdh(Arc<Gmdh>),
 }
 
 impl Model {
@@ -26,6 +29,7 @@ impl Model {
             Self::Network(network) => {
                 network.structure().map(|structure| (structure.inputs, structure.outputs))
             }
+            Self::Gmdh(gmdh) => gmdh.orders().map(|_| (gmdh.input_scales.len(), 1)),
         }
     }
 
@@ -34,6 +38,7 @@ impl Model {
         match self {
             Self::Arx(arx) => arx.is_stable(),
             Self::Network(network) => network.is_stable(),
+            Self::Gmdh(gmdh) => gmdh.is_stable(),
         }
     }
 
@@ -45,6 +50,7 @@ impl Model {
         match self {
             Self::Arx(arx) => ModelRun::Arx(arx.run()),
             Self::Network(network) => ModelRun::Network(network.run()),
+            Self::Gmdh(gmdh) => ModelRun::Gmdh(gmdh.run()),
         }
     }
 }
@@ -56,6 +62,8 @@ pub enum ModelRun {
     Arx(ArxRun),
     /// A locally recurrent cascade network.
     Network(NetworkRun),
+    /// A GMDH network.
+    Gmdh(GmdhRun),
 }
 
 impl SignalModel for ModelRun {
@@ -63,6 +71,7 @@ impl SignalModel for ModelRun {
         match self {
             Self::Arx(run) => run.inputs(),
             Self::Network(run) => run.inputs(),
+            Self::Gmdh(run) => run.inputs(),
         }
     }
 
@@ -70,6 +79,7 @@ impl SignalModel for ModelRun {
         match self {
             Self::Arx(run) => run.outputs(),
             Self::Network(run) => run.outputs(),
+            Self::Gmdh(run) => run.outputs(),
         }
     }
 
@@ -77,6 +87,7 @@ impl SignalModel for ModelRun {
         match self {
             Self::Arx(run) => run.reset(),
             Self::Network(run) => run.reset(),
+            Self::Gmdh(run) => run.reset(),
         }
     }
 
@@ -85,6 +96,7 @@ impl SignalModel for ModelRun {
         match self {
             Self::Arx(run) => run.step(u),
             Self::Network(run) => run.step(u),
+            Self::Gmdh(run) => run.step(u),
         }
     }
 }

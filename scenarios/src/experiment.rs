@@ -35,6 +35,8 @@ pub enum Stream {
     Healthy(u64),
     /// Faulty evaluation runs, by fault.
     Faulty(u64),
+    /// Faulty runs that a classifier is trained on, by run.
+    Symptoms(u64),
 }
 
 impl Stream {
@@ -47,6 +49,7 @@ impl Stream {
             Self::Design(k) => Self::RUNS + k,
             Self::Healthy(k) => 2 * Self::RUNS + k,
             Self::Faulty(k) => 3 * Self::RUNS + k,
+            Self::Symptoms(k) => 4 * Self::RUNS + k,
         }
     }
 }
@@ -98,6 +101,11 @@ impl Experiment {
             .flat_map(|open_loop| Unit::new(drive.clone(), open_loop).variables().to_vec())
             .collect();
         Ok(Self { drive, period_s, set_point, seed, variables })
+    }
+
+    /// The same with noise of another seed.
+    pub fn with_seed(&self, seed: u64) -> Self {
+        Self { seed, ..self.clone() }
     }
 
     /// Inputs of a closed-loop run, one row a sample; the fault's input is there if one acts.

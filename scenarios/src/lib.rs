@@ -5,6 +5,7 @@
 //!   -> native run (Sampled)            -> Recording  -> how far the FMU agrees
 //!   -> FMU through the co-simulation algorithm -> Recording and a diagnoser's verdicts
 //!   -> study: train, design, judge twelve faults  -> StudyResults
+//!   -> parity: one design, judged over many draws of the noise -> Parity
 //! ```
 //!
 //! Randomness is drawn before anything runs in parallel: a run's inputs are a function of the
@@ -15,5 +16,6 @@ pub mod drives;
 pub mod experiment;
 pub mod faults;
 pub mod native;
+pub mod parity;
 pub mod results;
 pub mod study;

@@ -23,12 +23,28 @@ pub struct StudyResults {
     pub detection: Vec<DetectionRow>,
     /// The rows of the other readings.
     pub readings: Vec<ReadingRows>,
+    /// The same at other significance levels.
+    pub levels: Vec<LevelRows>,
     /// False alarms on healthy runs.
     pub healthy: HealthySummary,
     /// Share of healthy samples outside the threshold, by method.
     pub r_fd: ByMethod,
     /// How the process model was found and how good it is.
     pub model: ModelSummary,
+    /// Structures of the process model that were compared, the paper's among them.
+    pub structures: Vec<StructureSummary>,
+    /// Theorem 1 on an example.
+    pub theorem: TheoremSummary,
+    /// Symptoms of every fault (Fig. 5): points (C_m, r).
+    pub symptoms: Vec<SymptomPoints>,
+    /// Which faults can be told apart by them.
+    pub separability: SeparabilitySummary,
+    /// Isolation with every fault a class of its own.
+    pub isolation: IsolationTable,
+    /// Isolation with the paper's ten classes.
+    pub isolation_paper: IsolationTable,
+    /// Isolation with the classes of our separability test.
+    pub isolation_merged: IsolationTable,
     /// Size of the symptom (27), by fault.
     pub identification: Vec<IdentificationRow>,
     /// The FMU against the native run, and against fmpy where that was run.
@@ -120,21 +136,29 @@ pub struct FaultName {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Adaptive bands by model error modelling.
+    /// Adaptive bands by model error modelling, ARX error model.
     Mem,
+    /// The same with a recurrent error model.
+    MemRecurrent,
     /// Constant thresholds.
     Constant,
+    /// Intervals of the GMDH network with bounded parameters.
+    Gmdh,
 }
 
 impl Method {
     /// Every method of the study, in the order of the tables.
-    pub const ALL: [Self; 2] = [Self::Mem, Self::Constant];
+    pub const ALL: [Self; 4] = [Self::Mem, Self::MemRecurrent, Self::Constant, Self::Gmdh];
+    /// Those of which the paper has figures.
+    pub const IN_PAPER: [Self; 2] = [Self::Mem, Self::Constant];
 
     /// Name for people.
     pub fn label(self) -> &'static str {
         match self {
             Self::Mem => "model error modelling",
+            Self::MemRecurrent => "recurrent error model",
             Self::Constant => "constant thresholds",
+            Self::Gmdh => "robust GMDH network",
         }
     }
 }
@@ -165,29 +189,70 @@ pub struct ReadingRows {
     pub detection: Vec<DetectionRow>,
 }
 
+/// What changes where the bands are designed for another significance level.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LevelRows {
+    /// Significance level beta.
+    pub beta: f64,
+    /// Share of healthy samples outside, by method.
+    pub r_fd: ByMethod,
+    /// Faults declared on healthy runs.
+    pub alarms: ByMethod<usize>,
+    /// One row a fault and method.
+    pub detection: Vec<DetectionRow>,
+    /// The rows of the other readings.
+    pub readings: Vec<ReadingRows>,
+}
+
 /// A number for each method.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ByMethod<T = f64> {
-    /// Model error modelling.
+    /// Model error modelling, ARX error model.
     pub mem: T,
+    /// The same with a recurrent error model.
+    pub mem_recurrent: T,
     /// Constant thresholds.
     pub constant: T,
+    /// Robust GMDH network.
+    pub gmdh: T,
 }
 
 impl<T> ByMethod<T> {
     /// One value a method.
     pub fn from_fn(mut value: impl FnMut(Method) -> T) -> Self {
-        Self { mem: value(Method::Mem), constant: value(Method::Constant) }
+        Self {
+            mem: value(Method::Mem),
+            mem_recurrent: value(Method::MemRecurrent),
+            constant: value(Method::Constant),
+            gmdh: value(Method::Gmdh),
+        }
+    }
+
+    /// The one of this method.
+    pub fn get(&self, method: Method) -> &T {
+        match method {
+            Method::Mem => &self.mem,
+            Method::MemRecurrent => &self.mem_recurrent,
+            Method::Constant => &self.constant,
+            Method::Gmdh => &self.gmdh,
+        }
+    }
+
+    /// The one of this method, to change.
+    pub fn get_mut(&mut self, method: Method) -> &mut T {
+        match method {
+            Method::Mem => &mut self.mem,
+            Method::MemRecurrent => &mut self.mem_recurrent,
+            Method::Constant => &mut self.constant,
+            Method::Gmdh => &mut self.gmdh,
+        }
     }
 }
 
 impl<T: Copy> ByMethod<T> {
     /// The one of this method.
     pub fn of(&self, method: Method) -> T {
-        match method {
-            Method::Mem => self.mem,
-            Method::Constant => self.constant,
-        }
+        *self.get(method)
     }
 }
 
@@ -232,8 +297,157 @@ pub struct ModelSummary {
     pub whiteness_p: f64,
     /// p value of the normality test on r - y_e.
     pub normality_p: f64,
+    /// Samples that v and the constant thresholds were measured on.
+    pub design_samples: usize,
     /// Constant thresholds, unit of T.
     pub constant: (f64, f64),
+    /// The recurrent error model.
+    pub recurrent_error: Option<RecurrentErrorSummary>,
+    /// The GMDH network.
+    pub gmdh: Option<GmdhSummary>,
+}
+
+/// The recurrent error model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecurrentErrorSummary {
+    /// IIR neurons.
+    pub v1: usize,
+    /// FIR neurons.
+    pub v2: usize,
+    /// Order of their filters.
+    pub order: usize,
+    /// v of (6), (7), unit of T.
+    pub v: f64,
+    /// p value of the whiteness test on r - y_e.
+    pub whiteness_p: f64,
+    /// p value of the normality test on r - y_e.
+    pub normality_p: f64,
+}
+
+/// The GMDH network and the bounds of its parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GmdhSummary {
+    /// Validation error of the best neuron of every layer tried, root mean square, unit of T.
+    pub layers: Vec<f64>,
+    /// Layers kept.
+    pub kept: usize,
+    /// Neurons left after pruning.
+    pub neurons: usize,
+    /// Validation error after all were trained together, unit of T.
+    pub validation: f64,
+    /// epsilon^m and epsilon^M (10) of the runs that are watched, unit of T.
+    pub noise: [f64; 2],
+    /// Vertices of the parameter set of the output neuron.
+    pub vertices: usize,
+}
+
+/// One structure of the process model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StructureSummary {
+    /// IIR neurons.
+    pub v1: usize,
+    /// FIR neurons.
+    pub v2: usize,
+    /// Order of their filters.
+    pub order: usize,
+    /// Parameters as written.
+    pub parameters: usize,
+    /// Parameters that the behaviour depends on: K.
+    pub effective_parameters: usize,
+    /// N ln(SSE / N) + 2 K on estimation data.
+    pub aic: f64,
+    /// Free-run error on validation data, root mean square, unit of T.
+    pub validation: f64,
+    /// Whether it is the paper's.
+    pub paper: bool,
+    /// Whether it has the smallest AIC.
+    pub best: bool,
+}
+
+/// Theorem 1 on an example: z(k+1) = tanh(0.6 z(k) + 0.8 u(k)), inputs that no network was trained on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TheoremSummary {
+    /// The error that was to be reached.
+    pub epsilon: f64,
+    /// Samples I over which the greatest error is taken.
+    pub horizon: usize,
+    /// Networks, the larger the later.
+    pub rows: Vec<TheoremRow>,
+}
+
+/// A network in place of the example.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TheoremRow {
+    /// IIR neurons.
+    pub v1: usize,
+    /// FIR neurons.
+    pub v2: usize,
+    /// Order of their filters.
+    pub order: usize,
+    /// Greatest error over the horizon and all test inputs.
+    pub max_error: f64,
+}
+
+/// Symptoms of one fault.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SymptomPoints {
+    /// The fault.
+    pub fault: FaultName,
+    /// (C_m, r), V and unit of T.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Two faults that share a class, by their names.
+pub type Pair = [String; 2];
+
+/// Which faults can be told apart by their symptoms.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SeparabilitySummary {
+    /// Share of samples of a fault taken for another from which on the two share a class.
+    pub limit: f64,
+    /// Share of samples of fault i taken for fault j, faults in the order of `symptoms`.
+    pub confusion: Vec<Vec<f64>>,
+    /// Our classes, by the names of their faults.
+    pub classes: Vec<Vec<String>>,
+    /// The paper's.
+    pub classes_paper: Vec<Vec<String>>,
+    /// Pairs that share a class here and not in the paper.
+    pub merged_only_here: Vec<Pair>,
+    /// Pairs that share a class in the paper and not here.
+    pub merged_only_in_paper: Vec<Pair>,
+}
+
+/// Answers of a classifier to samples of every fault that it was not trained on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IsolationTable {
+    /// Names of the classes.
+    pub classes: Vec<String>,
+    /// Names of the faults, a row each.
+    pub faults: Vec<String>,
+    /// Shares: rows true faults, columns answered classes, the last column `unknown`.
+    pub matrix: Vec<Vec<f64>>,
+    /// Class of each fault.
+    pub class_of: Vec<usize>,
+}
+
+impl IsolationTable {
+    /// Share of the samples of a fault that were answered with its class.
+    pub fn right(&self, fault: usize) -> f64 {
+        let row = self.matrix.get(fault).zip(self.class_of.get(fault));
+        row.and_then(|(row, class)| row.get(*class).copied()).unwrap_or(f64::NAN)
+    }
+}
+
+/// Size of a fault relative to the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SizeGroup {
+    /// Of the smallest.
+    Small,
+    /// Between.
+    Medium,
+    /// Of the largest.
+    Large,
 }
 
 /// Size of a symptom (27).
@@ -247,6 +461,10 @@ pub struct IdentificationRow {
     /// The paper's S.
     #[serde(rename = "S_paper")]
     pub s_paper: f64,
+    /// Its group among the twelve.
+    pub group: SizeGroup,
+    /// The paper's group.
+    pub group_paper: SizeGroup,
 }
 
 /// How well the FMU agrees with others.
@@ -278,9 +496,31 @@ pub struct PaperFigures {
     /// Table 1, a row a fault and method.
     pub detection: Vec<PaperRow>,
     /// False detection rates.
-    pub r_fd: ByMethod,
+    pub r_fd: PaperRates,
     /// Sum of squared errors of the paper's ARX error model over 3000 samples.
     pub arx_sse: f64,
+    /// Table 2: shares, a row a fault, a column a class C_1 .. C_10.
+    pub isolation: Vec<Vec<f64>>,
+}
+
+/// The paper's false detection rates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PaperRates {
+    /// Model error modelling.
+    pub mem: f64,
+    /// Constant thresholds.
+    pub constant: f64,
+}
+
+impl PaperRates {
+    /// The one of this method, if the paper has it.
+    pub fn of(&self, method: Method) -> Option<f64> {
+        match method {
+            Method::Mem => Some(self.mem),
+            Method::Constant => Some(self.constant),
+            Method::MemRecurrent | Method::Gmdh => None,
+        }
+    }
 }
 
 /// A row of the paper's Table 1.

@@ -5,6 +5,7 @@ mod add;
 mod benchmark;
 mod compare;
 mod cosim;
+mod diagnose;
 mod discover;
 mod effects;
 mod export;
@@ -16,6 +17,7 @@ mod schema;
 mod shell;
 mod simulate;
 mod study;
+mod train;
 
 use clap::{Args, Subcommand};
 
@@ -50,6 +52,8 @@ macro_rules! commands {
 
 commands! {
     Study: study::Study,
+    Train: train::Train,
+    Diagnose: diagnose::Diagnose,
     Simulate: simulate::Simulate,
     Init: init::Init,
     Compare: compare::Compare,

@@ -21,6 +21,11 @@ pub(crate) struct RecordingOptions {
 }
 
 impl RecordingOptions {
+    /// The columns that were named.
+    pub(crate) fn columns(&self) -> Option<&str> {
+        self.columns.as_deref()
+    }
+
     /// Reads the recording and says what was assumed and what deserves attention.
     ///
     /// # Errors

@@ -39,7 +39,7 @@ pub(crate) struct Study {
 /// Readings of the torque fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
-enum Reading {
+pub(super) enum Reading {
     /// The excitation flux changes: K_m and K_e.
     Flux,
     /// K_m alone changes.
@@ -78,7 +78,7 @@ impl Run for Study {
 
         let torque = self.torque.into();
         let options = StudyOptions { drive, seed: session.seed, torque, beta: self.beta };
-        let bar = session.progress(1, "training the process model");
+        let bar = session.progress(1, "training and designing the diagnoser");
         let outcome = study(&options, (&closed, &open), &|step| show(&bar, step));
         bar.finish_and_clear();
         interrupt::check()?;
@@ -113,12 +113,12 @@ impl Study {
 /// Shows where the study is.
 fn show(bar: &ProgressBar, step: Progress) {
     match step {
-        Progress::Training => bar.set_message("training the process model"),
-        Progress::Design => bar.set_message("designing the bands"),
+        Progress::Training => bar.set_message("training and designing the diagnoser"),
         Progress::Judging(runs) => {
             bar.set_length(runs as u64);
             bar.set_message("judging faulty and healthy runs");
         }
         Progress::Judged => bar.inc(1),
+        Progress::Isolation => bar.set_message("training classifiers"),
     }
 }

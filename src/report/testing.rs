@@ -77,7 +77,13 @@ pub(crate) fn study() -> StudyResults {
     let identification = FAULTS
         .iter()
         .zip(names())
-        .map(|(f, fault)| IdentificationRow { s: 180.0 * f.size.abs(), s_paper: f.s, fault })
+        .map(|(f, fault)| IdentificationRow {
+            s: 180.0 * f.size.abs(),
+            s_paper: f.s,
+            fault,
+            group: SizeGroup::Small,
+            group_paper: SizeGroup::Medium,
+        })
         .collect();
     let paper = FAULTS.iter().flat_map(|f| {
         [(Method::Mem, f.mem), (Method::Constant, f.constant)].map(|(method, (r_td, t_dt))| {
@@ -104,15 +110,15 @@ pub(crate) fn study() -> StudyResults {
         beta: 0.05,
         fault_span: FaultSpan { from: 4000, to: 5000 },
         window: 50,
-        detection,
+        detection: detection.clone(),
         readings,
         healthy: HealthySummary {
             samples: 90_000,
             runs: 16,
             run_up: 375,
-            alarms: ByMethod { mem: 0, constant: 0 },
+            alarms: ByMethod::from_fn(|_| 0),
         },
-        r_fd: ByMethod { mem: 0.0502, constant: 0.0493 },
+        r_fd: ByMethod { mem: 0.0502, mem_recurrent: 0.051, constant: 0.0493, gmdh: 0.0 },
         model: ModelSummary {
             process_model: "ARX (n_a = 4, n_b = 4), free run from C_m".into(),
             training_samples: 3000,
@@ -126,15 +132,99 @@ pub(crate) fn study() -> StudyResults {
             v: SD,
             whiteness_p: 0.0,
             normality_p: 0.31,
+            design_samples: 200_000,
             constant: (-12.0, 11.6),
+            recurrent_error: Some(RecurrentErrorSummary {
+                v1: 2,
+                v2: 1,
+                order: 1,
+                v: SD,
+                whiteness_p: 0.0,
+                normality_p: 0.2,
+            }),
+            gmdh: Some(GmdhSummary {
+                layers: vec![31.0, 29.0, 28.9],
+                kept: 2,
+                neurons: 3,
+                validation: 27.5,
+                noise: [-24.0, 24.0],
+                vertices: 1500,
+            }),
         },
+        levels: vec![LevelRows {
+            beta: 0.01,
+            r_fd: ByMethod::from_fn(|_| 0.0101),
+            alarms: ByMethod::from_fn(|_| 0),
+            detection,
+            readings: Vec::new(),
+        }],
+        structures: [(1, 1, 1), (3, 6, 1)].map(structure).into(),
+        theorem: TheoremSummary {
+            epsilon: 0.05,
+            horizon: 200,
+            rows: vec![TheoremRow { v1: 5, v2: 1, order: 2, max_error: 0.04 }],
+        },
+        symptoms: names().enumerate().map(|(k, fault)| cloud(k, fault)).collect(),
+        separability: SeparabilitySummary {
+            limit: 0.1,
+            confusion: vec![vec![0.0; 12]; 12],
+            classes: names().map(|name| vec![name.shown()]).collect(),
+            classes_paper: vec![vec!["tacho +5 %".into(), "flux -5 %".into()]],
+            merged_only_here: Vec::new(),
+            merged_only_in_paper: vec![["tacho +5 %".into(), "flux -5 %".into()]],
+        },
+        isolation: isolation(12),
+        isolation_paper: isolation(10),
+        isolation_merged: isolation(12),
         identification,
         fmu: FmuSummary { max_relative_difference_native: 0.0, fmpy: Vec::new() },
         paper: PaperFigures {
             detection: paper.collect(),
-            r_fd: ByMethod { mem: 0.012, constant: 0.098 },
+            r_fd: PaperRates { mem: 0.012, constant: 0.098 },
             arx_sse: 0.0117,
+            isolation: answers(10),
         },
+    }
+}
+
+fn structure((v1, v2, order): (usize, usize, usize)) -> StructureSummary {
+    StructureSummary {
+        v1,
+        v2,
+        order,
+        parameters: 48,
+        effective_parameters: 16,
+        aic: -5000.0 - v1 as f64,
+        validation: 21.0,
+        paper: v1 == 3,
+        best: v1 == 1,
+    }
+}
+
+fn cloud(k: usize, fault: FaultName) -> SymptomPoints {
+    let point = |i: usize| [5.0 + 0.1 * k as f64 + 0.01 * i as f64, 40.0 * k as f64 - i as f64];
+    SymptomPoints { fault, points: (0..20).map(point).collect() }
+}
+
+/// Shares of a classifier that is right but for a tenth.
+fn answers(classes: usize) -> Vec<Vec<f64>> {
+    let row = |fault: usize| {
+        let mut row = vec![0.0; classes];
+        row[fault % classes] = 0.9;
+        row[(fault + 1) % classes] += 0.1;
+        row
+    };
+    (0..12).map(row).collect()
+}
+
+fn isolation(classes: usize) -> IsolationTable {
+    let mut matrix = answers(classes);
+    matrix.iter_mut().for_each(|row| row.push(0.0));
+    IsolationTable {
+        classes: (0..classes).map(|class| format!("class {class}")).collect(),
+        faults: names().map(|name| name.shown()).collect(),
+        matrix,
+        class_of: (0..12).map(|fault| fault % classes).collect(),
     }
 }
 

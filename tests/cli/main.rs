@@ -1,7 +1,9 @@
 //! The program from outside: what a command prints, writes and answers, and that bad input ends
 //! with exit code 2, a message that names the place, and nothing half-written.
 
+mod benchmark;
 mod compare;
+mod diagnose;
 mod discover;
 mod drive_files;
 mod effects;

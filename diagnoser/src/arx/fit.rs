@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use drivescope_numerics::{Regression, RegressionError, aic};
+use drivescope_numerics::{LinearFit, Regression, RegressionError, aic};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::Arx;
+use super::{Arx, shift};
 use crate::data::{Data, DataError};
 
 /// Why an ARX model cannot be had from these data.
@@ -94,20 +94,36 @@ pub struct ArxFit {
 }
 
 impl Arx {
-    /// Fits a model of the given orders by QR least squares.
+    /// Fits a model of the given orders by least squares: from the shift structure of its
+    /// regressors, or by QR where they are close to dependent; the answers are the same.
     pub fn fit(data: &Data, orders: Orders) -> Result<ArxFit, ArxError> {
+        let inputs = data.inputs().len();
+        check(data, orders)?;
+        if let Some((mut parameters, sse)) = shift::solve(data, orders) {
+            // The equation has its past outputs on the left.
+            parameters[..orders.n_a].iter_mut().for_each(|a| *a = -*a);
+            let rows = data.len() - orders.reach();
+            return model_of(LinearFit { parameters, sse, rows }, inputs, orders);
+        }
         let equations = equations(data, orders)?;
-        fit_columns(&equations, data.inputs().len(), orders, orders)
+        fit_columns(&equations, inputs, orders, orders)
     }
+}
+
+/// Refuses data that cannot determine these orders.
+fn check(data: &Data, orders: Orders) -> Result<(), ArxError> {
+    let Orders { n_a, n_b, .. } = orders;
+    let needed = orders.reach() + orders.parameters(data.inputs().len());
+    data.require_samples(needed, "a fit of these orders")
+        .and_then(|()| data.require_variation())
+        .map_err(|source| ArxError::Data { n_a, n_b, source })
 }
 
 /// All equations of the given orders: columns -y(k-1).., u_j(k-1).. of every input, 1.
 pub(super) fn equations(data: &Data, orders: Orders) -> Result<Regression, ArxError> {
     let Orders { n_a, n_b, constant } = orders;
+    check(data, orders)?;
     let parameters = orders.parameters(data.inputs().len());
-    data.require_samples(orders.reach() + parameters, "a fit of these orders")
-        .and_then(|()| data.require_variation())
-        .map_err(|source| ArxError::Data { n_a, n_b, source })?;
     let y = data.output().values;
     let mut regression = Regression::new(parameters);
     for k in orders.reach()..data.len() {
@@ -137,6 +153,12 @@ pub(super) fn fit_columns(
         n_b,
         source,
     })?;
+    model_of(fit, inputs, orders)
+}
+
+/// The model with these parameters a.., b.., c.
+fn model_of(fit: LinearFit, inputs: usize, orders: Orders) -> Result<ArxFit, ArxError> {
+    let Orders { n_a, n_b, constant } = orders;
     let (a, rest) = fit.parameters.split_at(n_a);
     let b = (0..inputs).map(|j| rest[j * n_b..][..n_b].to_vec()).collect();
     let constant = if constant { rest[inputs * n_b] } else { 0.0 };

@@ -7,6 +7,7 @@
 
 mod fit;
 mod orders;
+mod shift;
 
 use std::sync::Arc;
 

@@ -15,6 +15,7 @@
 //! the data can tell apart, which is what AIC is charged for. Filters are stable for every value
 //! of the trained parameters (see `theta`). Signals are standardised.
 
+mod approximation;
 mod ars;
 mod layers;
 mod run;
@@ -27,6 +28,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::approximation::{ApproximationRow, approximation_table};
 pub use self::run::NetworkRun;
 pub use self::select::{StructureRow, select_structure};
 pub use self::theta::Theta;
@@ -53,6 +55,15 @@ pub struct Structure {
 impl Structure {
     /// The paper's network: one input, three IIR and six FIR neurons of first order, one output.
     pub const PAPER: Self = Self { inputs: 1, outputs: 1, v1: 3, v2: 6, order: 1 };
+
+    /// Candidates for a choice by AIC: one to four IIR neurons, one or six FIR neurons, first and
+    /// second order; for one input and one output the paper's is among them.
+    pub fn grid(inputs: usize, outputs: usize) -> Vec<Self> {
+        let sizes = (1..=4).flat_map(|v1| [1, 6].map(|v2| (v1, v2)));
+        sizes
+            .flat_map(|(v1, v2)| [1, 2].map(|order| Self { inputs, outputs, v1, v2, order }))
+            .collect()
+    }
 
     /// Whether every size is at least one.
     pub fn is_valid(&self) -> bool {
@@ -181,6 +192,7 @@ mod tests {
         // 3 x (pole, zero, gain, bias) and one row of 3 + 1.
         assert_eq!(Structure::PAPER.effective_parameters(), 12 + 4);
         // v2 = 1 already holds all that v2 = 6 can do at first order.
+        assert!(Structure::grid(1, 1).contains(&Structure::PAPER));
         let narrow = Structure { v2: 1, ..Structure::PAPER };
         assert_eq!(narrow.effective_parameters(), Structure::PAPER.effective_parameters());
     }

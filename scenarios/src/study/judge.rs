@@ -2,91 +2,116 @@
 
 use std::ops::Range;
 
-use drivescope_diagnoser::{DetectorError, Trace, Verdict};
+use drivescope_diagnoser::{
+    Detector, DetectorError, Diagnoser, ModelRun, ThresholdKind, ThresholdRun, Trace, Verdict,
+    fault_size,
+};
 use drivescope_recording::Recording;
 
-use super::design::{ConstantDetector, MemDetector, WINDOW, values};
-use super::{RUN_UP, SAMPLES, paper};
+use super::design::values;
+use super::{SAMPLES, StudyError};
 use crate::cosimulated::Follower;
 use crate::faults::Fault;
-use crate::results::{ByMethod, DetectionRow, IdentificationRow, Method, Pictures};
+use crate::results::{ByMethod, DetectionRow, Method, Pictures};
 
-/// Both detectors at work on one run.
-pub(super) struct Watch {
-    mem: MemDetector,
-    constant: ConstantDetector,
+/// All detectors at work on one run.
+pub struct Watch {
+    detectors: ByMethod<Detector<ModelRun, ThresholdRun>>,
     verdicts: ByMethod<Vec<Verdict>>,
+    run_up: usize,
+    window: usize,
+}
+
+/// Which threshold of a diagnoser a method is.
+fn kind(method: Method) -> ThresholdKind {
+    match method {
+        Method::Mem => ThresholdKind::ModelError,
+        Method::MemRecurrent => ThresholdKind::RecurrentModelError,
+        Method::Constant => ThresholdKind::Constant,
+        Method::Gmdh => ThresholdKind::Gmdh,
+    }
 }
 
 impl Watch {
-    pub(super) fn new(mem: MemDetector, constant: ConstantDetector) -> Self {
-        let room = || Vec::with_capacity(SAMPLES);
-        Self { mem, constant, verdicts: ByMethod { mem: room(), constant: room() } }
+    /// The detectors of a diagnoser at the start of a run.
+    ///
+    /// # Errors
+    /// A diagnoser that lacks one.
+    pub fn new(diagnoser: &Diagnoser) -> Result<Self, DetectorError> {
+        let detector = |method| diagnoser.detector(kind(method));
+        let detectors = ByMethod {
+            mem: detector(Method::Mem)?,
+            mem_recurrent: detector(Method::MemRecurrent)?,
+            constant: detector(Method::Constant)?,
+            gmdh: detector(Method::Gmdh)?,
+        };
+        let verdicts = ByMethod::from_fn(|_| Vec::with_capacity(SAMPLES));
+        Ok(Self { detectors, verdicts, run_up: diagnoser.run_up, window: diagnoser.window })
     }
 
     /// What was found over the run.
-    pub(super) fn judgement(self) -> Judgement {
-        let trace = |verdicts| Trace { verdicts, run_up: RUN_UP, window: WINDOW };
-        let ByMethod { mem, constant } = self.verdicts;
-        Judgement { traces: ByMethod { mem: trace(mem), constant: trace(constant) } }
+    pub fn judgement(self) -> Judgement {
+        let Self { mut verdicts, run_up, window, .. } = self;
+        let traces = ByMethod::from_fn(|method| Trace {
+            verdicts: std::mem::take(verdicts.get_mut(method)),
+            run_up,
+            window,
+        });
+        Judgement { traces }
     }
 }
 
 impl Follower for Watch {
     fn sample(&mut self, c_m: f64, t: f64) -> Result<(), DetectorError> {
-        self.verdicts.mem.push(self.mem.step(&[c_m], t)?);
-        self.verdicts.constant.push(self.constant.step(&[c_m], t)?);
+        for method in Method::ALL {
+            let verdict = self.detectors.get_mut(method).step(&[c_m], t)?;
+            self.verdicts.get_mut(method).push(verdict);
+        }
         Ok(())
     }
 }
 
 /// The verdicts over one run.
-#[derive(Debug)]
-pub(super) struct Judgement {
+#[derive(Debug, Clone)]
+pub struct Judgement {
     traces: ByMethod<Trace>,
 }
 
 impl Judgement {
-    fn trace(&self, method: Method) -> &Trace {
-        match method {
-            Method::Mem => &self.traces.mem,
-            Method::Constant => &self.traces.constant,
-        }
+    /// The verdicts of one method.
+    pub fn trace(&self, method: Method) -> &Trace {
+        self.traces.get(method)
+    }
+
+    /// The same run at another significance level, its quantile `factor` times the own one; the
+    /// bounded-error intervals of the GMDH network know no such level.
+    pub(super) fn at_level(&self, factor: f64) -> Self {
+        let scaled = |method| match method {
+            Method::Gmdh => self.traces.gmdh.clone(),
+            method => self.trace(method).with_bands_scaled(factor),
+        };
+        Self { traces: ByMethod::from_fn(scaled) }
     }
 
     /// Share of samples outside the threshold after the run-up.
-    pub(super) fn false_rate(&self, method: Method) -> f64 {
-        rate(self.trace(method), RUN_UP..SAMPLES)
+    pub fn false_rate(&self, method: Method) -> f64 {
+        let trace = self.trace(method);
+        rate(trace, trace.run_up..trace.verdicts.len())
     }
 
     /// Faults declared within a span: a declaration that stands counts once.
-    pub(super) fn alarms(&self, method: Method, span: Range<usize>) -> usize {
-        self.trace(method).declarations().iter().filter(|at| span.contains(at)).count()
+    pub fn alarms(&self, method: Method, span: Range<usize>) -> usize {
+        alarms(self.trace(method), span)
     }
 
     /// The row of the detection table.
-    pub(super) fn row(&self, method: Method, fault: &Fault) -> DetectionRow {
-        let trace = self.trace(method);
-        let declared = trace.declarations().into_iter().find(|at| *at >= fault.from);
-        DetectionRow {
-            fault: fault.name.clone(),
-            method,
-            r_td: rate(trace, fault.from..fault.until),
-            t_dt: declared,
-            delay: declared.map(|at| at - fault.from),
-            false_alarms: self.alarms(method, 0..fault.from),
-        }
+    pub fn row(&self, method: Method, fault: &Fault) -> DetectionRow {
+        row_of(self.trace(method), method, fault)
     }
 
-    /// The size of the symptom (27) over the constant threshold.
-    pub(super) fn symptom(&self, fault: &Fault, threshold: f64) -> IdentificationRow {
-        let span = &self.traces.mem.verdicts[fault.from..fault.until];
-        let mean = span.iter().map(|v| v.residual.abs()).sum::<f64>() / span.len() as f64;
-        IdentificationRow {
-            fault: fault.name.clone(),
-            s: mean / threshold,
-            s_paper: paper::symptom(&fault.name.label),
-        }
+    /// The size of the symptom (27) in constant thresholds.
+    pub(super) fn symptom(&self, fault: &Fault) -> Result<f64, StudyError> {
+        Ok(fault_size(&self.traces.constant, fault.from..fault.until)?)
     }
 
     /// The traces for the report.
@@ -103,6 +128,23 @@ impl Judgement {
             declared: fault.and_then(|fault| self.row(Method::Mem, fault).t_dt),
         }
     }
+}
+
+/// The row of the detection table that a run of verdicts gives.
+pub fn row_of(trace: &Trace, method: Method, fault: &Fault) -> DetectionRow {
+    let declared = trace.declarations().into_iter().find(|at| *at >= fault.from);
+    DetectionRow {
+        fault: fault.name.clone(),
+        method,
+        r_td: rate(trace, fault.from..fault.until),
+        t_dt: declared,
+        delay: declared.map(|at| at - fault.from),
+        false_alarms: alarms(trace, 0..fault.from),
+    }
+}
+
+fn alarms(trace: &Trace, span: Range<usize>) -> usize {
+    trace.declarations().iter().filter(|at| span.contains(at)).count()
 }
 
 /// Share of exceeding samples; the spans of the study lie after the run-up and within the run.

@@ -1,38 +1,40 @@
 //! The study: train a diagnoser on healthy runs, then judge the twelve faults.
 //!
 //! 1. Training: the open-loop FMU under the excitation (25) gives the process model T = f(C_m).
-//! 2. Design: a healthy closed-loop run gives the error model, its bands and the constant
-//!    thresholds.
+//! 2. Design: healthy closed-loop runs give the error models, their bands and the constant
+//!    thresholds; open and closed loop together a GMDH network with bounded parameters.
 //! 3. Judgement: healthy runs and twelve faulty runs, each through the closed-loop FMU with
 //!    detectors that follow it sample by sample, in parallel.
+//! 4. Isolation and identification: classifiers trained on faulty runs of their own answer to the
+//!    judged ones; sizes (27).
 //!
-//! Training, design and judgement use separate streams of noise.
+//! Training, design, learning of symptoms and judgement use separate streams of noise.
 
 mod design;
+mod isolation;
 mod judge;
 mod paper;
+mod structures;
+mod summary;
 
 use std::path::Path;
 
 use drivescope_diagnoser::{
-    ArxError, ConfidenceError, DataError, DetectorError, SpanError, TrainingError,
+    ConfidenceError, DataError, DetectorError, IsolationError, RecipeError, SpanError,
+    SymptomError, TrainingError,
 };
 use drivescope_fmu::import::{self, Fmu};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 use rayon::prelude::*;
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::experiment::{Experiment, ExperimentError, Stream};
 use crate::faults::{Fault, SPAN, twelve};
-use crate::results::{
-    ByMethod, DetectionRow, DriveSummary, FaultSpan, FmuSummary, HealthySummary, Method,
-    NoiseSummary, Pictures, ReadingRows, StudyResults, TorqueReading,
-};
+use crate::results::{Pictures, StudyResults, TorqueReading};
 use crate::{cosimulated, native};
-use design::Diagnoser;
-use judge::Judgement;
+pub use design::{Designed, Signals, design};
+pub use judge::{Judgement, Watch, row_of};
 
 /// Samples of a closed-loop run: up to the end of the faults.
 pub const SAMPLES: usize = SPAN.end;
@@ -55,12 +57,18 @@ pub enum StudyError {
     /// The co-simulation does not run.
     #[error(transparent)]
     CoSimulation(#[from] cosimulated::RunError),
-    /// The process model cannot be trained.
-    #[error("the process model cannot be trained")]
+    /// A model of the diagnoser cannot be made.
+    #[error("the diagnoser cannot be trained")]
+    Recipe(#[from] RecipeError),
+    /// The structures cannot be compared.
+    #[error("the structures of the process model cannot be compared")]
     Training(#[from] TrainingError),
-    /// The error model cannot be fitted.
-    #[error("the error model cannot be fitted")]
-    ErrorModel(#[from] ArxError),
+    /// The symptoms do not serve.
+    #[error("the symptoms of the faults do not serve")]
+    Symptoms(#[from] SymptomError),
+    /// No classifier can be trained.
+    #[error("the faults cannot be isolated")]
+    Isolation(#[from] IsolationError),
     /// A signal does not serve.
     #[error("the healthy run does not serve for the design")]
     Data(#[from] DataError),
@@ -114,14 +122,14 @@ pub struct RepeatableRun {
 /// Steps of a study, for a progress bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// The process model is being trained.
+    /// The models are being trained and their thresholds designed.
     Training,
-    /// Bands and thresholds are being designed.
-    Design,
     /// That many runs will be judged.
     Judging(usize),
     /// One more run was judged.
     Judged,
+    /// Classifiers are being trained.
+    Isolation,
 }
 
 /// Runs the study through the two FMUs of the drive, closed and open loop.
@@ -136,23 +144,27 @@ pub fn study(
     let experiment = Experiment::new(options.drive.clone(), options.seed)?;
     let (closed, open) = (Fmu::open(closed)?, Fmu::open(open)?);
     progress(Progress::Training);
-    let process = design::train(&experiment, &open)?;
-    progress(Progress::Design);
-    let diagnoser = Diagnoser::design(&experiment, &closed, process, options.beta)?;
+    let designed = design(&experiment, (&closed, &open), options.beta)?;
 
     let runs = plan();
     progress(Progress::Judging(runs.len()));
-    let judged: Vec<Judged> = runs
-        .into_par_iter()
-        .map(|run| {
-            let judged = judge_run(&experiment, &closed, &diagnoser, run);
+    let judge = || -> Result<Vec<Judged>, StudyError> {
+        let judged = runs.into_par_iter().map(|run| {
+            let judged = judge_run(&experiment, &closed, &designed, run);
             progress(Progress::Judged);
             judged
-        })
-        .collect::<Result<_, _>>()?;
-    let mut study = summarise(options, &experiment, &diagnoser, judged);
+        });
+        judged.collect()
+    };
+    let sizes = || -> Result<_, StudyError> {
+        Ok((structures::structures(&designed, options.seed)?, structures::theorem()?))
+    };
+    let (judged, sizes) = rayon::join(judge, sizes);
+    let judged = judged?;
+    progress(Progress::Isolation);
+    let mut study = summary::summarise(options, &experiment, &designed, judged, sizes?)?;
     let inputs = experiment.slow_reversals(SLOW_SAMPLES);
-    let signals = cosimulated::closed_loop(&closed, &inputs, None::<&mut judge::Watch>)?;
+    let signals = cosimulated::closed_loop(&closed, &inputs, None::<&mut Watch>)?;
     let native = native::closed_loop(&experiment.drive, &inputs);
     let difference = &mut study.results.fmu.max_relative_difference_native;
     *difference = difference.max(greatest_difference(&signals, &native));
@@ -195,7 +207,7 @@ impl Judged {
 fn judge_run(
     experiment: &Experiment,
     fmu: &Fmu,
-    diagnoser: &Diagnoser,
+    designed: &Designed,
     run: Run,
 ) -> Result<Judged, StudyError> {
     let inputs = match &run {
@@ -204,7 +216,7 @@ fn judge_run(
             experiment.closed_loop(SAMPLES, Stream::Faulty(*k), Some(fault))
         }
     };
-    let mut watch = diagnoser.watch()?;
+    let mut watch = Watch::new(&designed.diagnoser)?;
     let signals = cosimulated::closed_loop(fmu, &inputs, Some(&mut watch))?;
     let native = native::closed_loop(&experiment.drive, &inputs);
     let judgement = watch.judgement();
@@ -221,109 +233,4 @@ pub fn greatest_difference(a: &Recording, b: &Recording) -> f64 {
         differences.fold(0.0, f64::max) / scale
     };
     a.signals.iter().zip(&b.signals).map(of_signal).fold(0.0, f64::max)
-}
-
-fn summarise(
-    options: &StudyOptions,
-    experiment: &Experiment,
-    diagnoser: &Diagnoser,
-    judged: Vec<Judged>,
-) -> Study {
-    let healthy: Vec<&Judgement> = judged
-        .iter()
-        .filter(|judged| matches!(judged.run, Run::Healthy(_)))
-        .map(|judged| &judged.judgement)
-        .collect();
-    let r_fd = ByMethod::from_fn(|method| {
-        healthy.iter().map(|j| j.false_rate(method)).sum::<f64>() / healthy.len() as f64
-    });
-    let alarms =
-        ByMethod::from_fn(|method| healthy.iter().map(|j| j.alarms(method, 0..SAMPLES)).sum());
-    let rows = |reading: TorqueReading| -> Vec<DetectionRow> {
-        Method::ALL
-            .into_iter()
-            .flat_map(|method| {
-                judged.iter().filter_map(move |judged| match &judged.run {
-                    Run::Faulty(of, fault, _) if *of == reading => {
-                        Some(judged.judgement.row(method, fault))
-                    }
-                    _ => None,
-                })
-            })
-            .collect()
-    };
-    let others = TorqueReading::ALL.into_iter().filter(|reading| *reading != options.torque);
-    let identification = judged
-        .iter()
-        .filter_map(|judged| match &judged.run {
-            Run::Faulty(of, fault, _) if *of == options.torque => {
-                Some(judged.judgement.symptom(fault, diagnoser.constant_threshold()))
-            }
-            _ => None,
-        })
-        .collect();
-    let noise = &options.drive.noise;
-    let per_si = options.drive.sensors.tacho_unit.per_si();
-    let results = StudyResults {
-        seed: options.seed,
-        drive: DriveSummary {
-            name: options.drive.name.clone(),
-            digest: digest(&options.drive),
-            set_point: experiment.set_point * per_si,
-            tacho_unit: diagnoser.tacho_unit().to_owned(),
-            period_s: experiment.period_s,
-        },
-        noise: NoiseSummary {
-            reference: noise.reference,
-            omega: noise.omega,
-            i: noise.i,
-            torque: noise.torque,
-            torque_time: noise.torque_time,
-        },
-        torque: options.torque,
-        beta: options.beta,
-        fault_span: FaultSpan { from: SPAN.start, to: SPAN.end },
-        window: design::WINDOW,
-        detection: rows(options.torque),
-        readings: others.map(|torque| ReadingRows { torque, detection: rows(torque) }).collect(),
-        healthy: HealthySummary {
-            samples: healthy.len() * (SAMPLES - RUN_UP),
-            runs: healthy.len(),
-            run_up: RUN_UP,
-            alarms,
-        },
-        r_fd,
-        model: diagnoser.summary().clone(),
-        identification,
-        fmu: FmuSummary {
-            max_relative_difference_native: judged
-                .iter()
-                .map(|judged| judged.native)
-                .fold(0.0, f64::max),
-            fmpy: Vec::new(),
-        },
-        paper: paper::figures(),
-    };
-    let mut pictures = Vec::new();
-    let mut runs = Vec::new();
-    for judged in judged {
-        match judged.run {
-            Run::Healthy(0) => {
-                pictures.push(judged.judgement.picture(None, &judged.signals));
-                runs.push(judged.repeatable("healthy".to_owned()));
-            }
-            Run::Faulty(reading, ref fault, _) if reading == options.torque => {
-                pictures.push(judged.judgement.picture(Some(fault), &judged.signals));
-                let name = fault.name.file_name();
-                runs.push(judged.repeatable(name));
-            }
-            _ => {}
-        }
-    }
-    Study { results, pictures, runs }
-}
-
-/// SHA-256 of the drive file, hexadecimal.
-fn digest(drive: &Drive) -> String {
-    Sha256::digest(drive.to_toml()).iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,5 +1,6 @@
 //! `benchmark`: published figures, measured again.
 
+mod detection;
 mod discovery;
 
 use clap::{Args, Subcommand};
@@ -18,12 +19,14 @@ pub(crate) struct Benchmark {
 #[derive(Debug, Subcommand)]
 enum TableOf {
     Discovery(discovery::OfDiscovery),
+    Detection(detection::OfDetection),
 }
 
 impl Run for Benchmark {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         match self.table {
             TableOf::Discovery(discovery) => discovery.run(session),
+            TableOf::Detection(detection) => detection.run(session),
         }
     }
 }

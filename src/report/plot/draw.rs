@@ -14,9 +14,10 @@
 use std::fmt::Write;
 
 use super::axis::{Scale, span};
-use super::decimate::{envelope, extremes};
+use super::decimate::{Point, envelope, extremes};
 use super::figure::{Figure, Layer, Panel};
 use super::frame::{INNER, LEFT, RIGHT, STRIP, TEXT, heading, marks};
+use super::ink::Ink;
 use super::path::{area, polyline};
 use super::write::{WIDTH, plot, put, px, text, width};
 
@@ -165,6 +166,7 @@ fn draw(out: &mut String, layer: &Layer, x: &Scale, y: &Scale) {
             let path = area(&lower, &upper);
             put!(out, r#"<path class="area edge {}" d="{path}"/>"#, ink.class());
         }
+        Layer::Cloud { name, points, ink, below } => cloud(out, (name, *below), points, *ink, x, y),
         Layer::Level { y: at, ink, dash, .. } if at.is_finite() => {
             let (ink, dash) = (ink.class(), dash.class());
             put!(out, r#"<path class="level {ink} {dash}" d="M0 {}h{INNER}"/>"#, px(y.at(*at)));
@@ -173,11 +175,40 @@ fn draw(out: &mut String, layer: &Layer, x: &Scale, y: &Scale) {
     }
 }
 
+/// Points as round dots, and their name over or under their middle.
+fn cloud(
+    out: &mut String,
+    (name, below): (&str, bool),
+    points: &[Point],
+    ink: Ink,
+    x: &Scale,
+    y: &Scale,
+) {
+    let seen = points.iter().filter(|p| x.shows(p.0) && p.1.is_finite());
+    let pixels: Vec<(f64, f64)> = seen.map(|p| (x.at(p.0), y.at(p.1))).collect();
+    if pixels.is_empty() {
+        return;
+    }
+    let mut path = String::new();
+    for (at, height) in &pixels {
+        put!(path, "M{} {}h0", px(*at), px(*height));
+    }
+    put!(out, r#"<path class="dots {}" d="{path}"/>"#, ink.class());
+    let middle = pixels.iter().map(|p| p.0).sum::<f64>() / pixels.len() as f64;
+    let ends = pixels.iter().map(|p| p.1);
+    let base = if below {
+        ends.fold(f64::NEG_INFINITY, f64::max) + TEXT + 3.0
+    } else {
+        ends.fold(f64::INFINITY, f64::min) - 5.0
+    };
+    text(out, middle, base, "middle", &format!("inked {}", ink.class()), name);
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::axis::Axis;
     use super::super::figure::{Marker, Span, Strip};
-    use super::super::ink::{Dash, Ink};
+    use super::super::ink::Dash;
     use super::*;
 
     fn figure(samples: usize) -> Figure {
@@ -196,6 +227,12 @@ mod tests {
                 y: Axis::new("y", "<m>"),
                 layers: vec![
                     Layer::Band { label: "band".into(), points: band, ink: Ink::Blue },
+                    Layer::Cloud {
+                        name: "a & b".into(),
+                        points: vec![(1.0, 0.0), (2.0, f64::NAN), (3.0, 1.0)],
+                        ink: Ink::Purple,
+                        below: true,
+                    },
                     Layer::Line {
                         label: "y & z".into(),
                         points,

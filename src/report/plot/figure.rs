@@ -81,6 +81,17 @@ pub enum Layer {
         /// Colour.
         ink: Ink,
     },
+    /// Points without order, with their name at their middle and not in the legend.
+    Cloud {
+        /// What they are.
+        name: String,
+        /// The points.
+        points: Vec<Point>,
+        /// Colour.
+        ink: Ink,
+        /// Whether the name stands below them, not above.
+        below: bool,
+    },
     /// A horizontal line.
     Level {
         /// What it is.
@@ -113,6 +124,7 @@ impl Layer {
             Self::Line { label, .. } | Self::Band { label, .. } | Self::Level { label, .. } => {
                 label
             }
+            Self::Cloud { .. } => "",
         }
     }
 
@@ -120,7 +132,9 @@ impl Layer {
     pub(super) fn values(&self, x: (f64, f64)) -> Vec<f64> {
         let seen = |at: f64| x.0 <= at && at <= x.1;
         match self {
-            Self::Line { points, .. } => points.iter().filter(|p| seen(p.0)).map(|p| p.1).collect(),
+            Self::Line { points, .. } | Self::Cloud { points, .. } => {
+                points.iter().filter(|p| seen(p.0)).map(|p| p.1).collect()
+            }
             Self::Band { points, .. } => {
                 points.iter().filter(|p| seen(p.0)).flat_map(|p| [p.1, p.2]).collect()
             }
@@ -131,7 +145,9 @@ impl Layer {
     /// The places that an x axis must hold.
     pub(super) fn places(&self) -> Vec<f64> {
         match self {
-            Self::Line { points, .. } => points.iter().map(|p| p.0).collect(),
+            Self::Line { points, .. } | Self::Cloud { points, .. } => {
+                points.iter().map(|p| p.0).collect()
+            }
             Self::Band { points, .. } => points.iter().map(|p| p.0).collect(),
             Self::Level { .. } => Vec::new(),
         }

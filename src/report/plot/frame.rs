@@ -31,6 +31,7 @@ pub(super) fn heading(out: &mut String, panel: &Panel, top: f64) {
         let from = left - SAMPLE - 6.0;
         let middle = base - 4.0;
         match layer {
+            Layer::Cloud { .. } => {}
             Layer::Line { ink, dash, .. } | Layer::Level { ink, dash, .. } => {
                 let (ink, dash) = (ink.class(), dash.class());
                 put!(out, r#"<path class="level {ink} {dash}" d="M{from} {middle}h{SAMPLE}"/>"#);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  Figure ── x axis, spans and markers through all panels
-//!    └ Panel ── y axis, layers (line, band, level), strip of marks below
+//!    └ Panel ── y axis, layers (line, band, cloud, level), strip of marks below
 //!  Rows ── one row a category: bars or marks on one axis
 //! ```
 //!

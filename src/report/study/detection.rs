@@ -26,6 +26,7 @@ pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
                 ": sample of the declaration. † declared before the fault began, a false alarm. Sizes are of the "
                 "sensor or mechanism that fails; the label is the paper's."
             }
+            (others(study))
             (figure("delays", delays(study).svg(), "Delays to declaration", &html! {
                 "Delay from the fault's begin to its declaration. A mark near the dashed line means "
                 "that the residual left its band at once. Arrows carry the numbers of marks that lie off the axis; to the left are "
@@ -40,19 +41,19 @@ fn table_1(study: &StudyResults, pictures: &[Pictures]) -> Markup {
         tr {
             th.name rowspan="3" scope="col" { "Fault" }
             th.name rowspan="3" scope="col" { "Label" }
-            @for method in Method::ALL {
+            @for method in Method::IN_PAPER {
                 th.group.start colspan="6" scope="colgroup" { (title(method)) }
             }
         }
         tr {
-            @for _ in Method::ALL {
+            @for _ in Method::IN_PAPER {
                 th.group.start colspan="2" scope="colgroup" { (math("r_td [%]")) }
                 th.group.start colspan="2" scope="colgroup" { (math("t_dt [sample]")) }
                 th.group.start colspan="2" scope="colgroup" { "delay [samples]" }
             }
         }
         tr {
-            @for _ in 0..3 * Method::ALL.len() {
+            @for _ in 0..3 * Method::IN_PAPER.len() {
                 th.start scope="col" { "ours" }
                 th.theirs scope="col" { "paper" }
             }
@@ -65,7 +66,7 @@ fn table_1(study: &StudyResults, pictures: &[Pictures]) -> Markup {
             tr.part[part] {
                 th scope="row" { (linked(&row.fault, pictures)) }
                 td.name { (label(&row.fault.label)) }
-                @for method in Method::ALL {
+                @for method in Method::IN_PAPER {
                     (cells(study, &row.fault, method))
                 }
             }
@@ -164,11 +165,114 @@ fn delays(study: &StudyResults) -> Rows {
             .iter()
             .map(|row| {
                 let name = &row.fault;
-                let values = Method::ALL.into_iter().flat_map(|m| [ours(name, m), paper(name, m)]);
+                let values =
+                    Method::IN_PAPER.into_iter().flat_map(|m| [ours(name, m), paper(name, m)]);
                 let title = format!("{}  {}", minus(&fault(name)), label(&name.label));
                 (title, values.collect())
             })
             .collect(),
+    }
+}
+
+/// The methods that the paper describes without figures for this motor.
+fn others(study: &StudyResults) -> Markup {
+    let methods: Vec<Method> =
+        Method::ALL.into_iter().filter(|method| !Method::IN_PAPER.contains(method)).collect();
+    let head = html! {
+        tr {
+            th.name rowspan="2" scope="col" { "Fault" }
+            @for method in &methods {
+                th.group.start colspan="3" scope="colgroup" { (title(*method)) }
+            }
+        }
+        tr {
+            @for _ in &methods {
+                th.start scope="col" { (math("r_td [%]")) }
+                th scope="col" { (math("t_dt [sample]")) }
+                th scope="col" { "delay [samples]" }
+            }
+        }
+    };
+    let body = html! {
+        @for row in rows_of(&study.detection, Method::Mem) {
+            tr {
+                th scope="row" { (minus(&fault(&row.fault))) }
+                @for method in &methods {
+                    @let row = row_of(study, &row.fault, *method);
+                    td.start { @if let Some(row) = row { (percent(row.r_td, 1)) } @else { "\u{2013}" } }
+                    td {
+                        @match row.and_then(|row| row.t_dt) {
+                            Some(t_dt) => { (t_dt) }
+                            None => { span.alert { "none" } }
+                        }
+                    }
+                    td {
+                        @match row.and_then(|row| row.delay) {
+                            Some(delay) => { (delay) }
+                            None => { "\u{2013}" }
+                        }
+                    }
+                }
+            }
+        }
+    };
+    html! {
+        (table("The paper's other methods, of which it gives no figures", &head, &body))
+        p.note {
+            "The recurrent error model takes the place of the ARX one in (6), (7). The GMDH network "
+            "(Section 2.3) brings its own intervals (19): they hold for every parameter that the healthy "
+            "data allow, know no significance level, and are wider for it."
+        }
+    }
+}
+
+/// The section on other significance levels.
+pub(super) fn levels(study: &StudyResults) -> Markup {
+    let head = html! {
+        tr {
+            th.name scope="col" { "Level" }
+            th.name scope="col" { "Method" }
+            th scope="col" { "detected" }
+            th scope="col" { (math("lowest r_td [%]")) }
+            th scope="col" { "longest delay [samples]" }
+            th scope="col" { (math("r_fd [%]")) }
+            th scope="col" { "false alarms" }
+        }
+    };
+    let own = (study.beta, &study.detection, study.r_fd, study.healthy.alarms);
+    let others = study.levels.iter().map(|l| (l.beta, &l.detection, l.r_fd, l.alarms));
+    let body = html! {
+        @for (beta, detection, r_fd, alarms) in std::iter::once(own).chain(others) {
+            @for (place, method) in Method::ALL.into_iter().enumerate() {
+                tr.part[place == 0] {
+                    th scope="row" { (math("beta =")) " " (percent(beta, 0)) " %" }
+                    td.name { (method.label()) }
+                    (found(&rows_of(detection, method)))
+                    td { (percent(r_fd.of(method), 2)) }
+                    td { span.alert[alarms.of(method) > 0] { (alarms.of(method)) } }
+                }
+            }
+        }
+    };
+    page::section(
+        "levels",
+        "Significance levels",
+        &html! {
+            (table("The same runs, bands designed for other levels", &head, &body))
+            p.note { "All rows of every level and reading are in study.json." }
+        },
+    )
+}
+
+/// Three cells: faults found, lowest share outside, longest delay.
+fn found(rows: &[&DetectionRow]) -> Markup {
+    let found = rows.iter().filter(|row| detected(row)).count();
+    let lowest = rows.iter().map(|row| row.r_td).fold(f64::INFINITY, f64::min);
+    let longest = rows.iter().filter_map(|row| row.delay).max();
+    html! {
+        td.start { span.alert[found < rows.len()] { (found) " of " (rows.len()) } }
+        td { @if lowest.is_finite() { (percent(lowest, 1)) } @else { "\u{2013}" } }
+        td { @match longest { Some(delay) => { (delay) } None => { "\u{2013}" } } }
     }
 }
 
@@ -212,17 +316,7 @@ fn readings_table(readings: &[ReadingRows]) -> Markup {
             tr {
                 th scope="row" { (math(torque(reading.torque))) }
                 @for method in Method::ALL {
-                    @let rows = rows_of(&reading.detection, method);
-                    @let found = rows.iter().filter(|row| detected(row)).count();
-                    @let lowest = rows.iter().map(|row| row.r_td).fold(f64::INFINITY, f64::min);
-                    @let longest = rows.iter().filter_map(|row| row.delay).max();
-                    td.start {
-                        span.alert[found < rows.len()] { (found) " of " (rows.len()) }
-                    }
-                    td { @if lowest.is_finite() { (percent(lowest, 1)) } @else { "\u{2013}" } }
-                    td {
-                        @match longest { Some(delay) => { (delay) } None => { "\u{2013}" } }
-                    }
+                    (found(&rows_of(&reading.detection, method)))
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Sizes of the symptoms, (27), beside the paper's.
 
-use drivescope_scenarios::results::{IdentificationRow, StudyResults};
+use drivescope_scenarios::results::{IdentificationRow, SizeGroup, StudyResults};
 use maud::{Markup, html};
 
 use crate::report::page::{self, figure, label, minus, table};
@@ -22,7 +22,11 @@ pub(super) fn section(study: &StudyResults) -> Markup {
                     "measured in thresholds, so a tighter threshold gives a larger S for the same "
                     "fault: compare the order of the faults, not the numbers."
                 }))
-                details { summary { "Data of this picture" } (data(rows)) }
+                (data(rows))
+                p.note {
+                    "Groups are relative to the twelve faults: the three that leave the least scatter of "
+                    "ln S within them. The same rule applied to the paper's S gives the paper's groups."
+                }
             }
         },
     )
@@ -50,6 +54,14 @@ fn chart(rows: &[IdentificationRow]) -> Rows {
     }
 }
 
+fn group(group: SizeGroup) -> &'static str {
+    match group {
+        SizeGroup::Small => "small",
+        SizeGroup::Medium => "medium",
+        SizeGroup::Large => "large",
+    }
+}
+
 fn data(rows: &[IdentificationRow]) -> Markup {
     let head = html! {
         tr {
@@ -57,6 +69,8 @@ fn data(rows: &[IdentificationRow]) -> Markup {
             th.name scope="col" { "Label" }
             th scope="col" { "S, ours [\u{2013}]" }
             th.theirs scope="col" { "S, paper [\u{2013}]" }
+            th.name scope="col" { "group, ours" }
+            th.name.theirs scope="col" { "group, paper" }
         }
     };
     let body = html! {
@@ -66,6 +80,8 @@ fn data(rows: &[IdentificationRow]) -> Markup {
                 td.name { (label(&row.fault.label)) }
                 td { (format!("{:.2}", row.s)) }
                 td.theirs { (format!("{:.2}", row.s_paper)) }
+                td.name { (group(row.group)) }
+                td.name.theirs { (group(row.group_paper)) }
             }
         }
     };

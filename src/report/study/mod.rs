@@ -1,8 +1,11 @@
 //! The report of a study: the verdict, then what it rests on.
 
 mod detection;
+mod figures;
 mod fmu;
 mod identification;
+mod isolation;
+mod models;
 mod picture;
 mod residual;
 mod setting;
@@ -33,9 +36,13 @@ pub fn study_html(study: &StudyResults, pictures: &[Pictures]) -> String {
             (summary::contents(pictures))
             (setting::section(study))
             (detection::section(study, pictures))
+            (figures::section(study, pictures))
             (picture::section(study, pictures))
             (residual::section(study))
+            (models::section(study))
+            (isolation::section(study))
             (identification::section(study))
+            (detection::levels(study))
             (detection::readings(study))
             (fmu::section(study))
             (summary::reading(study))
@@ -93,8 +100,14 @@ mod tests {
     fn every_fault_has_its_row_its_picture_and_its_data() {
         let (study, pictures) = (study(), pictures());
         let page = Html::parse_document(&study_html(&study, &pictures));
-        assert_eq!(count(&page, "#detection table:first-of-type tbody tr"), 12);
+        assert_eq!(count(&page, "#detection > div.scroll:first-of-type tbody tr"), 12);
         assert_eq!(count(&page, "#runs figure"), 13);
+        assert_eq!(count(&page, "#figures figure"), 2);
+        assert_eq!(count(&page, "#isolation figure"), 1);
+        // Table 2 with ours, the paper's, our test's classes, and every fault alone.
+        assert_eq!(count(&page, "#isolation tbody tr"), 4 * 12);
+        assert_eq!(count(&page, "#levels tbody tr"), 2 * 4);
+        assert_eq!(count(&page, "#identification tbody tr"), 12);
         assert_eq!(count(&page, "#runs details table"), 13);
         // Every picture says what it is, and every id is one of a kind.
         let plots = count(&page, "svg.plot");

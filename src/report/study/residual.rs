@@ -34,8 +34,15 @@ fn alarms(study: &StudyResults) -> Markup {
             tr {
                 th scope="row" { (method.label()) }
                 td { (percent(study.r_fd.of(method), 2)) }
-                td.theirs { (percent(study.paper.r_fd.of(method), 1)) }
-                td { (percent(study.beta, 1)) }
+                td.theirs {
+                    @match study.paper.r_fd.of(method) {
+                        Some(rate) => { (percent(rate, 1)) }
+                        None => { "\u{2013}" }
+                    }
+                }
+                td {
+                    @if method == Method::Gmdh { "bounded" } @else { (percent(study.beta, 1)) }
+                }
                 td { span.alert[alarms > 0] { (alarms) } }
                 td { span.alert[early > 0] { (early) } }
             }
@@ -45,6 +52,7 @@ fn alarms(study: &StudyResults) -> Markup {
         (table("Healthy runs", &head, &body))
         p.note {
             (math("r_fd")) ": share of " (study.healthy.samples) " healthy samples outside the threshold. "
+            "Widths were measured on " (study.model.design_samples) " other healthy samples. "
             "False alarms: declarations in these samples; \u{201c}before a fault\u{201d}: in the "
             "healthy part of faulty runs."
         }

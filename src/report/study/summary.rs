@@ -71,9 +71,13 @@ pub(super) fn contents(pictures: &[Pictures]) -> Markup {
                 @for (id, title) in [
                     ("setting", "Experiment"),
                     ("detection", "Detection"),
+                    ("figures", "Figures 3 and 4"),
                     ("runs", "Runs"),
                     ("residual", "Residual and false alarms"),
+                    ("models", "Models"),
+                    ("isolation", "Isolation"),
                     ("identification", "Sizes"),
+                    ("levels", "Levels"),
                     ("readings", "Other readings"),
                     ("fmu", "FMU"),
                     ("reading", "How to read this"),

@@ -1,0 +1,22 @@
+//! Fault isolation (26): which class of faults a symptom belongs to.
+//!
+//! ```text
+//!  symptoms (u, r) of every fault ──> separability test ──> classes
+//!         └──> standardised ──> perceptron 2-15-10-4, Levenberg-Marquardt ──> nearest code (26)
+//!                   └──> distance to the faults of that class too large? ──> unknown
+//! ```
+
+mod isolator;
+mod mlp;
+mod options;
+mod separability;
+mod symptoms;
+#[cfg(test)]
+mod testing;
+mod training;
+
+pub use self::isolator::{Answer, IsolationMatrix, IsolationReport, Isolator};
+pub use self::mlp::{Mlp, MlpSize};
+pub use self::options::{IsolationError, IsolatorOptions};
+pub use self::separability::{Cloud, Partition, Separability};
+pub use self::symptoms::{FaultSymptoms, SymptomError, Symptoms, symptoms_of};

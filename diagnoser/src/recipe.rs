@@ -1,0 +1,196 @@
+//! From healthy recordings alone to a whole diagnoser: every model of Section 2, in one order.
+//!
+//! ```text
+//!  excited[0] ──> process model (1), (5), its starts judged on excited[1]
+//!  healthy[0] ──> error models (6), (7) of its residual
+//!  healthy[1] ──> width of bands, constant thresholds
+//!  all four   ──> GMDH network: estimated on the first of each, judged on the second;
+//!                 parameters bounded on healthy[0] and excited[1]
+//! ```
+//!
+//! The width of a band is only as good as the number of independent samples behind it: a residual
+//! that is correlated over 50 samples needs some 100,000 for an exceedance rate within a tenth of
+//! its nominal 5 %. So the second healthy recording should be long.
+
+use std::ops::Range;
+
+use thiserror::Error;
+
+use crate::data::Data;
+use crate::design::{Design, DesignError, DesignReport};
+use crate::diagnoser::Diagnoser;
+use crate::gmdh::{
+    BoundOptions, Gmdh, GmdhError, GmdhOptions, GmdhReport, RobustError, RobustGmdh,
+};
+use crate::interface::Interface;
+use crate::model::Model;
+use crate::model_error::BandDesign;
+use crate::network::{Structure, Trained, Training, TrainingError, train};
+
+/// Healthy recordings, by what they are for.
+#[derive(Debug, Clone)]
+pub struct Sets<'a> {
+    /// Runs in which the input goes through its range: to estimate models on, and to judge them.
+    pub excited: [Data<'a>; 2],
+    /// Runs of the kind that will be watched: to fit error models on, and, better longer, to
+    /// measure widths on.
+    pub healthy: [Data<'a>; 2],
+}
+
+/// What is trained and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recipe {
+    /// Sizes of the process model.
+    pub structure: Structure,
+    /// Its training.
+    pub training: Training,
+    /// Error model, bands and decision.
+    pub design: Design,
+    /// A second, recurrent error model.
+    pub recurrent_error: Option<(Structure, Training)>,
+    /// A GMDH network and the bounds of its parameters.
+    pub gmdh: Option<(GmdhOptions, BoundOptions)>,
+}
+
+/// Samples of a healthy run that a GMDH network is synthesised on, and that its parameters are
+/// bounded on, beyond the run-up: more add time, not knowledge.
+const SYNTHESIS: usize = 2000;
+const BOUNDED: usize = 4000;
+
+impl Recipe {
+    /// The paper's sizes and orders; beside its ARX error model a recurrent one, and a GMDH network.
+    pub fn paper(inputs: usize, design: Design, seed: u64) -> Self {
+        let structure = Structure { inputs, ..Structure::PAPER };
+        let training = Training { seed, ..Training::default() };
+        let error = Structure { v1: 2, v2: 1, ..structure };
+        let error_training = Training { starts: 3, run_up: 0, ..training };
+        let bounds =
+            BoundOptions { inflation: 1.2, run_up: design.run_up, ..BoundOptions::default() };
+        Self {
+            structure,
+            training,
+            design,
+            recurrent_error: Some((error, error_training)),
+            gmdh: Some((GmdhOptions { survivors: 4, ..GmdhOptions::default() }, bounds)),
+        }
+    }
+}
+
+/// A diagnoser and what was found on the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Learned {
+    /// The diagnoser.
+    pub diagnoser: Diagnoser,
+    /// Its process model.
+    pub process: Trained,
+    /// Bands of the error model.
+    pub design: DesignReport,
+    /// Bands of the recurrent error model.
+    pub recurrent_error: Option<BandDesign>,
+    /// The synthesis of the GMDH network.
+    pub gmdh: Option<GmdhReport>,
+}
+
+/// Why there is no diagnoser.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RecipeError {
+    /// The process model cannot be trained.
+    #[error("process model: {0}")]
+    Process(#[from] TrainingError),
+    /// The error models cannot be fitted.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    /// The GMDH network cannot be synthesised.
+    #[error(transparent)]
+    Gmdh(#[from] GmdhError),
+    /// Its parameters cannot be bounded.
+    #[error("bounds of the GMDH network: {0}")]
+    Bounds(#[from] RobustError),
+}
+
+impl Diagnoser {
+    /// Trains all models of a recipe.
+    pub fn learn(
+        interface: Interface,
+        sets: &Sets,
+        recipe: &Recipe,
+    ) -> Result<Learned, RecipeError> {
+        let Sets { excited, healthy } = sets;
+        let process = train(recipe.structure, &excited[0], &excited[1], &recipe.training)?;
+        let model = Model::Network(process.network.clone());
+        let (mut diagnoser, design) =
+            Self::design(interface, model, &healthy[0], &healthy[1], &recipe.design)?;
+        let mut recurrent_error = None;
+        if let Some((structure, training)) = &recipe.recurrent_error {
+            let (with, bands) =
+                diagnoser.with_recurrent_error(&healthy[0], &healthy[1], *structure, training)?;
+            (diagnoser, recurrent_error) = (with, Some(bands));
+        }
+        let mut gmdh = None;
+        if let Some((options, bounds)) = &recipe.gmdh {
+            let part = |data: &Data<'_>, samples: usize| -> Range<usize> {
+                0..data.len().min(recipe.design.run_up + samples)
+            };
+            let [first, second] = healthy.each_ref().map(|data| data.span(part(data, SYNTHESIS)));
+            let (network, report) = Gmdh::synthesise(
+                &[excited[0].clone(), first],
+                &[excited[1].clone(), second],
+                options,
+            )?;
+            let watched = healthy[0].span(part(&healthy[0], BOUNDED));
+            let known = [excited[1].clone()];
+            let robust = RobustGmdh::design(&network, &[watched], &known, bounds)?;
+            (diagnoser, gmdh) = (diagnoser.with_gmdh(robust)?, Some(report));
+        }
+        Ok(Learned { diagnoser, process, design, recurrent_error, gmdh })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Column;
+    use crate::diagnoser::ThresholdKind;
+    use crate::interface::Channel;
+    use crate::testing::{PERIOD, Run, closed_loop, multisine};
+    use crate::threshold::Confidence;
+
+    fn data(run: &Run) -> Data<'_> {
+        let input = Column { name: "C_m", values: &run.control };
+        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
+    }
+
+    #[test]
+    fn every_threshold_of_a_learned_diagnoser_tells_a_fault_from_health() {
+        let (open, closed) = (
+            [multisine(1000, 1), multisine(1000, 2)],
+            [closed_loop(4000, 3, usize::MAX, 0.0), closed_loop(20_000, 4, usize::MAX, 0.0)],
+        );
+        let interface = Interface {
+            period_s: PERIOD,
+            inputs: vec![Channel::new("C_m", "V")],
+            output: Channel::new("T", "rpm"),
+        };
+        let sets =
+            Sets { excited: open.each_ref().map(data), healthy: closed.each_ref().map(data) };
+        let recipe = Recipe::paper(1, Design::paper(Confidence::new(0.05).unwrap()), 1);
+        let Learned { diagnoser, recurrent_error, gmdh, .. } =
+            Diagnoser::learn(interface, &sets, &recipe).unwrap();
+        assert!(recurrent_error.is_some() && gmdh.unwrap().kept >= 2);
+        let (faulty, healthy) =
+            (closed_loop(5000, 5, 4000, 0.05), closed_loop(5000, 6, usize::MAX, 0.0));
+        for kind in [
+            ThresholdKind::ModelError,
+            ThresholdKind::RecurrentModelError,
+            ThresholdKind::Constant,
+            ThresholdKind::Gmdh,
+        ] {
+            let run = |run: &Run| diagnoser.detector(kind).unwrap().run(&data(run)).unwrap();
+            let r_td = run(&faulty).exceedance_rate(4000..5000).unwrap();
+            assert!(r_td > 0.97, "{kind:?}: r_td {r_td}");
+            let health = run(&healthy);
+            assert!(health.declarations().is_empty(), "{kind:?}");
+            assert!(health.exceedance_rate(500..5000).unwrap() < 0.12, "{kind:?}");
+        }
+    }
+}

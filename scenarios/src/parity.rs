@@ -1,0 +1,297 @@
+//! How a diagnoser does over many draws of the noise: the published detection figures, measured
+//! again with their spread, and the same figures of two detectors that are broken on purpose.
+//!
+//! The diagnoser is trained and designed once, on runs of the experiment's seed. It is judged on
+//! runs of other seeds: of each one healthy run and the twelve faults. The drive runs natively,
+//! which the FMU repeats bit for bit.
+
+use drivescope_diagnoser::Trace;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::cosimulated::Follower;
+use crate::experiment::{Experiment, Stream};
+use crate::faults::{Fault, twelve};
+use crate::native::ClosedLoops;
+use crate::results::{ByMethod, DetectionRow, FaultName, Method, TorqueReading};
+use crate::study::{Designed, Judgement, SAMPLES, Signals, StudyError, Watch, row_of};
+
+/// Lanes for a healthy run and twelve faults.
+const LANES: usize = 16;
+/// A fault of this detection time or less counts as found in time (the paper's 4057 and the like).
+pub const IN_TIME: usize = 4060;
+
+/// A count of successes with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Share {
+    /// Successes.
+    pub hits: usize,
+    /// Trials.
+    pub of: usize,
+    /// Their ratio.
+    pub share: f64,
+    /// E. B. Wilson's score interval (J. Am. Stat. Assoc. 22 (1927), 209-212).
+    pub interval: [f64; 2],
+}
+
+impl Share {
+    /// Of `of` trials, `hits` successes.
+    pub fn new(hits: usize, of: usize) -> Self {
+        /// Two-sided 95 % of a normal distribution.
+        const Z: f64 = 1.959_963_984_540_054;
+        let n = of as f64;
+        let p = hits as f64 / n;
+        let shrink = 1.0 + Z * Z / n;
+        let middle = (p + Z * Z / (2.0 * n)) / shrink;
+        let half = Z / shrink * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
+        Self { hits, of, share: p, interval: [(middle - half).max(0.0), (middle + half).min(1.0)] }
+    }
+}
+
+/// Mean and spread of a figure over the seeds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// 5 and 95 % of the seeds lie below.
+    pub range: [f64; 2],
+    /// The least of all.
+    pub least: f64,
+}
+
+impl Spread {
+    /// Over values of which there is at least one; not numbers otherwise.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        let n = sorted.len();
+        let at = |share: f64| {
+            let place = (share * n.saturating_sub(1) as f64).round() as usize;
+            sorted.get(place).copied().unwrap_or(f64::NAN)
+        };
+        let mean = sorted.iter().sum::<f64>() / n as f64;
+        Self { mean, range: [at(0.05), at(0.95)], least: at(0.0) }
+    }
+}
+
+/// One fault under one method, over all seeds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FaultRow {
+    /// The fault.
+    pub fault: FaultName,
+    /// Seeds in which it was declared after it began, with none standing declared before.
+    pub detected: Share,
+    /// Seeds in which t_dt was at most [`IN_TIME`].
+    pub in_time: Share,
+    /// r_td.
+    pub r_td: Spread,
+    /// t_dt over the seeds in which it was declared.
+    pub t_dt: Spread,
+}
+
+/// One method over all seeds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodRows {
+    /// The method.
+    pub method: Method,
+    /// Seeds in which all twelve faults were detected.
+    pub all_detected: Share,
+    /// r_fd over the seeds' healthy runs.
+    pub r_fd: Spread,
+    /// Seeds whose healthy run had no fault declared.
+    pub silent: Share,
+    /// The twelve faults.
+    pub faults: Vec<FaultRow>,
+}
+
+/// The figures of detectors that are broken on purpose: they must collapse.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Broken {
+    /// A detector whose bands have no width: r_td looks perfect,
+    pub always_r_td: f64,
+    /// and so does its r_fd,
+    pub always_r_fd: f64,
+    /// and no fault counts as detected, since a declaration stands before it begins.
+    pub always_detected: Share,
+    /// Labels shuffled, healthy runs called faulty: r_td is r_fd,
+    pub shuffled_r_td: f64,
+    /// and nothing is detected.
+    pub shuffled_detected: Share,
+}
+
+/// The table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Parity {
+    /// Seed of training and design.
+    pub design_seed: u64,
+    /// First seed of the judged runs; the others follow it.
+    pub first_seed: u64,
+    /// Judged seeds.
+    pub seeds: u64,
+    /// Reading of the torque faults.
+    pub torque: TorqueReading,
+    /// Significance level.
+    pub beta: f64,
+    /// Healthy samples that the widths were measured on.
+    pub design_samples: usize,
+    /// Healthy samples judged in all.
+    pub healthy_samples: usize,
+    /// The methods.
+    pub methods: Vec<MethodRows>,
+    /// Model error modelling, broken.
+    pub broken: Broken,
+}
+
+/// What one seed gave.
+struct OfSeed {
+    faults: Vec<ByMethod<DetectionRow>>,
+    r_fd: ByMethod,
+    alarms: ByMethod<usize>,
+    always: (Vec<DetectionRow>, f64),
+    shuffled: DetectionRow,
+}
+
+/// Judges a diagnoser over `seeds` seeds after that of the experiment it was designed on.
+///
+/// # Errors
+/// A sample that cannot be judged.
+pub fn parity(
+    designed: &Designed,
+    experiment: &Experiment,
+    torque: TorqueReading,
+    seeds: u64,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Parity, StudyError> {
+    let faults = twelve(torque);
+    let first_seed = experiment.seed.wrapping_add(1);
+    let of_seeds = (0..seeds)
+        .into_par_iter()
+        .map(|k| {
+            let seed = first_seed.wrapping_add(k);
+            let experiment = experiment.with_seed(seed);
+            let found = of_seed(designed, &experiment, &faults);
+            progress();
+            found
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let methods = Method::ALL.map(|method| method_rows(method, &faults, &of_seeds));
+    let n = of_seeds.len();
+    let mean =
+        |values: &dyn Fn(&OfSeed) -> f64| of_seeds.iter().map(values).sum::<f64>() / n as f64;
+    let twelve = faults.len() as f64;
+    let always_hits: usize =
+        of_seeds.iter().map(|s| s.always.0.iter().filter(|row| found(row)).count()).sum();
+    let broken = Broken {
+        always_r_td: mean(&|s| s.always.0.iter().map(|row| row.r_td).sum::<f64>() / twelve),
+        always_r_fd: mean(&|s| s.always.1),
+        always_detected: Share::new(always_hits, n * faults.len()),
+        shuffled_r_td: mean(&|s| s.shuffled.r_td),
+        shuffled_detected: Share::new(of_seeds.iter().filter(|s| found(&s.shuffled)).count(), n),
+    };
+    Ok(Parity {
+        design_seed: experiment.seed,
+        first_seed,
+        seeds,
+        torque,
+        beta: designed.diagnoser.confidence.beta(),
+        design_samples: designed.summary.design_samples,
+        healthy_samples: n * (SAMPLES - designed.diagnoser.run_up),
+        methods: methods.into(),
+        broken,
+    })
+}
+
+/// Whether a fault was declared after it began and nothing stood declared before.
+fn found(row: &DetectionRow) -> bool {
+    row.delay.is_some() && row.false_alarms == 0
+}
+
+fn of_seed(
+    designed: &Designed,
+    experiment: &Experiment,
+    faults: &[Fault],
+) -> Result<OfSeed, StudyError> {
+    let healthy = experiment.closed_loop(SAMPLES, Stream::Healthy(0), None);
+    let faulty = faults
+        .iter()
+        .zip(0..)
+        .map(|(fault, k)| experiment.closed_loop(SAMPLES, Stream::Faulty(k), Some(fault)));
+    let inputs: Vec<_> = std::iter::once(healthy).chain(faulty).collect();
+    let mut loops = ClosedLoops::<LANES>::new(&experiment.drive);
+    let judge = |run| -> Result<Judgement, StudyError> {
+        let Signals { c_m, t } = Signals::of(run);
+        let mut watch = Watch::new(&designed.diagnoser)?;
+        c_m.iter().zip(&t).try_for_each(|(c_m, t)| watch.sample(*c_m, *t))?;
+        Ok(watch.judgement())
+    };
+    let judged = loops.run(&inputs).iter().map(judge).collect::<Result<Vec<_>, _>>()?;
+    let (healthy, faulty) = (&judged[0], &judged[1..]);
+    let always = |judgement: &Judgement| judgement.trace(Method::Mem).with_bands_scaled(0.0);
+    let row = |(fault, judgement): (&Fault, &Judgement)| ByMethod {
+        mem: judgement.row(Method::Mem, fault),
+        mem_recurrent: judgement.row(Method::MemRecurrent, fault),
+        constant: judgement.row(Method::Constant, fault),
+        gmdh: judgement.row(Method::Gmdh, fault),
+    };
+    let always_rows = faults
+        .iter()
+        .zip(faulty)
+        .map(|(fault, judgement)| row_of(&always(judgement), Method::Mem, fault));
+    Ok(OfSeed {
+        faults: faults.iter().zip(faulty).map(row).collect(),
+        r_fd: ByMethod::from_fn(|method| healthy.false_rate(method)),
+        alarms: ByMethod::from_fn(|method| healthy.alarms(method, 0..SAMPLES)),
+        always: (always_rows.collect(), share_outside(&always(healthy))),
+        shuffled: healthy.row(Method::Mem, &faults[0]),
+    })
+}
+
+fn share_outside(trace: &Trace) -> f64 {
+    let judged = &trace.verdicts[trace.run_up..];
+    judged.iter().filter(|verdict| verdict.exceeds).count() as f64 / judged.len() as f64
+}
+
+fn method_rows(method: Method, faults: &[Fault], seeds: &[OfSeed]) -> MethodRows {
+    let n = seeds.len();
+    let count =
+        |hit: &dyn Fn(&OfSeed) -> bool| Share::new(seeds.iter().filter(|s| hit(s)).count(), n);
+    let fault = |(k, fault): (usize, &Fault)| {
+        let rows = || seeds.iter().map(move |seed| seed.faults[k].get(method));
+        FaultRow {
+            fault: fault.name.clone(),
+            detected: count(&|seed| found(seed.faults[k].get(method))),
+            in_time: count(&|seed| {
+                let row = seed.faults[k].get(method);
+                found(row) && row.t_dt.is_some_and(|t_dt| t_dt <= IN_TIME)
+            }),
+            r_td: Spread::of(rows().map(|row| row.r_td)),
+            t_dt: Spread::of(rows().filter_map(|row| row.t_dt).map(|t_dt| t_dt as f64)),
+        }
+    };
+    MethodRows {
+        method,
+        all_detected: count(&|seed| seed.faults.iter().all(|row| found(row.get(method)))),
+        r_fd: Spread::of(seeds.iter().map(|seed| seed.r_fd.of(method))),
+        silent: count(&|seed| seed.alarms.of(method) == 0),
+        faults: faults.iter().enumerate().map(fault).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_are_wilsons() {
+        // 0 of 78 proves no more than 4.7 % two-sided.
+        let none = Share::new(0, 78);
+        assert!(none.interval[0] == 0.0 && (none.interval[1] - 0.0469).abs() < 1e-3, "{none:?}");
+        let most = Share::new(90, 100);
+        assert!(
+            (most.interval[0] - 0.8256).abs() < 1e-3 && (most.interval[1] - 0.9448).abs() < 1e-3
+        );
+        let spread = Spread::of((0..=100).map(f64::from));
+        assert_eq!((spread.mean, spread.range, spread.least), (50.0, [5.0, 95.0], 0.0));
+        assert!(Spread::of([]).mean.is_nan());
+    }
+}

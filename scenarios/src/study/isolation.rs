@@ -1,0 +1,150 @@
+//! Isolation: symptoms of every fault, the classes that they allow, and classifiers judged on runs
+//! that they were not trained on.
+
+use drivescope_diagnoser::{
+    Diagnoser, FaultSymptoms, IsolationError, IsolationMatrix, Isolator, IsolatorOptions,
+    Partition, Separability, Size, Symptoms, size_groups, symptoms_of,
+};
+
+use super::StudyError;
+use super::design::{Signals, WINDOW};
+use super::judge::Judgement;
+use crate::experiment::{Experiment, Stream};
+use crate::faults::{Fault, SPAN, twelve};
+use crate::native::ClosedLoops;
+use crate::results::{
+    IsolationTable, Method, Pair, SeparabilitySummary, SizeGroup, SymptomPoints, TorqueReading,
+};
+
+/// Samples of a fault that a classifier is trained on, as in the paper.
+const LEARNED: usize = 100;
+/// Confusion from which on two faults share a class: the paper is content with 90 % recognition.
+const LIMIT: f64 = 0.1;
+/// Random starts of a classifier.
+const STARTS: usize = 2;
+/// Lanes for the twelve faults.
+const LANES: usize = 16;
+
+/// What isolation came to.
+pub(super) struct Isolated {
+    pub(super) symptoms: Vec<SymptomPoints>,
+    pub(super) separability: SeparabilitySummary,
+    pub(super) twelve: IsolationTable,
+    pub(super) paper: IsolationTable,
+    pub(super) merged: IsolationTable,
+}
+
+/// Trains classifiers on runs of their own and judges them on the faulty runs of the study.
+pub(super) fn isolate(
+    experiment: &Experiment,
+    diagnoser: &Diagnoser,
+    reading: TorqueReading,
+    judged: &[(&Fault, Signals, &Judgement)],
+) -> Result<Isolated, StudyError> {
+    let faults = twelve(reading);
+    let run = |part: u64| symptoms(experiment, diagnoser, &faults, part);
+    let (learning, held_out) = (run(0)?, run(1)?);
+    let separability = Separability::test(&learning, LIMIT);
+    let fresh = judged
+        .iter()
+        .map(|(fault, signals, judgement)| {
+            let span = declared(fault);
+            let count = span.len();
+            let trace = judgement.trace(Method::Constant);
+            let samples = symptoms_of(&signals.data()?, trace, span, count)?;
+            Ok(FaultSymptoms { fault: fault.name.shown(), samples })
+        })
+        .collect::<Result<Vec<_>, StudyError>>()?;
+    let fresh = Symptoms::new(fresh)?;
+    let options =
+        IsolatorOptions { starts: STARTS, seed: experiment.seed, ..IsolatorOptions::default() };
+    let names: Vec<String> = faults.iter().map(|fault| fault.name.shown()).collect();
+    let table = |partition: &Partition| -> Result<IsolationTable, IsolationError> {
+        let (isolator, _) = Isolator::train(&learning, &held_out, partition, &options)?;
+        let IsolationMatrix { rows } = isolator.matrix(&fresh)?;
+        let class = |class: &Vec<usize>| {
+            class.iter().map(|fault| names[*fault].as_str()).collect::<Vec<_>>().join(" | ")
+        };
+        Ok(IsolationTable {
+            classes: partition.classes.iter().map(class).collect(),
+            faults: names.clone(),
+            matrix: rows,
+            class_of: (0..names.len()).filter_map(|fault| partition.class_of(fault)).collect(),
+        })
+    };
+    let ours = &separability.partition;
+    let (twelve, paper) =
+        (table(&Partition::singletons(names.len()))?, table(&Partition::paper())?);
+    let merged = match ours {
+        ours if *ours == Partition::paper() => paper.clone(),
+        ours if ours.classes.len() == names.len() => twelve.clone(),
+        ours => table(ours)?,
+    };
+    let named = |partition: &Partition| -> Vec<Vec<String>> {
+        let class = |class: &Vec<usize>| class.iter().map(|fault| names[*fault].clone()).collect();
+        partition.classes.iter().map(class).collect()
+    };
+    let pairs = |pairs: Vec<(usize, usize)>| -> Vec<Pair> {
+        pairs.into_iter().map(|(a, b)| [names[a].clone(), names[b].clone()]).collect()
+    };
+    let point = |sample: &Vec<f64>| [sample[0], sample[1]];
+    let points = learning.faults().iter().zip(&faults).map(|(symptoms, fault)| SymptomPoints {
+        fault: fault.name.clone(),
+        points: symptoms.samples.iter().map(point).collect(),
+    });
+    Ok(Isolated {
+        symptoms: points.collect(),
+        separability: SeparabilitySummary {
+            limit: LIMIT,
+            classes: named(ours),
+            classes_paper: named(&Partition::paper()),
+            merged_only_here: pairs(ours.merged_only_here(&Partition::paper())),
+            merged_only_in_paper: pairs(Partition::paper().merged_only_here(ours)),
+            confusion: separability.confusion,
+        },
+        twelve,
+        paper,
+        merged,
+    })
+}
+
+/// Where a fault stands declared, at the earliest.
+fn declared(fault: &Fault) -> std::ops::Range<usize> {
+    fault.from + WINDOW..fault.until
+}
+
+/// Symptoms of runs with noise of their own, 100 samples a fault.
+fn symptoms(
+    experiment: &Experiment,
+    diagnoser: &Diagnoser,
+    faults: &[Fault],
+    part: u64,
+) -> Result<Symptoms, StudyError> {
+    let inputs: Vec<_> = faults
+        .iter()
+        .zip(part * faults.len() as u64..)
+        .map(|(fault, k)| experiment.closed_loop(SPAN.end, Stream::Symptoms(k), Some(fault)))
+        .collect();
+    let mut loops = ClosedLoops::<LANES>::new(&experiment.drive);
+    let runs = loops.run(&inputs);
+    let of_fault = |(fault, run): (&Fault, _)| -> Result<FaultSymptoms, StudyError> {
+        let signals = Signals::of(run);
+        let data = signals.data()?;
+        let kind = drivescope_diagnoser::ThresholdKind::Constant;
+        let trace = diagnoser.detector(kind)?.run(&data)?;
+        let samples = symptoms_of(&data, &trace, declared(fault), LEARNED)?;
+        Ok(FaultSymptoms { fault: fault.name.shown(), samples })
+    };
+    let symptoms = faults.iter().zip(runs).map(of_fault).collect::<Result<_, _>>()?;
+    Ok(Symptoms::new(symptoms)?)
+}
+
+/// Groups of faults by S.
+pub(super) fn groups(sizes: &[f64]) -> Vec<SizeGroup> {
+    let group = |size| match size {
+        Size::Small => SizeGroup::Small,
+        Size::Medium => SizeGroup::Medium,
+        Size::Large => SizeGroup::Large,
+    };
+    size_groups(sizes).into_iter().map(group).collect()
+}

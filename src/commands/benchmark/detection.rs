@@ -1,0 +1,184 @@
+//! `benchmark detection`: the paper's detection figures over many draws of the noise.
+
+use std::fmt::Write;
+
+use clap::Args;
+use drivescope_fmu::description::Version;
+use drivescope_fmu::import::Fmu;
+use drivescope_scenarios::experiment::Experiment;
+use drivescope_scenarios::parity::{Broken, FaultRow, IN_TIME, MethodRows, Parity, Share, parity};
+use drivescope_scenarios::results::{Method, TorqueReading};
+use drivescope_scenarios::study::design;
+use serde::Serialize;
+
+use crate::commands::Run;
+use crate::commands::study::Reading;
+use crate::failure::{Ending, Failure, told};
+use crate::report::words::{fault, number, percent, torque};
+use crate::session::Session;
+use crate::{drive_source, fmu_file, interrupt};
+
+/// Detection of the twelve faults over many seeds of the noise, with intervals, and the same
+/// figures of two detectors that are broken on purpose.
+#[derive(Debug, Args)]
+pub(super) struct OfDetection {
+    /// Seeds to judge; training and design have another one.
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    seeds: u64,
+    /// Drive file, or the name of a built-in drive.
+    #[arg(long, value_name = "FILE", default_value = "dr300")]
+    drive: String,
+    /// What a motor torque that changes by a share means.
+    #[arg(long, value_enum, default_value_t = Reading::Flux)]
+    torque: Reading,
+    /// Confidence level of the bands: share of healthy samples outside them.
+    #[arg(long, default_value_t = 0.05)]
+    beta: f64,
+}
+
+/// What the figures must reach (flux reading).
+const LEAST_R_TD: f64 = 0.98;
+const LEAST_IN_TIME: f64 = 0.95;
+const MOST_OFF_BETA: f64 = 0.005;
+
+#[derive(Debug, Serialize)]
+struct Bar {
+    what: String,
+    value: f64,
+    bar: f64,
+    met: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Answer<'a> {
+    #[serde(flatten)]
+    parity: &'a Parity,
+    bars: Vec<Bar>,
+}
+
+impl Run for OfDetection {
+    fn run(self, session: &Session) -> miette::Result<Ending> {
+        if self.seeds == 0 {
+            return Err(Failure::Usage {
+                what: "--seeds 0: nothing to judge".to_owned(),
+                instead: "give 1 or more; 200 give intervals worth printing".to_owned(),
+            }
+            .into());
+        }
+        session.check_writable(&[])?;
+        let drive = drive_source::drive(&self.drive)?;
+        let folder = tempfile::tempdir()
+            .map_err(|source| Failure::Write { path: std::env::temp_dir(), source })?;
+        let (closed, open) = (folder.path().join("closed.fmu"), folder.path().join("open.fmu"));
+        fmu_file::write(&drive, false, Version::Two, &closed)?;
+        fmu_file::write(&drive, true, Version::Two, &open)?;
+        let (closed, open) = (Fmu::open(&closed).map_err(told)?, Fmu::open(&open).map_err(told)?);
+        let experiment = Experiment::new(drive, session.seed).map_err(told)?;
+        let bar = session.progress(self.seeds, "designing, then judging seeds");
+        let designed = design(&experiment, (&closed, &open), self.beta).map_err(told)?;
+        let torque: TorqueReading = self.torque.into();
+        let found = parity(&designed, &experiment, torque, self.seeds, &|| bar.inc(1));
+        bar.finish_and_clear();
+        interrupt::check()?;
+        let found = found.map_err(told)?;
+        let bars = bars(&found);
+        let text = text(&found, &bars);
+        session.answer(&text, &Answer { parity: &found, bars })?;
+        Ok(Ending::Done)
+    }
+}
+
+fn bars(found: &Parity) -> Vec<Bar> {
+    let Some(mem) = found.methods.iter().find(|rows| rows.method == Method::Mem) else {
+        return Vec::new();
+    };
+    let least = |value: &dyn Fn(&FaultRow) -> f64| {
+        mem.faults.iter().map(value).fold(f64::INFINITY, f64::min)
+    };
+    let at_least = |what: &str, value: f64, bar: f64| Bar {
+        what: what.to_owned(),
+        value,
+        bar,
+        met: value >= bar,
+    };
+    let off = (mem.r_fd.mean - found.beta).abs();
+    vec![
+        at_least("share of seeds with all twelve faults detected", mem.all_detected.share, 1.0),
+        at_least("mean r_td of the worst fault", least(&|row| row.r_td.mean), LEAST_R_TD),
+        at_least(
+            &format!("share of seeds with t_dt <= {IN_TIME}, worst fault"),
+            least(&|row| row.in_time.share),
+            LEAST_IN_TIME,
+        ),
+        Bar {
+            what: "mean r_fd off beta".to_owned(),
+            value: off,
+            bar: MOST_OFF_BETA,
+            met: off <= MOST_OFF_BETA,
+        },
+    ]
+}
+
+fn share(share: &Share) -> String {
+    let [low, high] = share.interval;
+    format!("{}/{} ({}-{} %)", share.hits, share.of, percent(low, 1), percent(high, 1))
+}
+
+fn text(found: &Parity, bars: &[Bar]) -> String {
+    let mut text = format!(
+        "{} seeds from {}, trained and designed with seed {}; torque fault read as {}; beta = {}\n\
+         widths measured on {} healthy samples, judged on {}; intervals: 95 %, Wilson\n",
+        found.seeds,
+        found.first_seed,
+        found.design_seed,
+        torque(found.torque),
+        found.beta,
+        found.design_samples,
+        found.healthy_samples
+    );
+    for MethodRows { method, all_detected, r_fd, silent, faults } in &found.methods {
+        let [low, high] = r_fd.range;
+        let _ = write!(
+            text,
+            "\n{}: all twelve detected {}\n  r_fd {} %, 5 to 95 % of seeds: {} to {} %; no false \
+             alarm in {}\n",
+            method.label(),
+            share(all_detected),
+            percent(r_fd.mean, 2),
+            percent(low, 2),
+            percent(high, 2),
+            share(silent)
+        );
+        for row in faults {
+            let _ = writeln!(
+                text,
+                "  {:<22} detected {:<24} r_td {:>5} % (least {:>5})  t_dt {:.0} (95 %: {:.0}), \
+                 <= {IN_TIME}: {}",
+                fault(&row.fault),
+                share(&row.detected),
+                percent(row.r_td.mean, 1),
+                percent(row.r_td.least, 1),
+                row.t_dt.mean,
+                row.t_dt.range[1],
+                share(&row.in_time)
+            );
+        }
+    }
+    let Broken { always_r_td, always_r_fd, always_detected, shuffled_r_td, shuffled_detected } =
+        &found.broken;
+    let _ = write!(
+        text,
+        "\nbroken on purpose: always alarming: r_td {} %, r_fd {} %, detected {}\n\
+         labels shuffled (health called a fault): r_td {} %, detected {}\n\n",
+        percent(*always_r_td, 1),
+        percent(*always_r_fd, 1),
+        share(always_detected),
+        percent(*shuffled_r_td, 1),
+        share(shuffled_detected)
+    );
+    for Bar { what, value, bar, met } in bars {
+        let verdict = if *met { "met" } else { "MISSED" };
+        let _ = writeln!(text, "{what}: {} (bar {bar}): {verdict}", number(*value));
+    }
+    text
+}

@@ -1,0 +1,309 @@
+//! `train`: healthy recordings to a diagnoser file.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use drivescope_diagnoser::{
+    Channel, Confidence, Data, Design, Diagnoser, Interface, Learned, Recipe, Sets,
+};
+use drivescope_recording::Recording;
+use serde::Serialize;
+
+use super::{RecordingOptions, Run};
+use crate::failure::{Ending, Failure, told};
+use crate::interrupt;
+use crate::report::words::{number, p_value};
+use crate::session::Session;
+
+/// Train a diagnoser on healthy recordings: models, bands and thresholds of one output signal.
+#[derive(Debug, Args)]
+pub(crate) struct Train {
+    /// Healthy recordings of the kind that will be watched: on the first the error models are
+    /// fitted, on the second, which should be long, the bands are measured. A single one is halved.
+    #[arg(required = true, num_args = 1..=2, value_name = "REC")]
+    healthy: Vec<PathBuf>,
+    /// Healthy recordings in which the input goes through its range (an open loop, say): on the
+    /// first the process model is trained, on the second it is judged. A single one is divided;
+    /// without any, the others serve.
+    #[arg(long, num_args = 1..=2, value_name = "REC")]
+    excited: Vec<PathBuf>,
+    /// Input signals of the model; by default C_m, or else u.
+    #[arg(long, value_delimiter = ',', value_name = "NAME,..")]
+    input: Vec<String>,
+    /// The signal to watch; by default T, omega or v, whichever is there.
+    #[arg(long, value_name = "NAME")]
+    output_signal: Option<String>,
+    /// Share of healthy samples outside the bands.
+    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
+    beta: f64,
+    /// Time for which every sample must lie outside before a fault is declared, s.
+    #[arg(long, value_name = "S", default_value_t = 0.25, allow_negative_numbers = true)]
+    window: f64,
+    /// Time at the start of every recording that only settles the models, s.
+    #[arg(long, value_name = "S", default_value_t = 2.5, allow_negative_numbers = true)]
+    run_up: f64,
+    /// Leave out models that are not needed.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "MODEL,..")]
+    without: Vec<Part>,
+    /// Diagnoser file to write (TOML).
+    #[arg(short, long, value_name = "DIAGNOSER")]
+    output: PathBuf,
+    #[command(flatten)]
+    reading: RecordingOptions,
+}
+
+/// A model that a diagnoser can do without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// The recurrent error model.
+    Recurrent,
+    /// The GMDH network.
+    Gmdh,
+}
+
+/// Inputs and outputs to look for where none are named.
+const USUAL_INPUTS: [&str; 2] = ["C_m", "u"];
+const USUAL_OUTPUTS: [&str; 3] = ["T", "omega", "v"];
+
+#[derive(Debug, Serialize)]
+struct Answer {
+    output: PathBuf,
+    inputs: Vec<Channel>,
+    watched: Channel,
+    period: f64,
+    beta: f64,
+    window_samples: usize,
+    run_up_samples: usize,
+    process_model: ProcessAnswer,
+    bands: BandsAnswer,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recurrent_error: Option<BandsAnswer>,
+    constant: ConstantAnswer,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gmdh: Option<GmdhAnswer>,
+}
+
+#[derive(Debug, Serialize)]
+struct ProcessAnswer {
+    estimation_rms: f64,
+    validation_rms: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct BandsAnswer {
+    v: f64,
+    samples: usize,
+    whiteness_p: Option<f64>,
+    normality_p: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct ConstantAnswer {
+    lower: f64,
+    upper: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct GmdhAnswer {
+    layers: usize,
+    neurons: usize,
+    validation_rms: f64,
+    noise: Option<[f64; 2]>,
+}
+
+impl Run for Train {
+    fn run(self, session: &Session) -> miette::Result<Ending> {
+        session.check_writable(&[&self.output])?;
+        let healthy = self.read(&self.healthy, session)?;
+        let excited = self.read(&self.excited, session)?;
+        let interface = self.interface(&healthy[0])?;
+        let period = interface.period_s;
+        let samples = |name: &str, seconds: f64, least: usize| -> miette::Result<usize> {
+            // Written so that NaN is refused.
+            if !(0.0..=1e6).contains(&seconds) {
+                return Err(Failure::Usage {
+                    what: format!("--{name} {seconds}: not a time"),
+                    instead: "give seconds, 0 or more".to_owned(),
+                }
+                .into());
+            }
+            Ok(((seconds / period).round() as usize).max(least))
+        };
+        let run_up = samples("run-up", self.run_up, 0)?;
+        let window = samples("window", self.window, 1)?;
+        let data = |recording| interface.select(recording).map_err(told);
+        let healthy: Vec<Data> = healthy.iter().map(data).collect::<Result<_, _>>()?;
+        let excited: Vec<Data> = excited.iter().map(data).collect::<Result<_, _>>()?;
+        let Some(healthy) = pair(&healthy, (1, 2)) else {
+            return Err(Failure::Usage {
+                what: "no healthy recording".to_owned(),
+                instead: "name one or two".to_owned(),
+            }
+            .into());
+        };
+        let excited = pair(&excited, (2, 3)).unwrap_or_else(|| {
+            session.remark(
+                "no excited recording was given (--excited): the models know what the healthy runs \
+                 go through, and are guesses beyond it",
+            );
+            healthy.clone()
+        });
+        let confidence = Confidence::new(self.beta).map_err(told)?;
+        let design = Design { run_up, window, ..Design::paper(confidence) };
+        let mut recipe = Recipe::paper(interface.inputs.len(), design, session.seed);
+        if self.without.contains(&Part::Recurrent) {
+            recipe.recurrent_error = None;
+        }
+        if self.without.contains(&Part::Gmdh) {
+            recipe.gmdh = None;
+        }
+        let spinner = session.spinner();
+        let learned = Diagnoser::learn(interface.clone(), &Sets { excited, healthy }, &recipe);
+        spinner.finish_and_clear();
+        interrupt::check()?;
+        let learned = learned.map_err(told)?;
+        learned.diagnoser.save(&self.output).map_err(told)?;
+        let answer = answer(&self.output, &learned);
+        session.answer(&text(&answer), &answer)?;
+        Ok(Ending::Done)
+    }
+}
+
+impl Train {
+    fn read(&self, files: &[PathBuf], session: &Session) -> miette::Result<Vec<Recording>> {
+        let read = |file: &PathBuf| -> miette::Result<Recording> {
+            let (recording, report) = self.reading.read(file, session)?;
+            let wanted = self.input.iter().chain(&self.output_signal).map(String::as_str);
+            report.require(&recording, &wanted.collect::<Vec<_>>()).map_err(told)?;
+            Ok(recording)
+        };
+        files.iter().map(read).collect()
+    }
+
+    /// The signals that were named, or the usual ones.
+    fn interface(&self, recording: &Recording) -> miette::Result<Interface> {
+        let named = |name: &str| {
+            let signal = recording.signal(name)?;
+            Some(Channel::new(name, signal.unit.clone()))
+        };
+        let missing = |what: &str, option: &str| {
+            let known: Vec<&str> = recording.signals.iter().map(|s| s.name.as_str()).collect();
+            Failure::Usage {
+                what: format!("{}: no {what} signal is known by its name", recording.name),
+                instead: format!("name it with --{option}; there are {}", known.join(", ")),
+            }
+        };
+        let output = match &self.output_signal {
+            Some(name) => named(name),
+            None => USUAL_OUTPUTS.into_iter().find_map(named),
+        };
+        let inputs: Vec<Channel> = match self.input.is_empty() {
+            true => USUAL_INPUTS.into_iter().find_map(named).into_iter().collect(),
+            false => self.input.iter().filter_map(|name| named(name)).collect(),
+        };
+        if inputs.is_empty() {
+            return Err(missing("input", "input").into());
+        }
+        let output = output.ok_or_else(|| missing("output", "output-signal"))?;
+        if inputs.contains(&output) {
+            return Err(Failure::Usage {
+                what: format!("`{}` is both input and output", output.name),
+                instead: "watch a signal that is no input".to_owned(),
+            }
+            .into());
+        }
+        Ok(Interface { period_s: recording.period_s, inputs, output })
+    }
+}
+
+/// Two data sets: those given, or `parts.0` of `parts.1` parts of a single one and the rest.
+fn pair<'a>(data: &[Data<'a>], parts: (usize, usize)) -> Option<[Data<'a>; 2]> {
+    match data {
+        [] => None,
+        [single] => {
+            let cut = single.len() * parts.0 / parts.1;
+            Some([single.span(0..cut), single.span(cut..single.len())])
+        }
+        [first, second, ..] => Some([first.clone(), second.clone()]),
+    }
+}
+
+fn answer(output: &Path, learned: &Learned) -> Answer {
+    let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
+    let unit = process.network.output_scales[0].deviation;
+    let start = process.starts[process.best];
+    let bands = |bands: &drivescope_diagnoser::BandDesign| BandsAnswer {
+        v: bands.deviation,
+        samples: bands.samples,
+        whiteness_p: bands.whiteness.as_ref().map(|test| test.p_value),
+        normality_p: bands.normality.as_ref().map(|test| test.p_value),
+    };
+    let constant = diagnoser.constant.band(diagnoser.confidence);
+    let network = diagnoser.gmdh.as_ref().zip(gmdh.as_ref());
+    Answer {
+        output: output.to_owned(),
+        inputs: diagnoser.interface.inputs.clone(),
+        watched: diagnoser.interface.output.clone(),
+        period: diagnoser.interface.period_s,
+        beta: diagnoser.confidence.beta(),
+        window_samples: diagnoser.window,
+        run_up_samples: diagnoser.run_up,
+        process_model: ProcessAnswer {
+            estimation_rms: unit * start.estimation,
+            validation_rms: unit * start.validation,
+        },
+        bands: bands(&design.bands),
+        recurrent_error: recurrent_error.as_ref().map(bands),
+        constant: ConstantAnswer { lower: constant.lower, upper: constant.upper },
+        gmdh: network.map(|(robust, report)| GmdhAnswer {
+            layers: report.kept,
+            neurons: robust.network.neurons.len(),
+            validation_rms: report.validation,
+            noise: robust.noise(),
+        }),
+    }
+}
+
+fn text(answer: &Answer) -> String {
+    let unit = &answer.watched.unit;
+    let inputs: Vec<&str> = answer.inputs.iter().map(|channel| channel.name.as_str()).collect();
+    let p = |p: Option<f64>| p.map_or_else(|| "not computed".to_owned(), p_value);
+    let bands = |name: &str, bands: &BandsAnswer| {
+        format!(
+            "{name}: v = {} {unit} over {} samples; white? p = {}, normal? p = {}\n",
+            number(bands.v),
+            bands.samples,
+            p(bands.whiteness_p),
+            p(bands.normality_p)
+        )
+    };
+    let mut text = format!(
+        "{} from {}, every {} s; a fault is declared after {} samples outside\n\
+         process model: free-run error {} {unit} in training, {} {unit} on what it was judged by\n",
+        answer.watched.name,
+        inputs.join(", "),
+        answer.period,
+        answer.window_samples,
+        number(answer.process_model.estimation_rms),
+        number(answer.process_model.validation_rms),
+    );
+    text += &bands("ARX error model", &answer.bands);
+    if let Some(recurrent) = &answer.recurrent_error {
+        text += &bands("recurrent error model", recurrent);
+    }
+    text += &format!(
+        "constant thresholds: {} to {} {unit}\n",
+        number(answer.constant.lower),
+        number(answer.constant.upper)
+    );
+    if let Some(GmdhAnswer { layers, neurons, validation_rms, noise }) = &answer.gmdh {
+        let noise = noise.map_or_else(String::new, |[lower, upper]| {
+            format!(", noise bounds {} to {} {unit}", number(lower), number(upper))
+        });
+        text += &format!(
+            "GMDH network: {neurons} neurons in {layers} layers, validation error {} {unit}{noise}\n",
+            number(*validation_rms)
+        );
+    }
+    text + &format!("written to {}\n", answer.output.display())
+}

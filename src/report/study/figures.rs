@@ -1,0 +1,162 @@
+//! The paper's Figs. 3 and 4 from runs of our own: a healthy residual with constant thresholds and
+//! with bands, and the decision without its window under the first fault.
+
+use std::ops::Range;
+
+use drivescope_scenarios::results::{Pictures, StudyResults};
+use maud::{Markup, html};
+
+use super::picture::outside;
+use crate::report::page::{self, figure, math, minus};
+use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Span};
+use crate::report::words::{count, fault, given, number, percent};
+
+/// Samples that Fig. 3 shows.
+const HEALTHY: Range<usize> = 2000..3000;
+/// The fault of Fig. 4, and samples shown before and after its begin.
+const LABEL: &str = "f_1^1";
+const BESIDE: (usize, usize) = (200, 400);
+const HEIGHT: f64 = 150.0;
+const DECISION: f64 = 50.0;
+
+/// The section.
+pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
+    let healthy = pictures.iter().find(|picture| picture.fault.is_none());
+    let first = |picture: &&Pictures| picture.fault.as_ref().is_some_and(|f| f.label == LABEL);
+    let faulty = pictures.iter().find(first);
+    page::section(
+        "figures",
+        "Figures 3 and 4 of the paper, from our runs",
+        &html! {
+            @if healthy.is_none() && faulty.is_none() { p.note { "No traces were kept." } }
+            @if let Some(picture) = healthy { (healthy_figure(study, picture)) }
+            @if let Some(picture) = faulty { (faulty_figure(study, picture)) }
+        },
+    )
+}
+
+fn shown(picture: &Pictures, wanted: Range<usize>) -> Range<usize> {
+    let end = wanted.end.min(picture.residual.len());
+    wanted.start.min(end)..end
+}
+
+fn line(label: &str, signal: &[f64], shown: &Range<usize>) -> Layer {
+    Layer::Line {
+        label: label.into(),
+        points: shown.clone().filter_map(|k| Some((k as f64, *signal.get(k)?))).collect(),
+        ink: Ink::Text,
+        dash: Dash::Solid,
+    }
+}
+
+fn band(picture: &Pictures, shown: &Range<usize>) -> Layer {
+    let at = |k: usize| Some((k as f64, *picture.lower.get(k)?, *picture.upper.get(k)?));
+    Layer::Band {
+        label: "bands (6), (7)".into(),
+        points: shown.clone().filter_map(at).collect(),
+        ink: Ink::Blue,
+    }
+}
+
+fn axis(study: &StudyResults, shown: &Range<usize>) -> Axis {
+    Axis::new("sample", format!("{} ms each", given(1e3 * study.drive.period_s)))
+        .from_to(shown.start as f64, shown.end as f64)
+}
+
+fn healthy_figure(study: &StudyResults, picture: &Pictures) -> Markup {
+    let shown = shown(picture, HEALTHY);
+    let unit = &study.drive.tacho_unit;
+    let level = |label: &str, y| Layer::Level {
+        label: label.into(),
+        y,
+        ink: Ink::Orange,
+        dash: Dash::Dashed,
+    };
+    let (low, high) = study.model.constant;
+    let panel = |name: &str, layers| Panel {
+        height: HEIGHT,
+        y: Axis::new(name, unit),
+        layers,
+        strip: None,
+    };
+    let residual = || line("residual", &picture.residual, &shown);
+    let drawn = Figure {
+        id: "figure-3-plot".into(),
+        title: "Residual of a healthy run with constant thresholds and with bands".into(),
+        description: "Two panels over the same samples: the residual between constant thresholds, \
+                      and inside the adaptive bands."
+            .into(),
+        x: axis(study, &shown),
+        spans: Vec::new(),
+        markers: Vec::new(),
+        panels: vec![
+            panel("(a) r", vec![residual(), level("constant thresholds", low), level("", high)]),
+            panel("(b) r", vec![band(picture, &shown), residual()]),
+        ],
+    };
+    let (ours, paper) = (study.r_fd, study.paper.r_fd);
+    figure(
+        "figure-3",
+        drawn.svg(),
+        "Figure 3, from our run",
+        &html! {
+            "Fig. 3: a healthy residual (a) with constant thresholds, " (math("r_fd"))
+            " = " (number(ours.constant)) " over " (count(study.healthy.runs, "run")) " (paper: "
+            (given(paper.constant)) "), (b) with the bands of model error modelling, " (math("r_fd"))
+            " = " (number(ours.mem)) " (paper: " (given(paper.mem)) "), both designed for "
+            (percent(study.beta, 0)) " %."
+        },
+    )
+}
+
+fn faulty_figure(study: &StudyResults, picture: &Pictures) -> Markup {
+    let from = study.fault_span.from;
+    let shown = shown(picture, from.saturating_sub(BESIDE.0)..from + BESIDE.1);
+    let decision: Vec<f64> =
+        (0..shown.end).map(|k| f64::from(u8::from(outside(picture, k)))).collect();
+    let name = picture.fault.as_ref().map_or_else(String::new, |name| minus(&fault(name)));
+    let drawn = Figure {
+        id: "figure-4-plot".into(),
+        title: format!("Bands and decision logic under the fault {name}"),
+        description: "Two panels over the same samples: the residual with its bands, and the \
+                      decision, one while a sample lies outside them."
+            .into(),
+        x: axis(study, &shown),
+        spans: vec![Span {
+            from: from as f64,
+            to: study.fault_span.to as f64,
+            label: "fault acts".into(),
+        }],
+        markers: Vec::new(),
+        panels: vec![
+            Panel {
+                height: HEIGHT,
+                y: Axis::new("(a) r", &study.drive.tacho_unit),
+                layers: vec![band(picture, &shown), line("residual", &picture.residual, &shown)],
+                strip: None,
+            },
+            Panel {
+                height: DECISION,
+                y: Axis::new("(b) decision", "").from_to(-0.1, 1.1),
+                layers: vec![line("", &decision, &shown)],
+                strip: None,
+            },
+        ],
+    };
+    let paper = study.paper.detection.iter().find(|row| row.label == LABEL);
+    figure(
+        "figure-4",
+        drawn.svg(),
+        "Figure 4, from our run",
+        &html! {
+            "Fig. 4: the fault " (name) ", (a) bands by model error modelling, (b) decision logic "
+            "without the time window. "
+            @match picture.declared {
+                Some(sample) => { "With the window it was declared at sample " (sample) }
+                None => { "With the window it was not declared" }
+            }
+            @if let Some(row) = paper { " (paper: " (row.t_dt) ")" }
+            "."
+        },
+    )
+}

@@ -1,0 +1,186 @@
+//! `train` and `diagnose`: healthy recordings become a diagnoser that tells a fault from health, and
+//! whatever cannot serve is refused with its place.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::Stdio;
+
+use crate::{done, folder, program, put, refused, run};
+
+/// Sampling time of the recordings, s.
+const PERIOD: f64 = 0.005;
+
+/// A heater of no drive's kind: two lags in a row, y in K, driven by p in W; sensor noise of 0.05 K.
+/// From `onset` on the sensor shows `gain` times the temperature.
+fn heater(
+    power: impl Fn(usize) -> f64,
+    samples: usize,
+    seed: u64,
+    onset: usize,
+    gain: f64,
+) -> String {
+    let mut state = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+    let mut noise = || {
+        let mut uniform = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    };
+    let mut text = "time [s],p [W],y [K]\n".to_owned();
+    let (mut wall, mut core) = (0.0, 0.0);
+    for k in 0..samples {
+        let p = power(k) + 0.5 * noise();
+        let shown = if k >= onset { gain * core } else { core };
+        let _ = writeln!(text, "{:.3},{p:.4},{:.4}", k as f64 * PERIOD, shown + 0.05 * noise());
+        wall += 0.05 * (p - wall);
+        core += 0.1 * (wall - core) + 0.001 * wall * (10.0 - core).max(0.0);
+    }
+    text
+}
+
+fn swinging(k: usize) -> f64 {
+    8.0 + 4.0 * (0.031 * k as f64).sin() + 3.0 * (0.0113 * k as f64).sin()
+}
+
+fn held(_: usize) -> f64 {
+    8.0
+}
+
+const TRAIN: [&str; 11] = [
+    "train",
+    "one.csv",
+    "two.csv",
+    "--excited",
+    "open.csv",
+    "--input",
+    "p",
+    "--output-signal",
+    "y",
+    "-o",
+    "heater.toml",
+];
+
+fn trained(here: &Path, without: &str) {
+    put(here, "one.csv", heater(held, 3500, 1, usize::MAX, 1.0));
+    put(here, "two.csv", heater(held, 12_000, 2, usize::MAX, 1.0));
+    put(here, "open.csv", heater(swinging, 2500, 3, usize::MAX, 1.0));
+    done(here, &[&TRAIN[..], &["--without", without]].concat());
+}
+
+#[test]
+fn a_machine_of_another_kind_is_diagnosed() {
+    let here = folder();
+    let here = here.path();
+    trained(here, "recurrent");
+    let file = std::fs::read_to_string(here.join("heater.toml")).expect("it was written");
+    assert!(file.starts_with("schema = 1") && file.contains("name = \"y\""), "{file}");
+    put(here, "ill.csv", heater(held, 5000, 4, 4000, 1.1));
+    put(here, "well.csv", heater(held, 5000, 5, usize::MAX, 1.0));
+    let ask = |recording: &str| {
+        let arguments = ["diagnose", "heater.toml", recording, "--json", "-"];
+        done(here, &arguments).json()
+    };
+    let (ill, well) = (ask("ill.csv"), ask("well.csv"));
+    assert_eq!((&ill["verdict"], &well["verdict"]), (&"fault".into(), &"healthy".into()));
+    let methods = ill["methods"].as_array().expect("a list");
+    assert_eq!(methods.len(), 3, "{ill}");
+    for found in methods {
+        let declared = found["declared"][0]["sample"].as_u64().expect("declared");
+        assert!((4050..4080).contains(&declared), "{found}");
+    }
+    for found in well["methods"].as_array().expect("a list") {
+        assert!(found["exceedance_rate"].as_f64().is_some_and(|rate| rate < 0.1), "{found}");
+        assert_eq!(found["declared"].as_array().map(Vec::len), Some(0), "{found}");
+    }
+    // A finding that the user forbids is an exit code; the same rows live say the same.
+    assert_eq!(run(here, &["diagnose", "heater.toml", "ill.csv", "--check"]).code, Some(1));
+    assert_eq!(run(here, &["diagnose", "heater.toml", "well.csv", "--check"]).code, Some(0));
+    let mut live = program(here)
+        .args(["diagnose", "heater.toml", "-", "--json", "-"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let rows = std::fs::read(here.join("ill.csv")).expect("written above");
+    live.stdin.take().expect("piped").write_all(&rows).expect("it reads");
+    let output = live.wait_with_output().expect("it ends");
+    let live: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(live["methods"], ill["methods"]);
+}
+
+#[test]
+fn what_cannot_train_a_diagnoser_is_refused() {
+    let here = folder();
+    let here = here.path();
+    put(here, "open.csv", heater(swinging, 2500, 3, usize::MAX, 1.0));
+    let good = heater(held, 3500, 1, usize::MAX, 1.0);
+    let line = good.lines().nth(1401).expect("long enough").to_owned();
+    let holed = good.replace(&line, &format!("{},,1.0", line.split(',').next().expect("a time")));
+    let still: String = "time [s],p [W],y [K]\n".to_owned()
+        + &(0..3500).map(|k| format!("{:.3},8,{}\n", k as f64 * PERIOD, k % 7)).collect::<String>();
+    put(here, "two.csv", &good);
+    for (text, said) in [
+        (heater(held, 520, 1, usize::MAX, 1.0), "samples"),
+        (holed, "one.csv:1402"),
+        (still, "constant"),
+        ("time [s],u [V],y [K]\n0,1,2\n0.005,2,3\n".to_owned(), "`p`"),
+    ] {
+        put(here, "one.csv", text);
+        let message = refused(here, &[&TRAIN[..], &["--without", "gmdh,recurrent"]].concat());
+        assert!(message.contains(said), "{said}: {message}");
+    }
+    put(here, "one.csv", &good);
+    for (wrong, said) in [
+        (["--beta", "1.5"], "beta = 1.5"),
+        (["--window", "-1"], "--window"),
+        (["--run-up", "1000"], "samples"),
+    ] {
+        let message = refused(here, &[&TRAIN[..], &wrong].concat());
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
+fn a_diagnoser_is_not_run_on_what_it_was_not_made_for() {
+    let here = folder();
+    let here = here.path();
+    trained(here, "gmdh,recurrent");
+    let good = heater(held, 1000, 6, usize::MAX, 1.0);
+    let slow: String = good
+        .lines()
+        .enumerate()
+        .map(|(k, line)| match (k, line.split_once(',')) {
+            (0, _) | (_, None) => format!("{line}\n"),
+            (k, Some((_, rest))) => format!("{:.3},{rest}\n", (k - 1) as f64 * 2.0 * PERIOD),
+        })
+        .collect();
+    for (text, said) in [
+        (good.replace("p [W]", "q [W]"), "p"),
+        (good.replace("y [K]", "y [V]"), "V"),
+        (slow, "0.01"),
+        (heater(held, 400, 6, usize::MAX, 1.0), "nothing was judged"),
+    ] {
+        put(here, "other.csv", text);
+        let message = refused(here, &["diagnose", "heater.toml", "other.csv"]);
+        assert!(message.contains(said), "{said}: {message}");
+    }
+    put(here, "good.csv", &good);
+    let file = std::fs::read_to_string(here.join("heater.toml")).expect("written");
+    for (file, said) in [
+        (file.replacen("schema = 1", "schema = 7", 1), "schema 7"),
+        (file.replacen("run_up = 500", "run_up = \"long\"", 1), "line 2"),
+        ("what = 1".to_owned(), "schema"),
+    ] {
+        put(here, "broken.toml", file);
+        let message = refused(here, &["diagnose", "broken.toml", "good.csv"]);
+        assert!(message.contains(said), "{said}: {message}");
+    }
+    let message = refused(here, &["diagnose", "heater.toml", "good.csv", "--method", "gmdh"]);
+    assert!(message.contains("robust GMDH network"), "{message}");
+    assert!(refused(here, &["diagnose", "none.toml", "good.csv"]).contains("none.toml"));
+}

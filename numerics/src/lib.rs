@@ -7,7 +7,7 @@
 //!
 //! [`Regression`] solves linear least squares row by row, [`minimise`] nonlinear ones;
 //! [`ljung_box`] and [`omnibus_normality`] test what is left, [`aic`] weighs it against the
-//! number of parameters.
+//! number of parameters, [`wilson_95`] is the interval of a counted share.
 
 mod dual;
 pub mod elementary;
@@ -15,6 +15,7 @@ mod information;
 mod least_squares;
 mod levenberg_marquardt;
 mod normality;
+mod proportion;
 mod real;
 mod whiteness;
 
@@ -23,5 +24,6 @@ pub use information::aic;
 pub use least_squares::{LinearFit, Regression, RegressionError};
 pub use levenberg_marquardt::{Limits, Linearisation, Minimum, Residuals, Stop, minimise};
 pub use normality::{Normality, normal_quantile, omnibus_normality};
+pub use proportion::wilson_95;
 pub use real::Real;
 pub use whiteness::{Whiteness, ljung_box};

@@ -1,9 +1,7 @@
 //! A rate with its interval.
 
+use drivescope_numerics::wilson_95;
 use serde::Serialize;
-
-/// Normal quantile of a two-sided 95 % interval.
-const NORMAL_95: f64 = 1.959_964;
 
 /// A rate with its 95 % interval (Wilson, 1927), and the bar that it is held against.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,7 +29,7 @@ pub(super) enum Bar {
 impl Rate {
     pub(super) fn new(what: &str, hits: usize, of: usize) -> Self {
         let rate = (of > 0).then(|| hits as f64 / of as f64);
-        let interval = rate.map(|p| wilson(p, of as f64));
+        let interval = rate.map(|_| wilson_95(hits, of));
         Self { what: what.to_owned(), hits, of, rate, interval, bar: None }
     }
 
@@ -58,25 +56,9 @@ impl Rate {
     }
 }
 
-fn wilson(p: f64, n: f64) -> [f64; 2] {
-    let z = NORMAL_95 * NORMAL_95;
-    let middle = (p + z / (2.0 * n)) / (1.0 + z / n);
-    let half = NORMAL_95 / (1.0 + z / n) * (p * (1.0 - p) / n + z / (4.0 * n * n)).sqrt();
-    [(middle - half).max(0.0), (middle + half).min(1.0)]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_interval_holds_the_rate_and_none_of_78_proves_four_per_cent() {
-        let [low, high] = wilson(0.0, 78.0);
-        assert_eq!(low, 0.0);
-        assert!((high - 0.047).abs() < 0.001, "{high}");
-        let [low, high] = wilson(0.9, 100.0);
-        assert!((low - 0.826).abs() < 0.001 && (high - 0.945).abs() < 0.001, "{low} {high}");
-    }
 
     #[test]
     fn a_line_says_rate_interval_and_bar() {

@@ -140,7 +140,7 @@ fn rates(study: &StudyResults) -> Table {
 }
 
 fn levels(study: &StudyResults) -> Table {
-    let headings = ["method", "beta", "detected", "lowest r_td [%]", "longest delay", "r_fd [%]"];
+    let headings = ["method", "beta", "detected", "least r_td [%]", "delay", "r_fd [%]"];
     let mut table = table(headings, 1);
     let own = (study.beta, &study.detection, study.r_fd);
     let others = study.levels.iter().map(|level| (level.beta, &level.detection, level.r_fd));

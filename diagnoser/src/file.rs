@@ -100,6 +100,14 @@ struct Head {
     schema: u32,
 }
 
+/// A file under a temporary name, readable as any new file is, not by the owner alone.
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
 impl Diagnoser {
     /// Writes the file under a temporary name in the same folder and renames it.
     pub fn save(&self, path: &Path) -> Result<(), FileError> {
@@ -109,7 +117,7 @@ impl Diagnoser {
             _ => Path::new("."),
         };
         let write = || {
-            let mut file = NamedTempFile::new_in(folder)?;
+            let mut file = temporary(folder)?;
             file.write_all(text.as_bytes())?;
             file.as_file().sync_all()?;
             file.persist(path).map_err(|error| error.error)

@@ -13,6 +13,10 @@ use crate::start::Start;
 /// variable's range and its error grows with the fourth power of the sub-step: 5 leaves at most
 /// 1e-5, below any sensor's resolution.
 pub const PACE: f64 = 5.0;
+/// The same where the sub-step is set by the speed at which a ripple over the position is passed:
+/// 0.8 rad of it a sub-step. What is passed so fast is an integral over the sub-step, off by
+/// x^4 / 2880 = 2e-4 of itself, and hardly moves the shaft any more.
+pub const PASSING_PACE: f64 = 25.0;
 
 /// What is chosen on the base model and then frozen, for every step of a fit, for the ladder of
 /// added effects and for validation: only so do errors compare and has the sum of squares no
@@ -26,10 +30,13 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Freezes sub-steps of [`PACE`] times those of a simulation of the drive.
+    /// Freezes sub-steps of [`PACE`] times those of a simulation of the drive, and of
+    /// [`PASSING_PACE`] times those at its greatest speed.
     pub fn new(drive: &Drive, observer: Observer) -> Self {
-        let longest_s = PACE * longest_substep(&drive.model(), speed_bound(drive));
-        Self { observer, longest_s }
+        let model = drive.model();
+        let own = PACE * longest_substep(&model, 0.0);
+        let passing = PASSING_PACE * longest_substep(&model, speed_bound(drive));
+        Self { observer, longest_s: own.min(passing) }
     }
 }
 
@@ -61,6 +68,12 @@ impl Squares {
     /// Root of the mean: 1 is the noise floor of a free run.
     pub fn error(&self) -> f64 {
         (self.sum / self.values as f64).sqrt()
+    }
+
+    /// Of residuals in units of the noise, one list an output; NaN are left out.
+    pub(crate) fn of(residuals: &[Vec<f64>]) -> Self {
+        let finite = residuals.iter().flatten().filter(|residual| residual.is_finite());
+        finite.fold(Self::default(), |all, r| Self { sum: all.sum + r * r, values: all.values + 1 })
     }
 
     /// Both together.
@@ -126,6 +139,7 @@ impl Case<'_> {
 mod tests {
     use super::*;
     use crate::testing::{bench, dr300};
+    use drivescope_plant::drive::EffectData;
 
     #[test]
     fn the_longer_pace_keeps_its_promise() {
@@ -146,6 +160,25 @@ mod tests {
             let sum: f64 = residuals.iter().flatten().map(|r| r * r).sum();
             assert!((sum / case.squares().sum - 1.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_ripple_passed_fast_is_followed() {
+        let mut drive = dr300();
+        drive.motor.tie_k = false;
+        let parameters = [("N", 24.0), ("a", 0.004), ("b", 0.003)].map(|(n, v)| (n.into(), v));
+        let (kind, id) = ("cogging".into(), "cogging".into());
+        drive.effects.push(EffectData { kind, id, parameters: parameters.into(), law: None });
+        let measured = Measured::new(&drive, &bench(&drive, 6.0, 0.001)).expect("it can be used");
+        let starts = vec![Start::REST; measured.pieces.len()];
+        let setting = Setting::new(&drive, Observer::NONE);
+        let plain = longest_substep(&drive.model(), speed_bound(&drive));
+        assert!(setting.longest_s > 3.0 * PACE * plain, "{} {plain}", setting.longest_s);
+        // A tenth of a usual noise.
+        let noise = [1e-3, 0.03];
+        let (drive, measured, starts, setting) = (&drive, &measured, &starts, &setting);
+        let error = Case { drive, measured, noise: &noise, starts, setting }.squares().error();
+        assert!(error < 1.0, "{error}");
     }
 
     #[test]

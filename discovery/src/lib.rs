@@ -23,6 +23,7 @@ mod measured;
 mod noise;
 mod observer;
 mod passes;
+mod response;
 mod run;
 mod sensitivity;
 mod start;
@@ -30,7 +31,7 @@ mod start;
 mod testing;
 
 pub use canonical::with_canonical_names;
-pub use case::{Case, PACE, Setting, Squares};
+pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{
     Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung, Step,
     Unwatched, Verdict, Watch, add, bic_of, discover,

@@ -36,7 +36,7 @@ fn covered(fits: u64, duration_s: f64, load: Option<(f64, f64)>) -> (f64, f64) {
         let measured = Measured::new(&truth, &noisy(clean, SD, 1000 + seed)).expect("usable");
         let evidence = Evidence { recordings: vec![measured], noise: vec![SD.to_vec()] };
         let setting = Setting::new(&truth, Observer::NONE);
-        let options = Options { starts: 1, seed: 1 };
+        let options = Options { starts: 1, ..Options::default() };
         let fitted = fit(&truth, &evidence, &setting, &options).expect("it converges");
         for (k, (estimate, parameter)) in fitted.parameters.iter().zip(truth.fitted()).enumerate() {
             let off = (estimate.value - parameter.value).abs();

@@ -6,9 +6,10 @@ use super::series::Series;
 use super::shape::Shape;
 use crate::case::Case;
 use crate::measured::Output;
+use crate::response::{Forcing, Linearised, respond};
 use crate::sensitivity::Direction;
 
-/// Directions that are computed together: two wide passes.
+/// Series that are computed together.
 const TOGETHER: usize = 16;
 
 /// Residuals and the columns of the base: its fitted parameters, then the starts of all pieces.
@@ -52,6 +53,8 @@ pub(super) fn base(
 /// What makes the columns of shapes.
 pub(super) struct Maker<'a> {
     pub(super) cases: &'a [Case<'a>],
+    /// Each of them linearised along its recording, where that fits into memory.
+    pub(super) linearised: &'a [Option<Linearised>],
     pub(super) paths: &'a [Path],
     pub(super) scales: &'a Scales,
     pub(super) layout: &'a Layout,
@@ -77,60 +80,35 @@ impl Maker<'_> {
         make: &dyn Fn(usize, &Path) -> Series,
     ) -> Vec<Vec<f64>> {
         let mut columns = vec![vec![0.0; self.layout.rows()]; count];
-        for (case, path) in self.cases.iter().zip(self.paths) {
+        for path in self.paths {
             let mut from = 0;
             while from < count {
-                let mut balances = Vec::new();
-                let mut to = from;
-                while to < count && balances.len() < TOGETHER {
-                    match make(to, path) {
-                        Series::Torque(b) => balances.push((to, false, b)),
-                        Series::Voltage(b) => balances.push((to, true, b)),
-                        Series::Flux { torque, voltage } => {
-                            balances.push((to, false, torque));
-                            balances.push((to, true, voltage));
-                        }
+                let (mut numbers, mut series) = (Vec::new(), Vec::new());
+                while from < count && series.len() < TOGETHER {
+                    let forcing = match make(from, path) {
+                        Series::Balance(forcing) => Some(forcing),
                         Series::Shown(output, b) => {
-                            let fed_back =
-                                self.shown(case, path.place, output, &b, &mut columns[to]);
-                            balances.extend(fed_back.map(|b| (to, false, b)));
+                            self.shown(path.place, output, &b, &mut columns[from])
                         }
-                    }
-                    to += 1;
+                    };
+                    numbers.extend(forcing.iter().map(|_| from));
+                    series.extend(forcing);
+                    from += 1;
                 }
-                from = to;
-                self.respond(case, path.place, &balances, &mut columns);
+                self.respond(path.place, &numbers, &series, &mut columns);
             }
         }
         columns.iter_mut().for_each(|column| self.layout.level(column));
         columns
     }
 
-    /// Adds the responses to torques and voltages to their columns.
-    fn respond(
-        &self,
-        case: &Case<'_>,
-        place: usize,
-        balances: &[(usize, bool, Vec<f64>)],
-        columns: &mut [Vec<f64>],
-    ) {
-        if balances.is_empty() {
-            return;
-        }
-        let directions: Vec<Direction<'_>> = balances
-            .iter()
-            .map(
-                |(_, voltage, b)| {
-                    if *voltage { Direction::Voltage(b) } else { Direction::Torque(b) }
-                },
-            )
-            .collect();
-        case.blocks(&directions, |rows| {
-            for (at, (k, j)) in rows.sample.iter().zip(&rows.output).enumerate() {
-                let row = self.layout.row(place, *k, *j);
-                for (slot, (number, ..)) in balances.iter().enumerate() {
-                    columns[*number][row] += rows.columns[(slot, at)];
-                }
+    /// Adds the responses to torques and voltages, each with the number of its column.
+    fn respond(&self, place: usize, numbers: &[usize], series: &[Forcing], all: &mut [Vec<f64>]) {
+        let (case, linearised) = (&self.cases[place], self.linearised[place].as_ref());
+        respond(linearised, case, series, |response| {
+            let row = self.layout.row(place, response.sample, response.output);
+            for (number, value) in numbers[response.first..].iter().zip(response.of) {
+                all[*number][row] += value;
             }
         });
     }
@@ -139,12 +117,12 @@ impl Maker<'_> {
     /// the speed by the opposite of its gain times the error: as the torque does that is returned.
     fn shown(
         &self,
-        case: &Case<'_>,
         place: usize,
         output: Output,
         b: &[f64],
         column: &mut [f64],
-    ) -> Option<Vec<f64>> {
+    ) -> Option<Forcing> {
+        let case = &self.cases[place];
         let measured = case.measured;
         let j = measured.outputs.iter().position(|it| it.output == output)?;
         for k in measured.pieces.iter().cloned().flatten() {
@@ -154,6 +132,7 @@ impl Maker<'_> {
         }
         let gains = case.setting.observer.gains(measured).filter(|it| it.output == output)?;
         let factor = -self.scales.inertia * gains.speed / measured.period_s;
-        Some(b.iter().map(|b| factor * b).collect())
+        let torque = b.iter().map(|b| factor * b).collect();
+        Some(Forcing { torque, voltage: Vec::new() })
     }
 }

@@ -103,20 +103,20 @@ impl Plan {
         let each = |f: &dyn Fn(usize) -> f64| (0..path.len()).map(f).collect::<Vec<f64>>();
         match self {
             Self::Speed => {
-                Series::Torque(each(&|k| Self::side(&SIDE, column, path.omega[k] / scales.omega)))
+                Series::torque(each(&|k| Self::side(&SIDE, column, path.omega[k] / scales.omega)))
             }
             Self::Acceleration => {
-                Series::Torque(each(&|k| Self::side(&SIDE, column, path.alpha[k] / scales.alpha)))
+                Series::torque(each(&|k| Self::side(&SIDE, column, path.alpha[k] / scales.alpha)))
             }
             Self::CurrentTorque => {
-                Series::Torque(each(&|k| Self::side(&CURRENT_KNOTS, column, path.i[k] / scales.i)))
+                Series::torque(each(&|k| Self::side(&CURRENT_KNOTS, column, path.i[k] / scales.i)))
             }
             Self::CurrentVoltage => {
-                Series::Voltage(each(&|k| Self::side(&CURRENT_KNOTS, column, path.i[k] / scales.i)))
+                Series::voltage(each(&|k| Self::side(&CURRENT_KNOTS, column, path.i[k] / scales.i)))
             }
             Self::Angle(wave) => {
                 let width = std::f64::consts::TAU / AROUND as f64;
-                Series::Torque(each(&|k| {
+                Series::torque(each(&|k| {
                     let angle = (wave * path.theta[k]).rem_euclid(std::f64::consts::TAU) / width;
                     let away = (angle - column as f64).abs();
                     (1.0 - away.min(AROUND as f64 - away)).max(0.0)
@@ -125,7 +125,7 @@ impl Plan {
             Self::Time => {
                 let last = (IN_TIME - 1) as f64;
                 let knots: [f64; IN_TIME] = std::array::from_fn(|j| j as f64 / last);
-                Series::Torque(each(&|k| {
+                Series::torque(each(&|k| {
                     -path.direction[k] * hat(&knots, column, k as f64 / samples)
                 }))
             }
@@ -138,7 +138,7 @@ impl Plan {
                     // The losses of a bench are far below those at the top current.
                     -i * hat(&knots, column, (10.0 * heat).min(1.0))
                 });
-                Series::Voltage(lost.collect())
+                Series::voltage(lost.collect())
             }
         }
     }

@@ -40,8 +40,23 @@ pub(super) struct Data<'a> {
     pub(super) white_blocks: (Vec<usize>, usize),
     /// Squared error of a perfect model, per value.
     pub(super) floor: f64,
-    /// Wave numbers of the angle among which those of the shapes were chosen.
-    pub(super) looked_at: usize,
+    /// By how much the probability of each shape is corrected.
+    pub(super) hypotheses: Vec<f64>,
+}
+
+/// By how much the probability of each shape is corrected: every variable has an equal part of the
+/// level, and its shapes share that, so that the many waves over the angle do not hide a friction;
+/// those were chosen among `looked_at` wave numbers.
+pub(super) fn hypotheses(shapes: &[Shape], looked_at: usize) -> Vec<f64> {
+    let mut variables: Vec<Variable> = shapes.iter().map(|it| it.variable()).collect();
+    let of_variable = |variable: Variable| {
+        let waves = if variable == Variable::Theta { looked_at } else { 0 };
+        shapes.iter().filter(|it| it.variable() == variable).count() + waves
+    };
+    let counts: Vec<usize> = variables.iter().map(|it| of_variable(*it)).collect();
+    variables.sort_unstable();
+    variables.dedup();
+    counts.into_iter().map(|count| (variables.len() * count) as f64).collect()
 }
 
 /// A shape that was found.
@@ -93,7 +108,7 @@ impl Data<'_> {
         let worth = WORTH * self.floor * self.layout.values();
         let judge = |number: usize| {
             let gain = plain.iter().find(|it| it.number == number)?.score.gain;
-            let p_value = (self.confirmed(added, number)? * self.hypotheses(number)).min(1.0);
+            let p_value = (self.confirmed(added, number)? * self.hypotheses[number]).min(1.0);
             (p_value < LEVEL && gain > worth).then_some((number, p_value))
         };
         let clearly = plain.iter().take(TESTED).filter(|it| it.worth > 0.0);
@@ -101,23 +116,11 @@ impl Data<'_> {
             let filter = Whitening::fit(self.left(added).as_slice(), self.layout);
             let white = |column: &[f64]| filter.apply(column, self.layout);
             let mut ranked = self.ranked(added, &white, &self.white_blocks);
-            let p_value = |it: &Ranked| it.score.p_value * self.hypotheses(it.number);
+            let p_value = |it: &Ranked| it.score.p_value * self.hypotheses[it.number];
             ranked.sort_by(|a, b| p_value(a).total_cmp(&p_value(b)));
             let clearly = ranked.iter().filter(|it| it.worth > 0.0).take(TESTED);
             clearly.map(|it| it.number).find_map(judge)
         })
-    }
-
-    /// By how much a probability is corrected: every variable has an equal part of the level, and
-    /// its shapes share that, so that the many waves over the angle do not hide a friction.
-    fn hypotheses(&self, number: usize) -> f64 {
-        let variable = self.shapes[number].variable();
-        let mut variables: Vec<Variable> = self.shapes.iter().map(|it| it.variable()).collect();
-        let of_this = variables.iter().filter(|it| **it == variable).count();
-        variables.sort_unstable();
-        variables.dedup();
-        let waves = if variable == Variable::Theta { self.looked_at } else { 0 };
-        (variables.len() * (of_this + waves)) as f64
     }
 
     /// Columns of the base and of what was found.

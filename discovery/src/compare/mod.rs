@@ -40,8 +40,9 @@ pub use span::Span;
 use crate::case::{Case, Setting};
 use crate::estimate::{Evidence, evaluate, with_own};
 use crate::measured::Output;
+use crate::response::Linearised;
 use columns::Maker;
-use finding::{Data, Found};
+use finding::{Data, Found, hypotheses};
 use layout::Layout;
 use path::{Path, Scales};
 use score::{basis, outside};
@@ -172,7 +173,15 @@ pub fn compare(
     let paths: Vec<Path> = cases.iter().enumerate().map(|(k, case)| Path::new(case, k)).collect();
     let scales = Scales::new(&paths, drive.motor.j);
     let limit = drive.amplifier.as_ref().and_then(|it| it.limit);
-    let maker = Maker { cases: &cases, paths: &paths, scales: &scales, layout: &layout, limit };
+    let linearised: Vec<Option<Linearised>> = cases.iter().map(Linearised::of).collect();
+    let maker = Maker {
+        cases: &cases,
+        linearised: &linearised,
+        paths: &paths,
+        scales: &scales,
+        layout: &layout,
+        limit,
+    };
     let floors = evidence.recordings.iter().map(|it| setting.observer.floor(it).powi(2));
     let floor = floors.sum::<f64>() / evidence.recordings.len().max(1) as f64;
     let (shared, own): (Vec<_>, Vec<_>) = drive
@@ -193,6 +202,7 @@ pub fn compare(
     let waves = angles::wave_numbers(&maker, base.iter().map(Vec::as_slice), &residual);
     let shapes = shapes(&maker, &waves.kept);
     let columns = maker.shapes(&shapes);
+    let hypotheses = hypotheses(&shapes, waves.looked_at);
     let (blocks, white_blocks) = (layout.blocks(block_s), layout.blocks(BLOCK_S.0));
     let data = Data {
         layout: &layout,
@@ -203,7 +213,7 @@ pub fn compare(
         blocks,
         white_blocks,
         floor,
-        looked_at: waves.looked_at,
+        hypotheses,
     };
     let found = data.search();
     let excess = |sum: f64| (sum - floor * layout.values()).max(0.0);

@@ -8,6 +8,7 @@ use super::shape::{
     Shape, TIME_KNOTS,
 };
 use crate::measured::Output;
+use crate::response::Forcing;
 
 /// Damping ratio of the oscillators: broad enough that five of them cover a decade.
 const DAMPING: f64 = 0.1;
@@ -18,19 +19,22 @@ const LIMITED: f64 = 0.995;
 
 /// One value a sample.
 pub(super) enum Series {
-    /// Added to the torques, N m (N), positive forward.
-    Torque(Vec<f64>),
-    /// Added to the voltage in the armature circuit, V (force-driven: to u).
-    Voltage(Vec<f64>),
-    /// A change of the flux: a torque, and a voltage against the back-EMF.
-    Flux {
-        /// The torque.
-        torque: Vec<f64>,
-        /// The voltage.
-        voltage: Vec<f64>,
-    },
+    /// Added to the balances.
+    Balance(Forcing),
     /// Added to what a sensor shows.
     Shown(Output, Vec<f64>),
+}
+
+impl Series {
+    /// A torque alone, N m (N), positive forward.
+    pub(super) fn torque(torque: Vec<f64>) -> Self {
+        Self::Balance(Forcing { torque, voltage: Vec::new() })
+    }
+
+    /// A voltage alone, in the armature circuit, V (force-driven: added to u).
+    pub(super) fn voltage(voltage: Vec<f64>) -> Self {
+        Self::Balance(Forcing { torque: Vec::new(), voltage })
+    }
 }
 
 /// Piecewise linear hat number `j` over the knots: 1 at its knot, 0 at the others; the last
@@ -65,41 +69,41 @@ impl Shape {
         let flux = |share: &dyn Fn(usize) -> f64| {
             let torque = each(&|k| share(k) * path.i[k]);
             if path.force {
-                return Series::Torque(torque);
+                return Series::torque(torque);
             }
-            Series::Flux { torque, voltage: each(&|k| -share(k) * path.omega[k]) }
+            Series::Balance(Forcing { torque, voltage: each(&|k| -share(k) * path.omega[k]) })
         };
         match self {
             Self::TorqueOverSpeed => {
-                Series::Torque(each(&|k| -path.direction[k] * hat(&SPEED_KNOTS, column, speed(k))))
+                Series::torque(each(&|k| -path.direction[k] * hat(&SPEED_KNOTS, column, speed(k))))
             }
             Self::DragOverSpeed => {
-                Series::Torque(each(&|k| -path.direction[k] * speed(k).powi(column as i32 + 2)))
+                Series::torque(each(&|k| -path.direction[k] * speed(k).powi(column as i32 + 2)))
             }
             Self::FrictionNearRest => {
                 let near = REST_SHARES[column];
-                Series::Torque(each(&|k| -path.direction[k] * (-(speed(k) / near).powi(2)).exp()))
+                Series::torque(each(&|k| -path.direction[k] * (-(speed(k) / near).powi(2)).exp()))
             }
             Self::TorqueAfterReversal => {
                 let way = BENT_S[column] * scales.omega;
-                Series::Torque(each(&|k| path.direction[k] * (-path.since[k] / way).exp()))
+                Series::torque(each(&|k| path.direction[k] * (-path.since[k] / way).exp()))
             }
             Self::FluxOverSpeed => flux(&|k| hat(&FLUX_SPEED_KNOTS, column + 1, speed(k))),
-            Self::TorqueByDirection => Series::Torque(each(&|k| match column {
+            Self::TorqueByDirection => Series::torque(each(&|k| match column {
                 0 => -path.direction[k].abs(),
                 _ => -speed(k),
             })),
-            Self::VoltageOverCurrent => Series::Voltage(each(&|k| {
+            Self::VoltageOverCurrent => Series::voltage(each(&|k| {
                 -path.i[k].signum() * hat(&CURRENT_KNOTS, column, current(k))
             })),
             Self::FluxOverCurrent => flux(&|k| hat(&CURRENT_KNOTS, column, current(k))),
             Self::FrictionOverCurrent => {
-                Series::Torque(each(&|k| -path.direction[k] * current(k).powi(column as i32 + 1)))
+                Series::torque(each(&|k| -path.direction[k] * current(k).powi(column as i32 + 1)))
             }
             Self::CurrentOffset => Series::Shown(Output::Current, vec![1.0; path.len()]),
-            Self::TorqueOverAngle(number) => Series::Torque(each(&|k| wave(number, k))),
+            Self::TorqueOverAngle(number) => Series::torque(each(&|k| wave(number, k))),
             Self::FrictionOverAngle(number) => {
-                Series::Torque(each(&|k| -path.direction[k] * wave(number, k)))
+                Series::torque(each(&|k| -path.direction[k] * wave(number, k)))
             }
             Self::FluxOverAngle(number) => flux(&|k| wave(number, k)),
             Self::SpeedShownOverAngle(number) => {
@@ -110,17 +114,17 @@ impl Shape {
                 let knots: [f64; TIME_KNOTS] = std::array::from_fn(|j| j as f64 / last);
                 let here = if path.place == place { 1.0 } else { 0.0 };
                 let at = |k: usize| k as f64 / path.len() as f64;
-                Series::Torque(each(&|k| -here * path.direction[k] * hat(&knots, column, at(k))))
+                Series::torque(each(&|k| -here * path.direction[k] * hat(&knots, column, at(k))))
             }
             Self::FrictionDrift(place) => {
                 let here = if path.place == place { 1.0 } else { 0.0 };
                 let at = |k: usize| (k as f64 / path.len() as f64).powi(column as i32 + 1);
-                Series::Torque(each(&|k| -here * path.direction[k] * at(k)))
+                Series::torque(each(&|k| -here * path.direction[k] * at(k)))
             }
-            Self::ResistanceOverHeat => Series::Voltage(heated(path, scales, HEAT_S[column])),
-            Self::Resonances => Series::Torque(swinging(path, scales, column)),
+            Self::ResistanceOverHeat => Series::voltage(heated(path, scales, HEAT_S[column])),
+            Self::Resonances => Series::torque(swinging(path, scales, column)),
             // Late by a part d of a sample: (d / h) (u_(k-1) - u_k) on its mean over the sample.
-            Self::LateInput => Series::Voltage(each(&|k| path.u[k.saturating_sub(1)] - path.u[k])),
+            Self::LateInput => Series::voltage(each(&|k| path.u[k.saturating_sub(1)] - path.u[k])),
             Self::SpeedShownLate => {
                 let (h, alpha) = (path.period_s, &path.alpha);
                 let before = |k: usize| alpha[k.saturating_sub(1)];
@@ -134,7 +138,7 @@ impl Shape {
             }
             Self::AtLimit => {
                 let limit = limit.unwrap_or(f64::INFINITY);
-                Series::Voltage(each(&|k| {
+                Series::voltage(each(&|k| {
                     if path.u[k].abs() >= LIMITED * limit { -path.u[k].signum() } else { 0.0 }
                 }))
             }

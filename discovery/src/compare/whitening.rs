@@ -11,6 +11,8 @@
 //! below the noise of the sensors is predicted by a mean over a long time, which single lags could
 //! only tell with hundreds of coefficients.
 
+use std::array::from_fn;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::layout::Layout;
@@ -46,7 +48,6 @@ pub(super) struct Whitening {
 /// Running sums of a column, output by output, from which means over windows are read off.
 struct Past {
     sums: Vec<f64>,
-    outputs: usize,
 }
 
 impl Past {
@@ -55,36 +56,44 @@ impl Past {
         for (k, value) in column.iter().enumerate() {
             sums[k + outputs] = sums[k] + value;
         }
-        Self { sums, outputs }
+        Self { sums }
     }
 
-    /// The means of each window, all outputs of a window together; what lies before `first`
-    /// counts as 0.
-    fn means(&self, first: usize, group: usize) -> impl Iterator<Item = f64> + '_ {
-        let m = self.outputs;
-        WINDOWS.into_iter().flat_map(move |(near, far)| {
-            let width = (far + 1 - near) as f64;
-            let to = (group + 1).saturating_sub(near).max(first) * m;
-            let from = group.saturating_sub(far).max(first) * m;
-            (0..m).map(move |j| (self.sums[to + j] - self.sums[from + j]) / width)
-        })
+    /// The sums over a window before a group, one an output; what lies before `first` counts as 0.
+    #[inline]
+    fn sums<const M: usize>(&self, window: usize, first: usize, group: usize) -> [f64; M] {
+        let (near, far) = WINDOWS[window];
+        let to = &self.sums[(group + 1).saturating_sub(near).max(first) * M..][..M];
+        let from = &self.sums[group.saturating_sub(far).max(first) * M..][..M];
+        from_fn(|j| to[j] - from[j])
     }
 }
 
 impl Whitening {
     /// The filter that makes this residual white.
     pub(super) fn fit(residual: &[f64], layout: &Layout) -> Self {
-        let m = layout.outputs;
-        let width = m * WINDOWS.len();
+        match layout.outputs {
+            1 => Self::fit_to::<1>(residual, layout),
+            2 => Self::fit_to::<2>(residual, layout),
+            _ => Self::fit_to::<3>(residual, layout),
+        }
+    }
+
+    fn fit_to<const M: usize>(residual: &[f64], layout: &Layout) -> Self {
+        let width = M * WINDOWS.len();
         let mut information = DMatrix::<f64>::zeros(width, width);
-        let mut cross = DMatrix::<f64>::zeros(width, m);
+        let mut cross = DMatrix::<f64>::zeros(width, M);
         let mut means = DVector::<f64>::zeros(width);
-        let past = Past::new(residual, m);
+        let past = Past::new(residual, M);
         for (first, group) in predicted(layout) {
-            means.iter_mut().zip(past.means(first, group)).for_each(|(to, from)| *to = from);
+            for (window, (near, far)) in WINDOWS.into_iter().enumerate() {
+                for (j, sum) in past.sums::<M>(window, first, group).into_iter().enumerate() {
+                    means[window * M + j] = sum / (far + 1 - near) as f64;
+                }
+            }
             information.syger(1.0, &means, &means, 1.0);
-            for j in 0..m {
-                cross.column_mut(j).axpy(residual[group * m + j], &means, 1.0);
+            for j in 0..M {
+                cross.column_mut(j).axpy(residual[group * M + j], &means, 1.0);
             }
         }
         let ridge = RIDGE * information.trace() / width as f64 + f64::MIN_POSITIVE;
@@ -94,12 +103,12 @@ impl Whitening {
         information.fill_upper_triangle_with_lower_triangle();
         let predict = information
             .cholesky()
-            .map_or_else(|| DMatrix::zeros(m, width), |it| it.solve(&cross).transpose());
-        let mut whitening = Self { predict, scale: DMatrix::identity(m, m) };
-        let innovations = whitening.apply(residual, layout);
-        let mut covariance = DMatrix::<f64>::identity(m, m) * f64::MIN_POSITIVE;
+            .map_or_else(|| DMatrix::zeros(M, width), |it| it.solve(&cross).transpose());
+        let mut whitening = Self { predict, scale: DMatrix::identity(M, M) };
+        let innovations = whitening.apply_to::<M>(residual, layout);
+        let mut covariance = DMatrix::<f64>::identity(M, M) * f64::MIN_POSITIVE;
         let count = predicted(layout).count().max(1) as f64;
-        for v in innovations.chunks(m) {
+        for v in innovations.chunks(M) {
             let v = DVector::from_column_slice(v);
             covariance.ger(1.0 / count, &v, &v, 1.0);
         }
@@ -111,19 +120,34 @@ impl Whitening {
 
     /// The filtered column; 0 where its past is not known.
     pub(super) fn apply(&self, column: &[f64], layout: &Layout) -> Vec<f64> {
-        let m = layout.outputs;
-        let past = Past::new(column, m);
+        match layout.outputs {
+            1 => self.apply_to::<1>(column, layout),
+            2 => self.apply_to::<2>(column, layout),
+            _ => self.apply_to::<3>(column, layout),
+        }
+    }
+
+    fn apply_to<const M: usize>(&self, column: &[f64], layout: &Layout) -> Vec<f64> {
+        let past = Past::new(column, M);
         let mut out = vec![0.0; column.len()];
-        let mut v = vec![0.0; m];
+        // What a running sum over each window predicts: by window, output, predicted output.
+        let predict: [[[f64; M]; M]; WINDOWS.len()] = from_fn(|window| {
+            let (near, far) = WINDOWS[window];
+            let width = (far + 1 - near) as f64;
+            from_fn(|l| from_fn(|j| self.predict[(j, window * M + l)] / width))
+        });
         for (first, group) in predicted(layout) {
-            v.copy_from_slice(&column[group * m..(group + 1) * m]);
-            for (place, mean) in past.means(first, group).enumerate() {
-                for (j, v) in v.iter_mut().enumerate() {
-                    *v -= self.predict[(j, place)] * mean;
+            let mut v: [f64; M] = from_fn(|j| column[group * M + j]);
+            for (window, predict) in predict.iter().enumerate() {
+                let sums = past.sums::<M>(window, first, group);
+                for (sum, predict) in sums.iter().zip(predict) {
+                    for (v, predict) in v.iter_mut().zip(predict) {
+                        *v -= predict * sum;
+                    }
                 }
             }
-            for j in 0..m {
-                out[group * m + j] = (0..=j).map(|l| self.scale[(j, l)] * v[l]).sum();
+            for j in 0..M {
+                out[group * M + j] = (0..=j).map(|l| self.scale[(j, l)] * v[l]).sum();
             }
         }
         out

@@ -6,11 +6,11 @@
 use drivescope_plant::drive::Drive;
 use nalgebra::DMatrix;
 
-use super::response::{Forcing, responses};
 use super::ripple::Trajectory;
 use crate::case::{Case, Setting};
-use crate::estimate::{Evidence, Fit, Fitted, with_own};
+use crate::estimate::{Evidence, Fit, with_own};
 use crate::measured::Measured;
+use crate::response::{Forcing, responses};
 use crate::sensitivity::{Direction, Rows};
 
 /// Where a value was measured.
@@ -38,19 +38,26 @@ pub(crate) struct At<'a> {
 }
 
 impl<'a> At<'a> {
-    pub(crate) fn fitted(fitted: &'a Fitted, evidence: &'a Evidence, setting: &'a Setting) -> Self {
-        Self { drive: &fitted.drive, fits: &fitted.recordings, evidence, setting }
-    }
-
     /// One recording's case, handed to the function.
     pub(crate) fn with_case<T>(&self, recording: usize, then: impl FnOnce(&Case<'_>) -> T) -> T {
+        self.with_changed(recording, &Drive::clone, self.setting, then)
+    }
+
+    /// The same with something added to the drive, in a setting that resolves it.
+    pub(crate) fn with_changed<T>(
+        &self,
+        recording: usize,
+        change: &dyn Fn(&Drive) -> Drive,
+        setting: &Setting,
+        then: impl FnOnce(&Case<'_>) -> T,
+    ) -> T {
         let fit = &self.fits[recording];
         then(&Case {
-            drive: &with_own(self.drive, fit),
+            drive: &change(&with_own(self.drive, fit)),
             measured: &self.evidence.recordings[recording],
             noise: &self.evidence.noise[recording],
             starts: &fit.starts,
-            setting: self.setting,
+            setting,
         })
     }
 
@@ -78,25 +85,16 @@ impl<'a> At<'a> {
     /// Rows of every recording for those directions; `change` may add to the drive.
     pub(crate) fn rows(
         &self,
-        change: impl Fn(&Drive) -> Drive,
+        change: &dyn Fn(&Drive) -> Drive,
         setting: &Setting,
-        directions: impl for<'b> Fn(usize, &'b Measured) -> Vec<Owned>,
+        directions: impl Fn(usize) -> Vec<Owned>,
     ) -> Vec<Rows> {
-        let of = |(recording, fit): (usize, &Fit)| {
-            let drive = change(&with_own(self.drive, fit));
-            let measured = &self.evidence.recordings[recording];
-            let owned = directions(recording, measured);
+        let of = |recording: usize| {
+            let owned = directions(recording);
             let borrowed: Vec<Direction<'_>> = owned.iter().map(Owned::direction).collect();
-            let case = Case {
-                drive: &drive,
-                measured,
-                noise: &self.evidence.noise[recording],
-                starts: &fit.starts,
-                setting,
-            };
-            case.sensitivities(&borrowed)
+            self.with_changed(recording, change, setting, |case| case.sensitivities(&borrowed))
         };
-        self.fits.iter().enumerate().map(of).collect()
+        (0..self.fits.len()).map(of).collect()
     }
 }
 
@@ -144,7 +142,7 @@ impl Columns {
 
     /// The residuals alone.
     pub(crate) fn residuals(at: &At<'_>) -> Self {
-        let rows = at.rows(Drive::clone, at.setting, |_, _| Vec::new());
+        let rows = at.rows(&Drive::clone, at.setting, |_| Vec::new());
         Self::shared(at.evidence, &rows)
     }
 
@@ -161,7 +159,7 @@ impl Columns {
             names.chain(starts).collect()
         };
         let counts: Vec<usize> = (0..at.fits.len()).map(|r| own(r).len()).collect();
-        let rows = at.rows(Drive::clone, at.setting, |recording, _| {
+        let rows = at.rows(&Drive::clone, at.setting, |recording| {
             let names = shared.iter().cloned().map(Owned::Parameter);
             names.chain(own(recording)).collect()
         });

@@ -14,10 +14,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::columns::At;
-use super::response::Forcing;
 use super::ripple::Trajectory;
 use super::scales::Scales;
 use crate::measured::Measured;
+use crate::response::Forcing;
 
 /// Hats over a signed variable, over a magnitude, and over an angle or time.
 const SIGNED: usize = 17;

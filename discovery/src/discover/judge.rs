@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::columns::{Columns, Place};
 use super::gates;
-use super::left::{Left, Rest, blocks};
-use super::refined::{Refined, whitener};
+use super::left::{Rest, blocks};
+use super::refined::Refined;
 use super::refit::{Model, p_value, squared};
 use super::round::Round;
 use super::whiten::Whitener;
@@ -52,25 +52,28 @@ impl Plain {
 
 impl Round<'_> {
     /// What the gates say of fitted candidates, best first.
-    pub(super) fn judged(&self, models: &[(usize, Model)]) -> Vec<Judged> {
+    pub(super) fn judged(&self, models: Vec<(usize, Model)>) -> Vec<Judged> {
         let sum = |model: &Model| model.fitted.squares.sum;
         let best = models.iter().min_by(|a, b| sum(&a.1).total_cmp(&sum(&b.1)));
         let Some((_, best)) = best else { return Vec::new() };
-        let whitener = whitener(&best.at(self.estimation));
-        let before = self.refined(self.model, &whitener);
+        let rows = Columns::residuals(&best.at(self.estimation));
+        let whitener = Whitener::of(&rows.places, &rows.residual);
+        let before = Refined::of(&self.sight, &self.validation_sight, &whitener);
         let hypotheses: usize = self.all.iter().map(|it| it.variants.len()).sum();
         let remembers = whitener.unforeseen() < gates::REMEMBERS;
-        let judge = |(candidate, model): &(usize, Model)| {
-            let candidate = *candidate;
-            let after = self.refined(model, &whitener);
+        let judge = |(candidate, model): (usize, Model)| {
+            let sight = model.sight(self.estimation);
+            let validation_sight = model.validation_sight(self.validation);
+            let after = Refined::of(&sight, &validation_sight, &whitener);
             let of_base = self.model.fitted.parameters.len();
             let searched = usize::from(!self.all[candidate].frozen.is_empty());
             let k = model.fitted.parameters.len().saturating_sub(of_base).max(1) + searched;
             let gain = squared(&before.estimation) - squared(&after.estimation);
             let block = blocks(self.estimation, model.fitted.block_s);
-            let (places, values) = (&after.places, after.estimation.len() as f64);
-            let chance = p_value(places, &before.estimation, &after.estimation, k, block);
-            let plain = self.plain(model, k, hypotheses);
+            let values = after.estimation.len() as f64;
+            let columns = sight.columns();
+            let chance = p_value(&columns.places, &before.estimation, &after.estimation, k, block);
+            let plain = remembers.then(|| self.plain(&model, columns, k, hypotheses));
             let mut one = Judged {
                 candidate,
                 plain: None,
@@ -81,37 +84,33 @@ impl Round<'_> {
                 shape: None,
                 change: difference(&before.estimation, &after.estimation),
                 refused: None,
-                model: model.clone(),
+                model,
             };
             one.refused = self.refusal(&one);
-            if remembers && one.refused.is_some() && plain.stands() {
+            let stands = plain.filter(|plain| one.refused.is_some() && plain.stands());
+            if let Some(plain) = stands {
                 (one.delta_bic, one.p_value) = (plain.delta_bic, plain.p_value);
                 (one.validation_gain, one.refused) = (plain.validation_gain, None);
                 one.plain = Some(plain.gain);
             }
             one
         };
-        let mut judged: Vec<Judged> = models.par_iter().map(judge).collect();
+        let mut judged: Vec<Judged> = models.into_par_iter().map(judge).collect();
         let order = |one: &Judged| one.plain.unwrap_or(one.delta_bic);
         judged.sort_by(|a, b| order(b).total_cmp(&order(a)));
         judged
-    }
-
-    fn refined(&self, model: &Model, whitener: &Whitener) -> Refined {
-        Refined::of(model, self.estimation, self.validation, whitener)
     }
 
     /// What the candidate does to the errors as they are: the residual of a drive that keeps much
     /// unexplained foretells itself, and what is missing with it, so that its innovations show
     /// ripples and no friction. Blocks count as the independent values, and both recordings must
     /// agree that much goes.
-    fn plain(&self, model: &Model, k: usize, hypotheses: usize) -> Plain {
-        let before = Columns::residuals(&self.model.at(self.estimation));
-        let after = Columns::residuals(&model.at(self.estimation)).residual;
+    fn plain(&self, model: &Model, seen: &Columns, k: usize, hypotheses: usize) -> Plain {
+        let (before, after) = (self.sight.columns(), &seen.residual);
         let block = blocks(self.estimation, model.fitted.block_s);
         let counted = counted(&before.places, &block);
-        let (was, is) = (squared(&before.residual), squared(&after));
-        let chance = p_value(&before.places, &before.residual, &after, k, &block);
+        let (was, is) = (squared(&before.residual), squared(after));
+        let chance = p_value(&before.places, &before.residual, after, k, &block);
         let validation = |of: &Model| of.validation.squares.sum;
         let excess = |sum: f64, floor: f64| (sum - floor).max(f64::MIN_POSITIVE);
         let validation_gain = validation(self.model) - validation(model);
@@ -157,17 +156,17 @@ impl Round<'_> {
 
     /// Why the law has not the shape of what is missing; measures it.
     pub(super) fn misshapen(&self, one: &mut Judged) -> Option<String> {
-        let at = one.model.at(self.estimation);
-        let names = one.model.names();
-        let base = Columns::base(&at, &names);
-        let other = one.model.at_validation(self.validation);
-        let stopped = || self.watch.stopped();
-        let left = Left::of(&at, &base, &names, &other, self.scales, &stopped);
+        let sight = one.model.sight(self.estimation);
+        let validation_sight = one.model.validation_sight(self.validation);
+        let left = self.left(&sight, &validation_sight);
         // In the same innovations as the curves.
         let gain = one.plain.unwrap_or_else(|| {
-            let of = |model| squared(&self.refined(model, &left.whitener).estimation);
-            of(self.model) - of(&one.model)
+            let of = |sight, validation| {
+                squared(&Refined::of(sight, validation, &left.whitener).estimation)
+            };
+            of(&self.sight, &self.validation_sight) - of(&sight, &validation_sight)
         });
+        let base = sight.columns();
         // Of errors that remember, chance removes what a block holds, a hat.
         let counted = counted(&base.places, blocks(self.estimation, one.model.fitted.block_s));
         let by_chance = squared(&base.residual) / counted;

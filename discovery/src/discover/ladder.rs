@@ -4,7 +4,6 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::registry::Entry;
 
 use super::candidates::{Candidate, NotJudged, candidate, candidates};
-use super::columns::Columns;
 use super::experiment;
 use super::gates;
 use super::judge::Judged;
@@ -14,7 +13,7 @@ use super::refit::{Model, refit, with_learned};
 use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
 use super::round::{Outcome, Round};
 use super::scales::Scales;
-use super::screen::{Views, screen};
+use super::screen::screen;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -38,7 +37,7 @@ pub fn discover(
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
-    let first = model.clone();
+    let first = model.fitted.squares.sum;
     let (floor, validation_floor) =
         (floor(estimation, found.observer), floor(validation, found.observer));
     for round in 0..gates::ROUNDS {
@@ -49,7 +48,9 @@ pub fn discover(
         let (all, not) = candidates(&model.fitted.drive, estimation, &scales);
         let turn = Round {
             model: &model,
-            first: &first,
+            sight: model.sight(estimation),
+            validation_sight: model.validation_sight(validation),
+            first,
             all: &all,
             scales: &scales,
             estimation,
@@ -92,10 +93,11 @@ pub fn discover(
         if !found.named.contains(&kind) && !turn.refines(&all[judged[best].candidate]) {
             found.named.push(kind.clone());
         }
-        model = judged.swap_remove(best).model;
+        let named = judged.swap_remove(best).model;
+        model = named.polished(estimation, validation).unwrap_or(named);
         found.climb(Some(kind), &model, watch);
     }
-    found.drive = model.fitted.drive;
+    found.drive = unfrozen(model.fitted.drive, drive);
     found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };
     Ok(found)
 }
@@ -117,12 +119,10 @@ pub fn add(
     let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
     let floor = floor(estimation, found.observer);
     let scales = Scales::of(&model.fitted.drive, estimation);
-    let at = model.at(estimation);
-    let names = model.names();
-    let base = Columns::base(&at, &names);
+    let sight = model.sight(estimation);
     let added = if kind == "learned" {
-        let other = model.at_validation(validation);
-        let left = Left::of(&at, &base, &names, &other, &scales, &|| watch.stopped());
+        let left =
+            Left::of(&sight, &model.validation_sight(validation), &scales, &|| watch.stopped());
         let best =
             left.addable(floor).and_then(|best| Some((best, effect(&model.fitted.drive, best)?)));
         let (best, effect) = best.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
@@ -136,19 +136,19 @@ pub fn add(
             return Err(cannot(refusal.to_string()));
         }
         let chosen = [candidate(entry, &model.fitted.drive, &scales)];
-        let screened = screen(&at, &Views::of(&base), &chosen, &|_| true, &|| watch.stopped());
+        let screened = screen(&sight, &chosen, &|_| true, &|| watch.stopped());
         let Some(best) = screened.plain.first() else {
             return Err(cannot("the model overflows with it".to_owned()));
         };
         if best.is_imitated() {
             return Err(cannot(imitated(&chosen[0]).reason));
         }
-        refit(&model, &chosen[0], best, estimation, validation)?
+        refit(&model, &chosen[0], best, estimation, validation)?.polished(estimation, validation)?
     };
     found.named.push(kind.to_owned());
     found.verdict = Verdict::Named;
     found.climb(Some(kind.to_owned()), &added, watch);
-    found.drive = added.fitted.drive;
+    found.drive = unfrozen(added.fitted.drive, drive);
     Ok(found)
 }
 
@@ -173,7 +173,9 @@ pub fn bic_of(
     let all = [candidate(entry, &model.fitted.drive, &scales)];
     let turn = Round {
         model: &model,
-        first: &model,
+        sight: model.sight(estimation),
+        validation_sight: model.validation_sight(validation),
+        first: model.fitted.squares.sum,
         all: &all,
         scales: &scales,
         estimation,
@@ -239,6 +241,13 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
         .map(|one| (id(one), &one.model))
         .collect();
     found.next_experiment = experiment::next(turn.model, &models, turn.estimation, turn.scales);
+}
+
+/// With nothing fixed but what the user fixed: what was frozen for the search (how often a ripple
+/// repeats) is theirs to fit.
+fn unfrozen(mut found: Drive, of_user: &Drive) -> Drive {
+    found.fixed.retain(|name| of_user.fixed.contains(name));
+    found
 }
 
 fn imitated(candidate: &Candidate) -> NotJudged {

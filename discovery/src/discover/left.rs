@@ -1,15 +1,17 @@
 //! What is left of a residual, by curves: how much each could take away, and where.
 
+use std::sync::LazyLock;
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::columns::{At, Columns, Place};
+use super::columns::{Columns, Place};
 use super::curves::{Curve, curves, responses};
 use super::gates;
 use super::projection::{Explained, Projection};
 use super::refit::{p_value, squared};
-use super::ripple::trajectories;
 use super::scales::Scales;
+use super::sight::Sight;
 use super::smooth::{smooth, told};
 use super::whiten::Whitener;
 use crate::estimate::Evidence;
@@ -55,20 +57,17 @@ pub(crate) fn blocks(evidence: &Evidence, block_s: f64) -> impl Fn(&Place) -> us
 }
 
 impl Left {
-    /// Of a fitted drive; `shared` are its parameters that were fitted, `validation` the same
-    /// drive on other recordings.
+    /// Of a drive at the recordings it was fitted to, and at others to judge by.
     pub(crate) fn of(
-        at: &At<'_>,
-        base: &Columns,
-        shared: &[String],
-        validation: &At<'_>,
+        sight: &Sight<'_>,
+        validation: &Sight<'_>,
         scales: &Scales,
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Self {
-        let runs = trajectories(at);
+        let (at, base, runs) = (&sight.at, sight.columns(), sight.runs());
         let periods: Vec<f64> = at.evidence.recordings.iter().map(|one| one.period_s).collect();
-        let all = curves(at.drive, scales, &periods, &runs);
-        let responses = responses(at, &runs, &all, stopped);
+        let all = curves(at.drive, scales, &periods, runs);
+        let responses = responses(at, runs, &all, stopped);
         let plain = Projection::new(base.columns.clone(), &base.residual);
         let raw: Vec<Explained> =
             responses.par_iter().map(|columns| plain.explain(columns)).collect();
@@ -80,7 +79,7 @@ impl Left {
         let whitener = Whitener::of(&base.places, after.as_ref().unwrap_or(&base.residual));
         let white = whitener.applied(&base.places, &base.residual);
         let projection = Projection::new(whitener.filtered(&base.places, &base.columns), &white);
-        let other = Other::new(validation, shared, &whitener);
+        let other = LazyLock::new(|| Other::new(validation, &whitener));
         let rests = all.into_par_iter().zip(&responses).zip(&raw).map(|((curve, columns), raw)| {
             let columns = whitener.filtered(&base.places, columns);
             let explained = projection.explain(&columns);
@@ -97,8 +96,8 @@ impl Left {
             let worth = gain - explained.rank as f64 * (base.residual.len() as f64).ln();
             let validation_gain = if worth > 0.0 {
                 let shift = projection.shift(&columns, &values);
-                let shift = &shift.as_slice()[..shared.len()];
-                other.gain(validation, &curve, &whitener, &values, shift)
+                let shift = &shift.as_slice()[..sight.shared.len()];
+                other.gain(&curve, &whitener, &values, shift)
             } else {
                 0.0
             };
@@ -114,6 +113,7 @@ impl Left {
             }
         });
         let rests = rests.collect();
+        drop(other);
         Self { rests, whitener, power: squared(&base.residual), values: base.residual.len() }
     }
 
@@ -162,33 +162,32 @@ impl Left {
 }
 
 /// The validation recordings, ready to be explained.
-struct Other {
-    runs: Vec<super::ripple::Trajectory>,
-    base: DMatrix<f64>,
+struct Other<'a> {
+    sight: &'a Sight<'a>,
+    /// Innovations, and columns of what is shared in them.
     white: Vec<f64>,
-    places: Vec<Place>,
+    base: DMatrix<f64>,
 }
 
-impl Other {
-    fn new(at: &At<'_>, shared: &[String], whitener: &Whitener) -> Self {
-        let base = Columns::base(at, shared);
-        let columns = base.columns.rows(0, shared.len()).into_owned();
-        let white = whitener.applied(&base.places, &base.residual);
-        let filtered = whitener.filtered(&base.places, &columns);
-        Self { runs: trajectories(at), base: filtered, white, places: base.places }
+impl<'a> Other<'a> {
+    fn new(sight: &'a Sight<'a>, whitener: &Whitener) -> Self {
+        let Columns { places, residual, columns } = sight.columns();
+        let columns = columns.rows(0, sight.shared.len()).into_owned();
+        let white = whitener.applied(places, residual);
+        Self { sight, white, base: whitener.filtered(places, &columns) }
     }
 
     /// Squared innovations that the curve takes away, with what it shifts in the base.
     fn gain(
         &self,
-        at: &At<'_>,
         curve: &Curve,
         whitener: &Whitener,
         values: &DVector<f64>,
         shift: &[f64],
     ) -> f64 {
-        let response = responses(at, &self.runs, std::slice::from_ref(curve), &|| false);
-        let columns = whitener.filtered(&self.places, &response[0]);
+        let curve = std::slice::from_ref(curve);
+        let response = responses(&self.sight.at, self.sight.runs(), curve, &|| false);
+        let columns = whitener.filtered(&self.sight.columns().places, &response[0]);
         let mut after = DVector::from_column_slice(&self.white);
         after -= columns.tr_mul(values);
         after -= self.base.tr_mul(&DVector::from_column_slice(shift));

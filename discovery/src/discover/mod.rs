@@ -24,11 +24,11 @@ mod projection;
 mod refined;
 mod refit;
 mod report;
-mod response;
 mod ripple;
 mod round;
 mod scales;
 mod screen;
+mod sight;
 mod smooth;
 mod whiten;
 

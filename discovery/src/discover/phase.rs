@@ -23,11 +23,10 @@ pub(crate) fn turned(model: &Model, candidate: &Candidate, validation: &Evidence
     let all = model.fitted.drive.parameters();
     let value = |name: &String| all.iter().find(|it| it.name == *name).map(|it| it.value);
     let (a, b) = (value(&names[0])?, value(&names[1])?);
-    let at = model.at_validation(validation);
+    let at = model.validation_sight(validation).at;
     let base = Columns::base(&at, &[]);
-    let rows = at.rows(Clone::clone, at.setting, |_, _| {
-        names.iter().cloned().map(Owned::Parameter).collect()
-    });
+    let rows = at
+        .rows(&Clone::clone, at.setting, |_| names.iter().cloned().map(Owned::Parameter).collect());
     let columns = Columns::shared(validation, &rows).columns;
     let whitener = Whitener::of(&base.places, &base.residual);
     let white = whitener.applied(&base.places, &base.residual);

@@ -9,16 +9,12 @@
 
 use nalgebra::DVector;
 
-use super::columns::{At, Columns, Place};
 use super::projection::Projection;
-use super::refit::Model;
+use super::sight::Sight;
 use super::whiten::Whitener;
-use crate::estimate::Evidence;
 
 /// Innovations of a model, refined.
 pub(crate) struct Refined {
-    /// Where those of the estimation data were measured.
-    pub(crate) places: Vec<Place>,
     /// Innovations of the estimation data.
     pub(crate) estimation: Vec<f64>,
     /// Those of the validation data.
@@ -26,33 +22,20 @@ pub(crate) struct Refined {
 }
 
 impl Refined {
-    pub(crate) fn of(
-        model: &Model,
-        estimation: &Evidence,
-        validation: &Evidence,
-        whitener: &Whitener,
-    ) -> Self {
-        let names = model.names();
-        let base = Columns::base(&model.at(estimation), &names);
+    pub(crate) fn of(estimation: &Sight<'_>, validation: &Sight<'_>, whitener: &Whitener) -> Self {
+        let (base, shared) = (estimation.columns(), estimation.shared.len());
         let white = whitener.applied(&base.places, &base.residual);
         let projection = Projection::new(whitener.filtered(&base.places, &base.columns), &white);
         let step = projection.step();
-        let other = Columns::base(&model.at_validation(validation), &names);
+        let other = validation.columns();
         let columns = whitener.filtered(&other.places, &other.columns);
         let mut after = DVector::from_vec(whitener.applied(&other.places, &other.residual));
-        after -= columns.rows(0, names.len()).tr_mul(&step.rows(0, names.len()));
-        let own = columns.rows(names.len(), columns.nrows() - names.len()).into_owned();
+        after -= columns.rows(0, shared).tr_mul(&step.rows(0, shared));
+        let own = columns.rows(shared, columns.nrows() - shared).into_owned();
         let after = Projection::new(own, after.as_slice());
         Self {
-            places: base.places,
             estimation: projection.residual().as_slice().to_vec(),
             validation: after.residual().as_slice().to_vec(),
         }
     }
-}
-
-/// The filter to innovations that the residual of a model asks for.
-pub(crate) fn whitener(at: &At<'_>) -> Whitener {
-    let rows = Columns::residuals(at);
-    Whitener::of(&rows.places, &rows.residual)
 }

@@ -7,6 +7,7 @@ use super::candidates::Candidate;
 use super::columns::{At, Place};
 use super::projection::wald;
 use super::screen::{Screened, finer};
+use super::sight::Sight;
 use crate::case::Setting;
 use crate::error::Error;
 use crate::estimate::{Evaluated, Evidence, Fitted, Options, evaluate, fit};
@@ -36,19 +37,31 @@ impl Model {
         Ok(Self { fitted, setting, validation })
     }
 
-    /// At the recordings it was fitted to.
-    pub(crate) fn at<'a>(&'a self, estimation: &'a Evidence) -> At<'a> {
-        At::fitted(&self.fitted, estimation, &self.setting)
+    /// Fitted to its minimum.
+    pub(crate) fn polished(
+        &self,
+        estimation: &Evidence,
+        validation: &Evidence,
+    ) -> Result<Self, Error> {
+        Self::fit(&self.fitted.drive, estimation, validation, self.setting, &Options::NEAR)
     }
 
-    /// At the validation recordings.
-    pub(crate) fn at_validation<'a>(&'a self, validation: &'a Evidence) -> At<'a> {
-        At {
-            drive: &self.fitted.drive,
-            fits: &self.validation.recordings,
-            evidence: validation,
-            setting: &self.setting,
-        }
+    /// At the recordings it was fitted to.
+    pub(crate) fn at<'a>(&'a self, estimation: &'a Evidence) -> At<'a> {
+        let (drive, fits) = (&self.fitted.drive, &self.fitted.recordings);
+        At { drive, fits, evidence: estimation, setting: &self.setting }
+    }
+
+    /// Seen at the recordings it was fitted to.
+    pub(crate) fn sight<'a>(&'a self, estimation: &'a Evidence) -> Sight<'a> {
+        Sight::new(self.at(estimation), self.names())
+    }
+
+    /// Seen at the validation recordings.
+    pub(crate) fn validation_sight<'a>(&'a self, validation: &'a Evidence) -> Sight<'a> {
+        let (drive, fits) = (&self.fitted.drive, &self.validation.recordings);
+        let at = At { drive, fits, evidence: validation, setting: &self.setting };
+        Sight::new(at, self.names())
     }
 
     /// Its parameters that were estimated.
@@ -57,7 +70,12 @@ impl Model {
     }
 }
 
-/// The drive with the screened candidate, fitted again from where the screen points.
+/// Squared error, in units of the noise, by which a fit of a candidate may miss its minimum: far
+/// below what the gates ask for ([`super::gates::DELTA_BIC`]).
+const NEAR_ENOUGH: f64 = 1.0;
+
+/// The drive with the screened candidate, fitted again from where the screen points, as closely as
+/// judging it needs.
 pub(crate) fn refit(
     base: &Model,
     candidate: &Candidate,
@@ -72,12 +90,8 @@ pub(crate) fn refit(
         let _ = drive.set(&format!("{}.{name}", candidate.id), *value);
     }
     let setting = finer(&base.setting, &drive);
-    let options = Options { starts: 1, ..Options::default() };
-    let mut model = Model::fit(&drive, estimation, validation, setting, &options)?;
-    // What was frozen for the search is the user's to fit.
-    let own = format!("{}.", candidate.id);
-    model.fitted.drive.fixed.retain(|name| !name.starts_with(&own));
-    Ok(model)
+    let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
+    Model::fit(&drive, estimation, validation, setting, &options)
 }
 
 /// The drive with a learned curve, fitted again but for the values of those names.
@@ -90,10 +104,9 @@ pub(crate) fn with_learned(
     let mut drive = base.fitted.drive.clone();
     drive.effects.push(effect);
     let setting = finer(&base.setting, &drive);
-    let options = Options { starts: 1, ..Options::default() };
     let fixed = drive.fixed.clone();
     drive.fixed.extend(kept);
-    let mut model = Model::fit(&drive, estimation, validation, setting, &options)?;
+    let mut model = Model::fit(&drive, estimation, validation, setting, &Options::NEAR)?;
     model.fitted.drive.fixed = fixed;
     Ok(model)
 }

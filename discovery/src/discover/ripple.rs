@@ -9,7 +9,7 @@ use drivescope_plant::drive::Drive;
 use rayon::prelude::*;
 
 use super::columns::At;
-use super::response::{Forcing, Linearised};
+use crate::response::{Forcing, Linearised};
 
 /// Angle within a sample below which its average is its middle, rad.
 const SMALL: f64 = 1e-4;

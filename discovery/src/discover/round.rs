@@ -4,21 +4,24 @@ use drivescope_plant::effects::registry::Entry;
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::columns::{At, Columns};
 use super::gates;
 use super::judge::Judged;
 use super::left::Left;
 use super::refit::{Model, refit, squared};
 use super::report::{Coefficient, Ranked, Step, Watch};
 use super::scales::Scales;
-use super::screen::{Screen, Screened, Views, screen};
+use super::screen::{Screen, Screened, screen};
+use super::sight::Sight;
 use crate::estimate::Evidence;
 
 /// What a round has to go on.
 pub(crate) struct Round<'a> {
     pub(crate) model: &'a Model,
-    /// The base of the whole loop.
-    pub(crate) first: &'a Model,
+    /// It at the estimation and at the validation data.
+    pub(crate) sight: Sight<'a>,
+    pub(crate) validation_sight: Sight<'a>,
+    /// Squared error of the base of the whole loop.
+    pub(crate) first: f64,
     pub(crate) all: &'a [Candidate],
     pub(crate) scales: &'a Scales,
     pub(crate) estimation: &'a Evidence,
@@ -49,10 +52,8 @@ pub(crate) struct Outcome {
 impl Round<'_> {
     /// Screens, refits and judges.
     pub(crate) fn run(&self) -> Outcome {
-        let at = self.model.at(self.estimation);
-        let base = Columns::base(&at, &self.model.names());
         self.watch.step(&Step::Doing("screening the library"));
-        let screened = self.screened(&at, &base);
+        let screened = self.screened();
         let imitated =
             screened.plain.iter().filter(|one| one.is_imitated()).map(|it| it.candidate).collect();
         self.watch.step(&Step::Doing("fitting the best candidates"));
@@ -73,32 +74,29 @@ impl Round<'_> {
             }
         }
         let passes = judged.iter().any(|one| one.refused.is_none());
-        let left = (!passes).then(|| self.left(&at, &base));
+        let left = (!passes).then(|| self.left(&self.sight, &self.validation_sight));
         let alike = self.as_promising(&screened, &judged);
         Outcome { judged, imitated, alike, left, misshapen }
     }
 
     /// Gain in BIC of the first candidate.
     pub(crate) fn gain_of_first(&self) -> f64 {
-        let at = self.model.at(self.estimation);
-        let base = Columns::base(&at, &self.model.names());
-        self.refitted(&self.screened(&at, &base)).first().map_or(0.0, |one| one.delta_bic)
+        self.refitted(&self.screened()).first().map_or(0.0, |one| one.delta_bic)
     }
 
     /// The candidates that may be named, screened.
-    fn screened(&self, at: &At<'_>, base: &Columns) -> Screen {
-        let views = Views::of(base);
+    fn screened(&self) -> Screen {
         let excess = self.model.fitted.squares.sum - self.floor;
         let may = |candidate: &Candidate| {
             excess >= self.needed(candidate) || self.is_named(candidate) || self.refines(candidate)
         };
-        screen(at, &views, self.all, &may, &|| self.watch.stopped())
+        screen(&self.sight, self.all, &may, &|| self.watch.stopped())
     }
 
     /// Squared error that an effect of a kind not named yet must remove: what a named law's own
     /// formula leaves shows over the variables of that law.
     pub(super) fn needed(&self, candidate: &Candidate) -> f64 {
-        let excess = self.first.fitted.squares.sum - self.floor;
+        let excess = self.first - self.floor;
         let own = candidate.entry.info.fails_over;
         let beside = |kind: &String| {
             let over = Entry::find(kind).map_or(&[][..], |entry| entry.info.fails_over);
@@ -132,11 +130,9 @@ impl Round<'_> {
         close.map(|one| one.candidate).filter(|it| best > 0.0 && !refitted(*it)).collect()
     }
 
-    /// What curves could remove of the round's own base.
-    fn left(&self, at: &At<'_>, base: &Columns) -> Left {
-        let other = self.model.at_validation(self.validation);
-        let stopped = || self.watch.stopped();
-        Left::of(at, base, &self.model.names(), &other, self.scales, &stopped)
+    /// What curves could remove of a model.
+    pub(super) fn left(&self, sight: &Sight<'_>, validation: &Sight<'_>) -> Left {
+        Left::of(sight, validation, self.scales, &|| self.watch.stopped())
     }
 
     /// The promising ones, fitted, with their gains in the innovations of the best of them: those
@@ -162,13 +158,14 @@ impl Round<'_> {
         };
         let (first, rest): (Vec<&Screened>, Vec<&Screened>) =
             promising.iter().partition(|one| at_once(one));
-        let mut models = self.models(&first);
-        let judged = self.judged(&models);
+        let judged = self.judged(self.models(&first));
         if rest.is_empty() || judged.iter().any(|one| one.refused.is_none()) {
             return judged;
         }
+        let mut models: Vec<(usize, Model)> =
+            judged.into_iter().map(|one| (one.candidate, one.model)).collect();
         models.extend(self.models(&rest));
-        self.judged(&models)
+        self.judged(models)
     }
 
     fn models(&self, promising: &[&Screened]) -> Vec<(usize, Model)> {

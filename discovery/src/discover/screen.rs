@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use super::candidates::Candidate;
 use super::columns::{At, Columns, Owned, Place};
 use super::projection::{Explained, Projection, STANDS_OUT};
-use super::ripple::{Trajectory, forcings, trajectories};
+use super::ripple::{Trajectory, forcings};
+use super::sight::Sight;
 use super::whiten::Whitener;
-use crate::case::{Case, Setting};
-use crate::estimate::with_own;
+use crate::case::Setting;
 
 /// Share of the residual's variance that its past does not foretell, below which the screen looks
 /// at its innovations too.
@@ -62,14 +62,14 @@ struct Seat {
 /// The residual with its base, as it is and in innovations: under a random load, or beside a
 /// larger effect, a small one shows only there.
 #[derive(Debug)]
-pub(crate) struct Views {
+struct Views {
     plain: Projection,
     white: Option<(Whitener, Vec<Place>, Projection)>,
 }
 
 impl Views {
     /// Of these columns of a base; in innovations too where the residual remembers anything.
-    pub(crate) fn of(base: &Columns) -> Self {
+    fn of(base: &Columns) -> Self {
         let plain = Projection::new(base.columns.clone(), &base.residual);
         let whitener = Whitener::of(&base.places, plain.residual().as_slice());
         let white = (whitener.unforeseen() < COLOURED).then(|| {
@@ -122,16 +122,15 @@ impl Screen {
 
 /// Every candidate that `may` take part, with the best of its variants in each view.
 pub(crate) fn screen(
-    at: &At<'_>,
-    views: &Views,
+    sight: &Sight<'_>,
     candidates: &[Candidate],
     may: &dyn Fn(&Candidate) -> bool,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Screen {
-    let runs = trajectories(at);
+    let (at, views) = (&sight.at, &Views::of(sight.columns()));
     let passes = passes(candidates, may);
     let linear = passes.par_iter().flat_map_iter(|seats| {
-        if stopped() { Vec::new() } else { pass(at, &runs, views, candidates, seats) }
+        if stopped() { Vec::new() } else { pass(sight, views, candidates, seats) }
     });
     let stiff: Vec<Seat> = seats(candidates, may, false).collect();
     let stiff = stiff.par_iter().flat_map_iter(|seat| {
@@ -247,16 +246,15 @@ fn seat_name(number: usize) -> String {
 }
 
 fn pass(
-    at: &At<'_>,
-    runs: &[Trajectory],
+    sight: &Sight<'_>,
     views: &Views,
     candidates: &[Candidate],
     seats: &[Seat],
 ) -> Vec<(usize, Screened)> {
     let columns = if is_ripple(&candidates[seats[0].candidate]) {
-        ripples(at, runs, candidates, seats)
+        ripples(&sight.at, sight.runs(), candidates, seats)
     } else {
-        columns(at, candidates, seats).columns
+        columns(&sight.at, candidates, seats).columns
     };
     let seen = views.seen(columns);
     let mut from = 0;
@@ -328,8 +326,7 @@ fn columns(at: &At<'_>, candidates: &[Candidate], seats: &[Seat]) -> Columns {
         .collect();
     let with = |drive: &Drive| with_all(drive, candidates, seats);
     let setting = finer(at.setting, &with(at.drive));
-    let rows =
-        at.rows(with, &setting, |_, _| names.iter().cloned().map(Owned::Parameter).collect());
+    let rows = at.rows(&with, &setting, |_| names.iter().cloned().map(Owned::Parameter).collect());
     Columns::shared(at.evidence, &rows)
 }
 
@@ -349,19 +346,9 @@ fn scanned(
     let candidate = &candidates[seat.candidate];
     let variant = &candidate.variants[seat.variant];
     let setting = finer(at.setting, &candidate.added(at.drive, variant));
+    let change = |own: &Drive| candidate.added(own, variant);
     let sum: f64 = (0..at.fits.len())
-        .map(|recording| {
-            let own = with_own(at.drive, &at.fits[recording]);
-            let drive = candidate.added(&own, variant);
-            let case = Case {
-                drive: &drive,
-                measured: &at.evidence.recordings[recording],
-                noise: &at.evidence.noise[recording],
-                starts: &at.fits[recording].starts,
-                setting: &setting,
-            };
-            case.squares().sum
-        })
+        .map(|recording| at.with_changed(recording, &change, &setting, |case| case.squares().sum))
         .sum();
     sum.is_finite().then(|| Screened {
         candidate: seat.candidate,

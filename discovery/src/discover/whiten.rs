@@ -30,31 +30,32 @@ pub(crate) struct Whitener {
     unforeseen: f64,
 }
 
-/// Averages of the past of a list of signals, each with several outputs.
-struct Past {
-    /// `averages[output][time constant][signal]`.
-    averages: Vec<Vec<f64>>,
-    signals: usize,
-}
+/// Signals that are filtered together.
+const TOGETHER: usize = 8;
+type Lanes = [f64; TOGETHER];
+
+/// Averages of the past of a few signals, each with several outputs; time constants vary fastest.
+struct Past([Lanes; OUTPUTS * AVERAGES]);
 
 impl Past {
-    fn new(signals: usize) -> Self {
-        Self { averages: vec![vec![0.0; signals]; OUTPUTS * AVERAGES], signals }
-    }
+    const NONE: Self = Self([[0.0; TOGETHER]; OUTPUTS * AVERAGES]);
 
-    fn clear(&mut self) {
-        self.averages.iter_mut().for_each(|one| one.fill(0.0));
-    }
-
-    fn see(&mut self, output: usize, values: &[f64]) {
-        for j in 0..AVERAGES {
+    #[inline]
+    fn see(&mut self, output: usize, values: &Lanes) {
+        for (j, average) in self.0[output * AVERAGES..][..AVERAGES].iter_mut().enumerate() {
             let share = 1.0 / (1usize << j) as f64;
-            let average = &mut self.averages[output * AVERAGES + j];
             for (average, value) in average.iter_mut().zip(values) {
                 *average += share * (value - *average);
             }
         }
     }
+}
+
+/// The first of a few values, the others 0.
+fn lanes(values: &[f64]) -> Lanes {
+    let mut lanes = [0.0; TOGETHER];
+    lanes[..values.len()].copy_from_slice(values);
+    lanes
 }
 
 /// Visits the values of each sample together.
@@ -84,17 +85,17 @@ impl Whitener {
             .collect();
         let columns: Vec<usize> =
             seen.iter().flat_map(|output| output * AVERAGES..(output + 1) * AVERAGES).collect();
-        let mut past = Past::new(1);
+        let mut past = Past::NONE;
         samples(places, |range, begins| {
             if begins {
-                past.clear();
+                past = Past::NONE;
             }
             for k in range.clone() {
-                let averages = past.averages.iter().map(|one| one[0]);
+                let averages = past.0.iter().map(|one| one[0]);
                 regressions[places[k].output].push(averages, residual[k]);
             }
             for k in range {
-                past.see(places[k].output, &residual[k..=k]);
+                past.see(places[k].output, &lanes(&residual[k..=k]));
             }
         });
         let mut weights: [Vec<f64>; OUTPUTS] = Default::default();
@@ -139,31 +140,34 @@ impl Whitener {
 
     /// The filter applied to columns, one row a direction.
     pub(crate) fn filtered(&self, places: &[Place], columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let directions = columns.nrows();
         let mut filtered = columns.clone();
-        let mut past = Past::new(directions);
-        samples(places, |range, begins| {
-            if begins {
-                past.clear();
-            }
-            for k in range.clone() {
-                let output = places[k].output;
-                let mut column = filtered.column_mut(k);
-                for (average, weight) in past.averages.iter().zip(&self.weights[output]) {
-                    if *weight != 0.0 {
-                        for (value, average) in column.iter_mut().zip(average) {
-                            *value -= weight * average;
+        for first in (0..columns.nrows()).step_by(TOGETHER) {
+            let rows = first..columns.nrows().min(first + TOGETHER);
+            let mut past = Past::NONE;
+            samples(places, |range, begins| {
+                if begins {
+                    past = Past::NONE;
+                }
+                let of = |k: usize| lanes(&columns.column(k).as_slice()[rows.clone()]);
+                for k in range.clone() {
+                    let output = places[k].output;
+                    let mut left = of(k);
+                    for (average, weight) in past.0.iter().zip(&self.weights[output]) {
+                        if *weight != 0.0 {
+                            for (value, average) in left.iter_mut().zip(average) {
+                                *value -= weight * average;
+                            }
                         }
                     }
+                    left.iter_mut().for_each(|value| *value *= 1.0 / self.sd[output]);
+                    let mut column = filtered.column_mut(k);
+                    column.as_mut_slice()[rows.clone()].copy_from_slice(&left[..rows.len()]);
                 }
-                column.scale_mut(1.0 / self.sd[output]);
-            }
-            for k in range {
-                let values = columns.column(k);
-                debug_assert_eq!(values.len(), past.signals);
-                past.see(places[k].output, values.as_slice());
-            }
-        });
+                for k in range {
+                    past.see(places[k].output, &of(k));
+                }
+            });
+        }
         filtered
     }
 }

@@ -17,7 +17,6 @@ mod starts;
 mod uncertainty;
 mod unknowns;
 
-use drivescope_numerics::Residuals;
 use drivescope_plant::drive::Drive;
 use nalgebra::{DMatrix, DVector};
 
@@ -29,9 +28,14 @@ use crate::case::{Setting, Squares};
 use crate::error::Error;
 use crate::start::{Start, first_starts};
 use problem::Problem;
-use solved::Solved;
+use search::Found;
+use solved::{Solved, started};
 use starts::search;
 use unknowns::{Unknown, Unknowns, Which, set};
+
+/// The usual [`Options::worth_a_step`]: the parameters are then within a few per cent of a standard
+/// error of the minimum.
+const WORTH_A_STEP: f64 = 1e-3;
 
 /// How hard to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,11 +44,18 @@ pub struct Options {
     pub starts: usize,
     /// Seed of the further starts.
     pub seed: u64,
+    /// Decrease of the squared error, in units of the noise, that is no longer worth a step.
+    pub worth_a_step: f64,
+}
+
+impl Options {
+    /// One start, the drive's own values: it is near the minimum.
+    pub(crate) const NEAR: Self = Self { starts: 1, seed: 1, worth_a_step: WORTH_A_STEP };
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { starts: 3, seed: 1 }
+        Self { starts: 3, ..Self::NEAR }
     }
 }
 
@@ -69,18 +80,18 @@ pub fn fit(
         let problem = Problem { base: &from, evidence, setting, unknowns };
         // Once what cannot be told is out, the search goes on from where it was.
         let found = if tried == 0 {
-            let (found, count) = search(&problem, options.starts.max(1), options.seed)?;
+            let (found, count) = search(&problem, options)?;
             tried = count;
             found
         } else {
-            search(&problem, 1, options.seed)?.0
+            search(&problem, &Options { starts: 1, ..*options })?.0
         };
         let more = not_identifiable(&problem, &found, base);
         if more.is_empty() {
             return conclude(&problem, &found, base, kept, tried);
         }
         // What cannot be told goes back to the file's value, the rest starts from where it is.
-        let mut next = problem.unknowns.at(&from, 0, &found).0;
+        let mut next = problem.unknowns.at(&from, 0, &found.coordinates).0;
         more.iter().for_each(|it| set(&mut next, &it.parameter, it.kept));
         starts = guesses(&next, evidence, setting);
         from = next;
@@ -103,9 +114,13 @@ pub fn evaluate(
     let which = if own { Which::Own } else { Which::StartsOnly };
     let unknowns = Unknowns::new(drive, evidence, guesses(drive, evidence, setting), which);
     let problem = Problem { base: drive, evidence, setting, unknowns };
-    let (found, _) = search(&problem, 1, 0)?;
-    let at = Solved::new(&problem, &found);
-    let recordings = at.recordings(&problem, &found, drive);
+    let (found, _) = search(&problem, &Options::NEAR)?;
+    let has_own = problem.unknowns.all.iter().any(|it| matches!(it, Unknown::Own { .. }));
+    let recordings = if has_own {
+        Solved::new(&problem, &found).recordings(drive)
+    } else {
+        started(&problem, &found)
+    };
     let squares = total(&recordings);
     Ok(Evaluated { recordings, squares })
 }
@@ -129,15 +144,15 @@ fn total(recordings: &[Fit]) -> Squares {
 }
 
 /// Parameters of the machine that the recordings do not tell.
-fn not_identifiable(problem: &Problem<'_>, found: &[f64], base: &Drive) -> Vec<NotIdentifiable> {
-    let at = problem.linearise(found);
+fn not_identifiable(problem: &Problem<'_>, found: &Found, base: &Drive) -> Vec<NotIdentifiable> {
+    let at = &found.at;
     let variance = (at.sse / problem.evidence.values() as f64).max(1.0);
     let power = problem.evidence.power();
     let name = |k: usize| match &problem.unknowns.all[k] {
         Unknown::Shared(name) => Some(name.clone()),
         _ => None,
     };
-    let shared = (0..found.len()).take_while(|k| name(*k).is_some()).count();
+    let shared = (0..found.coordinates.len()).take_while(|k| name(*k).is_some()).count();
     let sizes: Vec<f64> = (0..shared)
         .map(|k| match problem.unknowns.scales[k].is_sizeless(problem.unknowns.guess[k]) {
             // What moves the outputs by as much as they move at all.
@@ -145,7 +160,7 @@ fn not_identifiable(problem: &Problem<'_>, found: &[f64], base: &Drive) -> Vec<N
             _ => 1.0,
         })
         .collect();
-    let Some(mut information) = identifiable::marginal(&(at.hessian / variance), shared) else {
+    let Some(mut information) = identifiable::marginal(&(&at.hessian / variance), shared) else {
         return Vec::new();
     };
     for j in 0..shared {
@@ -168,19 +183,19 @@ fn not_identifiable(problem: &Problem<'_>, found: &[f64], base: &Drive) -> Vec<N
 
 fn conclude(
     problem: &Problem<'_>,
-    found: &[f64],
+    found: &Found,
     base: &Drive,
     not_identifiable: Vec<NotIdentifiable>,
     starts_tried: usize,
 ) -> Result<Fitted, Error> {
     let at = Solved::new(problem, found);
-    let recordings = at.recordings(problem, found, base);
+    let recordings = at.recordings(base);
     let squares = total(&recordings);
     let mut drive = problem.base.clone();
     let mut parameters = Vec::new();
     for (k, unknown) in problem.unknowns.all.iter().enumerate() {
         if let Unknown::Shared(name) = unknown {
-            let estimate = at.estimate(problem, found, k, name, base);
+            let estimate = at.estimate(k, name, base);
             set(&mut drive, name, estimate.value);
             parameters.push(estimate);
         }

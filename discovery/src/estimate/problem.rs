@@ -77,9 +77,9 @@ impl Problem<'_> {
         });
     }
 
-    /// A length of blocks, s, beyond the memory of what is left, and what each block adds to
-    /// gradient and curvature.
-    pub(crate) fn blocks_of_time(&self, coordinates: &[f64]) -> (f64, Vec<BlockScore>) {
+    /// A length of blocks, s, beyond the memory of what is left at those coordinates, and the
+    /// squared errors of each recording there.
+    pub(crate) fn block_s(&self, coordinates: &[f64]) -> (f64, Vec<Squares>) {
         let recordings = 0..self.evidence.recordings.len();
         let residuals: Vec<(Vec<Vec<f64>>, f64)> = recordings
             .map(|number| {
@@ -92,11 +92,12 @@ impl Problem<'_> {
         });
         let lengths = self.evidence.recordings.iter().map(|it| it.len() as f64 * it.period_s);
         let block_s = block_s(each, lengths.sum(), coordinates.len());
-        (block_s, self.scores(coordinates, block_s))
+        let squares = |(residuals, _): &(Vec<Vec<f64>>, f64)| Squares::of(residuals);
+        (block_s, residuals.iter().map(squares).collect())
     }
 
     /// Gradient and curvature by blocks of time.
-    fn scores(&self, coordinates: &[f64], block_s: f64) -> Vec<BlockScore> {
+    pub(crate) fn scores(&self, coordinates: &[f64], block_s: f64) -> Vec<BlockScore> {
         let unknowns = self.unknowns.all.len();
         let mut scores: Vec<BlockScore> = Vec::new();
         for (number, measured) in self.evidence.recordings.iter().enumerate() {

@@ -5,7 +5,7 @@
 //! that would leave goes to the bound, for which the others are solved again. No coordinate moves
 //! by more than its longest step at once.
 
-use drivescope_numerics::{Limits, Linearisation, Minimum, Residuals, Stop};
+use drivescope_numerics::{Limits, Linearisation, Residuals, Stop};
 use nalgebra::{DMatrix, DVector};
 
 use super::scale::Reach;
@@ -17,6 +17,17 @@ const LARGEST_DAMPING: f64 = 1e16;
 /// Smallest scale of a coordinate that the residual does not feel, relative to the largest.
 const SMALLEST_SCALE: f64 = 1e-12;
 
+/// Where a search ended.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Found {
+    /// Best coordinates.
+    pub(crate) coordinates: Vec<f64>,
+    /// Sum of squares, gradient and curvature there.
+    pub(crate) at: Linearisation,
+    /// Why the search ended.
+    pub(crate) stop: Stop,
+}
+
 /// Searches the minimum nearest to `start`, which lies within the bounds. The sum of squares never
 /// rises; a start where it is not finite is returned as it is, with [`Stop::NoDescent`].
 pub(crate) fn minimise_within(
@@ -24,7 +35,7 @@ pub(crate) fn minimise_within(
     start: &[f64],
     reaches: &[Reach],
     limits: Limits,
-) -> Minimum {
+) -> Found {
     let mut p = start.to_vec();
     let mut at = problem.linearise(&p);
     let mut scale = vec![0.0_f64; p.len()];
@@ -52,17 +63,18 @@ pub(crate) fn minimise_within(
         if predicted <= limits.relative_decrease * at.sse {
             break Stop::Converged;
         }
-        let gain = (at.sse - problem.sse(&trial)) / predicted;
+        // Most steps are taken, and the duals know the sum of squares too.
+        let next = problem.linearise(&trial);
+        let gain = (at.sse - next.sse) / predicted;
         if gain > 0.0 {
-            p = trial;
-            at = problem.linearise(&p);
+            (p, at) = (trial, next);
             damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
             growth = 2.0;
         } else {
             (damping, growth) = (damping * growth, growth * 2.0);
         }
     };
-    Minimum { parameters: p, sse: at.sse, steps, stop }
+    Found { coordinates: p, at, stop }
 }
 
 /// Coordinates that are not held at a bound by the slope.
@@ -156,7 +168,7 @@ mod tests {
         let reach = |(low, high)| Reach { low, high, longest: 2.0 };
         let minimum = minimise_within(&Valley, &start, &bounds.map(reach), LIMITS);
         assert_eq!(minimum.stop, Stop::Converged, "{minimum:?}");
-        minimum.parameters
+        minimum.coordinates
     }
 
     #[test]
@@ -199,6 +211,6 @@ mod tests {
             &[Reach { low: 0.0, high: 2.0, longest: 1.0 }],
             LIMITS,
         );
-        assert_eq!((minimum.stop, minimum.parameters), (Stop::NoDescent, vec![1.0]));
+        assert_eq!((minimum.stop, minimum.coordinates), (Stop::NoDescent, vec![1.0]));
     }
 }

@@ -5,16 +5,14 @@ use rand::SeedableRng;
 use rand::distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
+use super::Options;
 use super::problem::Problem;
-use super::search::minimise_within;
+use super::search::{Found, minimise_within};
 use super::unknowns::{Unknown, Unknowns};
 use crate::error::Error;
 
 /// Steps of a search.
 const STEPS: usize = 60;
-/// Decrease of the squared error, in units of the noise, that is no longer worth a step: the
-/// parameters are then within a few per cent of a standard error of the minimum.
-const WORTH_A_STEP: f64 = 1e-3;
 /// Error over the noise floor up to which a search has found it and no further start is tried.
 const AT_THE_FLOOR: f64 = 1.05;
 /// Points that are looked at for each further start.
@@ -23,32 +21,28 @@ const LOOKED_AT: usize = 8;
 const AROUND: f64 = 3.0;
 
 /// The best minimum from up to that many starts, and how many were tried.
-pub(super) fn search(
-    problem: &Problem<'_>,
-    starts: usize,
-    seed: u64,
-) -> Result<(Vec<f64>, usize), Error> {
+pub(super) fn search(problem: &Problem<'_>, options: &Options) -> Result<(Found, usize), Error> {
     let reaches = problem.unknowns.reaches();
     let values = problem.evidence.values() as f64;
-    let limits = Limits { steps: STEPS, relative_decrease: WORTH_A_STEP / values };
-    let mut random = Pcg64::seed_from_u64(seed);
+    let limits = Limits { steps: STEPS, relative_decrease: options.worth_a_step / values };
+    let mut random = Pcg64::seed_from_u64(options.seed);
     let mut best = minimise_within(problem, &problem.unknowns.guess, &reaches, limits);
     let mut tried = 1;
     let floors = problem.evidence.recordings.iter().map(|it| problem.setting.observer.floor(it));
     let floor = AT_THE_FLOOR * floors.fold(1.0, f64::max);
-    while tried < starts && (best.sse / values).sqrt().total_cmp(&floor).is_gt() {
+    while tried < options.starts && (best.at.sse / values).sqrt().total_cmp(&floor).is_gt() {
         let drawn: Vec<Vec<f64>> =
             (0..LOOKED_AT).map(|_| around(&problem.unknowns, &mut random)).collect();
         let looked = drawn.into_iter().map(|point| (problem.sse(&point), point));
         let Some((_, start)) = looked.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
         let found = minimise_within(problem, &start, &reaches, limits);
-        if found.sse < best.sse || !best.sse.is_finite() {
+        if found.at.sse < best.at.sse || !best.at.sse.is_finite() {
             best = found;
         }
         tried += 1;
     }
-    if best.sse.is_finite() {
-        return Ok((best.parameters, tried));
+    if best.at.sse.is_finite() {
+        return Ok((best, tried));
     }
     Err(Error::Overflow { recording: problem.evidence.recordings[0].name.clone(), starts: tried })
 }

@@ -32,7 +32,7 @@ pub(super) fn advance<R: Real>(
     room: &mut Stages<R, 1>,
     start: &[[R; 1]],
 ) {
-    step(model, x, (applied, applied.time), &[*sign], h, armature, room);
+    one_step(model, x, *sign, applied, h, armature, room);
     if model.directed() && may_change(model, (start, x), *sign, applied, h.value(), room) {
         x.copy_from_slice(start);
         through_events(model, x, sign, applied, h, room);
@@ -57,6 +57,20 @@ pub(super) fn advance_in_parts<R: Real>(
         let held = Applied { time: applied.time + k as f64 * h.value(), ..*applied };
         advance(model, (x, sign), &held, h, &armature, room, start);
     }
+}
+
+/// The step of one drive, compiled once a scalar: it holds every effect four times.
+#[inline(never)]
+fn one_step<R: Real>(
+    model: &Model<R, 1>,
+    x: &mut [[R; 1]],
+    sign: f64,
+    applied: &Applied<R, 1>,
+    h: R,
+    armature: &Armature<R, 1>,
+    room: &mut Stages<R, 1>,
+) {
+    step(model, x, (applied, applied.time), &[sign], h, armature, room);
 }
 
 /// The event function `tau` after the inputs' time: positive while the sign of the motion holds.
@@ -114,7 +128,7 @@ fn stepped<R: Real>(
     room: &mut Stages<R, 1>,
 ) -> Vec<[R; 1]> {
     let mut next = x.to_vec();
-    step(model, &mut next, (applied, applied.time), &[sign], h, &Armature::new(model, h), room);
+    one_step(model, &mut next, sign, applied, h, &Armature::new(model, h), room);
     next
 }
 

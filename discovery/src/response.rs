@@ -24,6 +24,8 @@ const MOST_STATES: usize = SEEDS - 2;
 const OUTPUTS: usize = 3;
 /// Series that advance together.
 const TOGETHER: usize = 8;
+/// Samples of a recording that is linearised at most: 58 MB of maps.
+const MOST_SAMPLES: usize = 100_000;
 
 /// A torque against nothing, N m (N), positive forward, and a voltage in the armature circuit, V,
 /// one value a sample, held; nothing where empty.
@@ -49,8 +51,12 @@ pub(crate) struct Linearised {
 }
 
 impl Linearised {
-    /// Of that case; nothing where the drive has too many states, or holds its input back.
+    /// Of that case; nothing where the drive has too many states or holds its input back, or the
+    /// recording is so long that the maps would fill the memory.
     pub(crate) fn of(case: &Case<'_>) -> Option<Self> {
+        if case.measured.len() > MOST_SAMPLES {
+            return None;
+        }
         let fixed = |value| Dual { v: value, d: [0.0; SEEDS] };
         let starts = case.starts.iter().map(|it| [it.current, it.speed, it.position].map(fixed));
         let mut runner: Runner<'_, Dual<SEEDS>> =
@@ -73,35 +79,39 @@ impl Linearised {
         Some(Self { states, maps })
     }
 
-    /// Responses in units of the noise: one row a series, one column a measured value.
-    fn respond(&self, case: &Case<'_>, series: &[Forcing]) -> DMatrix<f64> {
-        let mut columns = DMatrix::zeros(series.len(), case.measured.values());
+    /// The responses to series, [`TOGETHER`] of them at a time.
+    fn respond(&self, case: &Case<'_>, series: &[Forcing], visit: &mut impl FnMut(Response<'_>)) {
         for (chunk, some) in series.chunks(TOGETHER).enumerate() {
-            self.few(case, some, chunk * TOGETHER, &mut columns);
+            self.few(case, some, chunk * TOGETHER, visit);
         }
-        columns
     }
 
-    /// The responses to a few series, written from that row on.
-    fn few(&self, case: &Case<'_>, series: &[Forcing], from: usize, columns: &mut DMatrix<f64>) {
+    /// The responses to a few series, the first of which has that number.
+    fn few(
+        &self,
+        case: &Case<'_>,
+        series: &[Forcing],
+        first: usize,
+        visit: &mut impl FnMut(Response<'_>),
+    ) {
         let n = self.states;
         let (mut place, mut value) = (0, 0);
         for piece in &case.measured.pieces {
             // States, then torque and voltage.
             let mut x = [[0.0; TOGETHER]; SEEDS];
-            for k in piece.clone() {
+            for sample in piece.clone() {
                 let map = &self.maps[place];
                 place += 1;
                 for (slot, forcing) in series.iter().enumerate() {
-                    x[n][slot] = forcing.torque.get(k).copied().unwrap_or(0.0);
-                    x[n + 1][slot] = forcing.voltage.get(k).copied().unwrap_or(0.0);
+                    x[n][slot] = forcing.torque.get(sample).copied().unwrap_or(0.0);
+                    x[n + 1][slot] = forcing.voltage.get(sample).copied().unwrap_or(0.0);
                 }
-                for (channel, sd) in case.measured.outputs.iter().zip(case.noise) {
-                    if channel.values[k].is_finite() {
-                        let shown = along(&map.shown[channel.output as usize], &x, n + 2);
-                        for (slot, shown) in shown[..series.len()].iter().enumerate() {
-                            columns[(from + slot, value)] = shown / sd;
-                        }
+                for (output, channel) in case.measured.outputs.iter().enumerate() {
+                    if channel.values[sample].is_finite() {
+                        let mut shown = along(&map.shown[channel.output as usize], &x, n + 2);
+                        shown.iter_mut().for_each(|shown| *shown /= case.noise[output]);
+                        let of = &shown[..series.len()];
+                        visit(Response { value, sample, output, first, of });
                         value += 1;
                     }
                 }
@@ -127,28 +137,63 @@ fn along(row: &[f64; SEEDS], x: &[[f64; TOGETHER]; SEEDS], used: usize) -> [f64;
     sum
 }
 
-/// Responses of a case to these series, one row each; by runs over duals where there is no
+/// What some series do to a measured value, in units of the noise.
+pub(crate) struct Response<'a> {
+    /// Number of the measured value.
+    pub(crate) value: usize,
+    /// Its sample.
+    pub(crate) sample: usize,
+    /// Its output, by its place in [`crate::Measured::outputs`].
+    pub(crate) output: usize,
+    /// Number of the first of the series.
+    pub(crate) first: usize,
+    /// One a series.
+    pub(crate) of: &'a [f64],
+}
+
+/// Visits the responses of a case to these series; by runs over duals where there is no
 /// linearisation.
+pub(crate) fn respond(
+    linearised: Option<&Linearised>,
+    case: &Case<'_>,
+    series: &[Forcing],
+    mut visit: impl FnMut(Response<'_>),
+) {
+    if let Some(linearised) = linearised {
+        return linearised.respond(case, series, &mut visit);
+    }
+    let (mut directions, mut belongs) = (Vec::new(), Vec::new());
+    for (number, Forcing { torque, voltage }) in series.iter().enumerate() {
+        let both = [(torque, Direction::Torque(torque)), (voltage, Direction::Voltage(voltage))];
+        for (_, direction) in both.into_iter().filter(|(values, _)| !values.is_empty()) {
+            directions.push(direction);
+            belongs.push(number);
+        }
+    }
+    let (mut value, mut of) = (0, vec![0.0; series.len()]);
+    case.blocks(&directions, |rows| {
+        for (row, (sample, output)) in rows.sample.iter().zip(&rows.output).enumerate() {
+            of.fill(0.0);
+            for (column, number) in rows.columns.column(row).iter().zip(&belongs) {
+                of[*number] += column;
+            }
+            visit(Response { value, sample: *sample, output: *output, first: 0, of: &of });
+            value += 1;
+        }
+    });
+}
+
+/// The same as a matrix: one row a series, one column a measured value.
 pub(crate) fn responses(
     linearised: Option<&Linearised>,
     case: &Case<'_>,
     series: &[Forcing],
 ) -> DMatrix<f64> {
-    if let Some(linearised) = linearised {
-        return linearised.respond(case, series);
-    }
-    let zeros = vec![0.0; case.measured.len()];
-    let some = |values: &'_ [f64]| if values.is_empty() { zeros.clone() } else { values.to_vec() };
-    let owned: Vec<(Vec<f64>, Vec<f64>)> =
-        series.iter().map(|it| (some(&it.torque), some(&it.voltage))).collect();
-    let directions: Vec<Direction<'_>> = owned
-        .iter()
-        .flat_map(|(torque, voltage)| [Direction::Torque(torque), Direction::Voltage(voltage)])
-        .collect();
-    let rows = case.sensitivities(&directions).columns;
-    DMatrix::from_fn(series.len(), rows.ncols(), |row, value| {
-        rows[(2 * row, value)] + rows[(2 * row + 1, value)]
-    })
+    let mut columns = DMatrix::zeros(series.len(), case.measured.values());
+    respond(linearised, case, series, |Response { value, first, of, .. }| {
+        columns.view_mut((first, value), (of.len(), 1)).copy_from_slice(of);
+    });
+    columns
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes recordings of machines that drivescope did not simulate, with the truth beside them.
 
-    python tools/make_recordings.py OUT [--hidden ID,...|all|none] [--cases N] [--seed S]
+    python tools/make_recordings.py OUT [--hidden ID|none,...|all|library] [--cases N] [--seed S]
 
 Every case is a folder: drive.toml (motor and Coulomb friction, start values 10 to 20 % off),
 estimation.csv, validation.csv, truth.json. Cases take what hides in them in turn from the list.
@@ -20,24 +20,23 @@ from generators.measuring import LEVELS
 def hidden_list(text, count, motion):
     """What hides in each case."""
     known = catalogue()
-    if text == "none":
-        return [None] * count
     visible = [law.id for law in known.values() if law.fails_over]
     names = {"all": visible, "library": [id for id in visible if known[id].known]}.get(text)
     names = names or text.split(",")
     if motion == "linear":
         names = [name for name in names if name in axis.HIDDEN] if text == "all" else names
+    allowed = ["none", *(axis.HIDDEN if motion == "linear" else known)]
     for name in names:
-        if name not in known or (motion == "linear" and name not in axis.HIDDEN):
-            allowed = axis.HIDDEN if motion == "linear" else known
+        if name not in allowed:
             sys.exit(f"nothing called `{name}` can hide here; known: {', '.join(allowed)}")
-    return [names[k % len(names)] for k in range(count)]
+    hidden = [None if name == "none" else name for name in names]
+    return [hidden[k % len(hidden)] for k in range(count)]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path)
-    parser.add_argument("--hidden", default="all", help="ids, `all`, `library` or `none`")
+    parser.add_argument("--hidden", default="all", help="ids or `none`, `all`, `library`")
     parser.add_argument("--cases", type=int, default=24)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--noise", choices=LEVELS, default="medium")

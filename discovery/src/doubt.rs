@@ -50,8 +50,9 @@ impl fmt::Display for Doubt {
         match self {
             Self::ConstantInput { recording, value } => write!(
                 f,
-                "{recording}: u is constant at {value}: inductance and inertia do not show, and \
-                 resistance, voltage constant and friction only together; record steps or a sweep"
+                "{recording}: u is constant at {value}: but for how the drive starts and settles, \
+                 inductance and inertia do not show, and resistance, voltage constant and \
+                 friction only together; record steps or a sweep"
             ),
             Self::Short { recording, duration_s, time_s } => write!(
                 f,

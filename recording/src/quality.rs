@@ -64,7 +64,9 @@ impl SignalQuality {
         let mut warnings = Vec::new();
         if self.constant {
             let value = self.min;
-            warnings.push(format!("{name} is constant at {value} {unit}: nothing follows from it"));
+            warnings.push(format!(
+                "{name} is constant at {value} {unit}: what only its changes show cannot be told"
+            ));
             return warnings;
         }
         for Limit { value, share, longest, at } in &self.limits {

@@ -16,6 +16,8 @@ use crate::read_evidence::KnownNoise;
 
 /// Correlation from which on two parameters are named together.
 const STRONG: f64 = 0.9;
+/// Standard error over value from which on the recordings hardly tell a parameter.
+const HARDLY_TOLD: f64 = 0.5;
 
 /// Errors of a drive on some recordings.
 #[derive(Debug)]
@@ -210,6 +212,13 @@ impl Answer {
             };
             let _ = writeln!(text, "not identifiable: {parameter}, kept at {kept}: {why}");
         }
+        for (name, share) in self.hardly_told() {
+            let share = 100.0 * share;
+            let _ = writeln!(
+                text,
+                "{name} is hardly told: its standard error is {share:.0} % of its value"
+            );
+        }
         for (a, b, rho) in &self.correlation.strong {
             let _ = writeln!(text, "{a} and {b} are hardly told apart: correlation {rho:.3}");
         }
@@ -226,6 +235,17 @@ impl Answer {
         }
         let _ = writeln!(text, "written: {}", self.output.display());
         text
+    }
+
+    /// Parameters of the motor, which are positive, whose standard errors are that large a share
+    /// of them.
+    fn hardly_told(&self) -> impl Iterator<Item = (&str, f64)> {
+        let of_motor = self.order.iter().filter(|name| !name.contains('.'));
+        of_motor.filter_map(|name| {
+            let Estimate { value, std_error, .. } = self.parameters.get(name)?;
+            let share = std_error / value.abs();
+            (share >= HARDLY_TOLD).then_some((name.as_str(), share))
+        })
     }
 
     fn setting(&self, text: &mut String) {

@@ -193,20 +193,15 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::data::Column;
+    use crate::data::data;
     use crate::detector::DetectorError;
     use crate::diagnoser::ThresholdKind;
     use crate::file::FileError;
     use crate::gmdh::{BoundOptions, Gmdh, GmdhOptions};
     use crate::interface::Channel;
-    use crate::testing::{PERIOD, Run, closed_loop, multisine};
+    use crate::testing::{PERIOD, closed_loop, multisine};
 
     const RUN_UP: usize = 200;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     /// A process model without dynamics: its residual leaves everything to the error models.
     fn designed(healthy: &Data) -> Diagnoser {

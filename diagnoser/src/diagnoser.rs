@@ -165,7 +165,7 @@ mod tests {
 
     use super::*;
     use crate::arx::{Arx, Orders};
-    use crate::data::{Column, Data};
+    use crate::data::data;
     use crate::design::{Design, DesignError, DesignReport, ErrorModel};
     use crate::file::FileError;
     use crate::interface::Channel;
@@ -181,11 +181,6 @@ mod tests {
     /// For the same reason the exceedance rate of one run of 3500 samples scatters by 0.02, and
     /// the mean of eight by 0.007; the width adds 0.004.
     const RATE_SPREAD: f64 = 0.016;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     fn interface() -> Interface {
         Interface {

@@ -189,7 +189,7 @@ fn multiples(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Column;
+    use crate::data::{Column, data};
     use crate::detector::Detector;
     use crate::gmdh::{Activation, GmdhNeuron, GmdhOptions, Source};
     use crate::scale::Scale;
@@ -198,11 +198,6 @@ mod tests {
     use crate::threshold::Threshold;
 
     const RUN_UP: usize = 100;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     fn network() -> Arc<Gmdh> {
         let (one, two) = (multisine(400, 1), multisine(400, 2));

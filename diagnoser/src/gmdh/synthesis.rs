@@ -293,15 +293,10 @@ fn pruned(neurons: &[GmdhNeuron], output: usize) -> Vec<GmdhNeuron> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Column;
+    use crate::data::{Column, data};
     use crate::signal_model::{free_run, residual};
-    use crate::testing::{Run, multisine, noise};
+    use crate::testing::{multisine, noise};
     use crate::threshold::mean_and_deviation;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     #[test]
     fn layers_are_added_as_long_as_they_help_and_the_rest_is_removed() {

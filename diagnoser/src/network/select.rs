@@ -40,15 +40,10 @@ pub fn select_structure(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Column;
+    use crate::data::data;
     use crate::network::Method;
-    use crate::testing::{Run, multisine};
+    use crate::testing::multisine;
     use drivescope_numerics::Limits;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     #[test]
     fn dry_friction_asks_for_neurons_and_idle_ones_are_not_chosen() {

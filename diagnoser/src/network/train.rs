@@ -233,16 +233,12 @@ pub fn train(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::data;
     use crate::signal_model::{free_run, residual};
-    use crate::testing::{Run, multisine, noise};
+    use crate::testing::{multisine, noise};
     use crate::threshold::mean_and_deviation;
 
     const RUN_UP: usize = 100;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     fn quick(method: Method, starts: usize) -> Training {
         Training { method, starts, seed: 5, run_up: RUN_UP }

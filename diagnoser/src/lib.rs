@@ -64,8 +64,8 @@ pub use isolation::{
 pub use model::{Model, ModelRun};
 pub use model_error::{BandDesign, ErrorBands};
 pub use network::{
-    ApproximationRow, FirNeuron, IirNeuron, Method, Network, NetworkRun, StartRow, Structure,
-    StructureRow, Theta, Trained, Training, TrainingError, approximation_table, select_structure,
+    ApproximationExample, ApproximationRow, FirNeuron, IirNeuron, Method, Network, NetworkRun,
+    StartRow, Structure, StructureRow, Theta, Trained, Training, TrainingError, select_structure,
     train,
 };
 pub use recipe::{Learned, Recipe, RecipeError, Sets};

@@ -5,7 +5,6 @@
 //! runs of other seeds: of each one healthy run and the twelve faults. The drive runs natively,
 //! which the FMU repeats bit for bit.
 
-use drivescope_diagnoser::Trace;
 use drivescope_numerics::wilson_95;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -15,7 +14,9 @@ use crate::experiment::{Experiment, Stream};
 use crate::faults::{Fault, twelve};
 use crate::native::ClosedLoops;
 use crate::results::{ByMethod, DetectionRow, FaultName, Method, TorqueReading};
-use crate::study::{Designed, Judgement, SAMPLES, Signals, StudyError, Watch, row_of};
+use crate::study::{
+    Designed, Judgement, SAMPLES, Signals, StudyError, Watch, false_rate_of, row_of,
+};
 
 /// Lanes for a healthy run and twelve faults.
 const LANES: usize = 16;
@@ -221,11 +222,8 @@ fn of_seed(
     let judged = loops.run(&inputs).iter().map(judge).collect::<Result<Vec<_>, _>>()?;
     let (healthy, faulty) = (&judged[0], &judged[1..]);
     let always = |judgement: &Judgement| judgement.trace(Method::Mem).with_bands_scaled(0.0);
-    let row = |(fault, judgement): (&Fault, &Judgement)| ByMethod {
-        mem: judgement.row(Method::Mem, fault),
-        mem_recurrent: judgement.row(Method::MemRecurrent, fault),
-        constant: judgement.row(Method::Constant, fault),
-        gmdh: judgement.row(Method::Gmdh, fault),
+    let row = |(fault, judgement): (&Fault, &Judgement)| {
+        ByMethod::from_fn(|method| judgement.row(method, fault))
     };
     let always_rows = faults
         .iter()
@@ -235,14 +233,9 @@ fn of_seed(
         faults: faults.iter().zip(faulty).map(row).collect(),
         r_fd: ByMethod::from_fn(|method| healthy.false_rate(method)),
         alarms: ByMethod::from_fn(|method| healthy.alarms(method, 0..SAMPLES)),
-        always: (always_rows.collect(), share_outside(&always(healthy))),
+        always: (always_rows.collect(), false_rate_of(&always(healthy))),
         shuffled: healthy.row(Method::Mem, &faults[0]),
     })
-}
-
-fn share_outside(trace: &Trace) -> f64 {
-    let judged = &trace.verdicts[trace.run_up..];
-    judged.iter().filter(|verdict| verdict.exceeds).count() as f64 / judged.len() as f64
 }
 
 fn method_rows(method: Method, faults: &[Fault], seeds: &[OfSeed]) -> MethodRows {

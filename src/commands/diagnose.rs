@@ -4,10 +4,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use drivescope_diagnoser::{
-    Confidence, Detector, Diagnoser, ModelRun, ThresholdKind, ThresholdRun,
-};
+use drivescope_diagnoser::{Confidence, Detector, Diagnoser, ModelRun, ThresholdRun};
 use drivescope_recording::{CsvStream, Mapping, ReadOptions};
+use drivescope_scenarios::results::Method;
 use serde::Serialize;
 
 use super::{RecordingOptions, Run};
@@ -24,8 +23,8 @@ pub(crate) struct Diagnose {
     /// Recording, or `-` for CSV rows from standard input.
     recording: PathBuf,
     /// The method whose declarations are the verdict; the others are shown beside it.
-    #[arg(long, value_enum, default_value_t = Method::Mem)]
-    method: Method,
+    #[arg(long, value_enum, default_value_t = Asked::Mem)]
+    method: Asked,
     /// Another share of healthy samples outside the bands than the file's.
     #[arg(long, allow_negative_numbers = true)]
     beta: Option<f64>,
@@ -36,10 +35,10 @@ pub(crate) struct Diagnose {
     reading: RecordingOptions,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+/// Methods that can be asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
-#[serde(rename_all = "snake_case")]
-enum Method {
+enum Asked {
     /// Bands by model error modelling, ARX error model.
     Mem,
     /// The same with the recurrent error model.
@@ -50,24 +49,13 @@ enum Method {
     Gmdh,
 }
 
-impl Method {
-    const ALL: [Self; 4] = [Self::Mem, Self::MemRecurrent, Self::Constant, Self::Gmdh];
-
-    fn kind(self) -> ThresholdKind {
-        match self {
-            Self::Mem => ThresholdKind::ModelError,
-            Self::MemRecurrent => ThresholdKind::RecurrentModelError,
-            Self::Constant => ThresholdKind::Constant,
-            Self::Gmdh => ThresholdKind::Gmdh,
-        }
-    }
-
-    fn label(self) -> &'static str {
-        match self {
-            Self::Mem => "model error modelling",
-            Self::MemRecurrent => "recurrent error model",
-            Self::Constant => "constant thresholds",
-            Self::Gmdh => "robust GMDH network",
+impl From<Asked> for Method {
+    fn from(asked: Asked) -> Self {
+        match asked {
+            Asked::Mem => Self::Mem,
+            Asked::MemRecurrent => Self::MemRecurrent,
+            Asked::Constant => Self::Constant,
+            Asked::Gmdh => Self::Gmdh,
         }
     }
 }
@@ -169,9 +157,10 @@ impl Run for Diagnose {
         let diagnoser = Diagnoser::load(&self.diagnoser).map_err(told)?;
         session.check_writable(&[])?;
         let watch = Watch::new(&diagnoser, self.beta)?;
-        if !watch.watching.iter().any(|watching| watching.found.method == self.method) {
+        let asked = Method::from(self.method);
+        if !watch.watching.iter().any(|watching| watching.found.method == asked) {
             return Err(Failure::Usage {
-                what: format!("{}: holds no {}", self.diagnoser.display(), self.method.label()),
+                what: format!("{}: holds no {}", self.diagnoser.display(), asked.label()),
                 instead: "train it again with one, or ask for another --method".to_owned(),
             }
             .into());
@@ -194,9 +183,9 @@ impl Run for Diagnose {
             .into());
         }
         let declared =
-            methods.iter().any(|found| found.method == self.method && !found.declared.is_empty());
+            methods.iter().any(|found| found.method == asked && !found.declared.is_empty());
         let verdict = if declared { "fault" } else { "healthy" };
-        let (diagnoser, method) = (self.diagnoser, self.method);
+        let (diagnoser, method) = (self.diagnoser, asked);
         let answer =
             Answer { diagnoser, recording: name, samples, run_up, verdict, method, methods };
         session.answer(&text(&answer), &answer)?;
@@ -283,7 +272,7 @@ impl Diagnose {
                 }
             }
             for method in watch.step(&u, y, time)? {
-                if method == self.method && !session.prints_json() {
+                if method == self.method.into() && !session.prints_json() {
                     output::print(&format!("fault declared at {time} s (line {line})\n"))?;
                 } else {
                     session.remark(format_args!("{}: declared at {time} s", method.label()));

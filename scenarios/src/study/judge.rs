@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use drivescope_diagnoser::{
-    Detector, DetectorError, Diagnoser, ModelRun, ThresholdKind, ThresholdRun, Trace, Verdict,
-    fault_size,
+    Detector, DetectorError, Diagnoser, ModelRun, ThresholdRun, Trace, Verdict, fault_size,
 };
 use drivescope_recording::Recording;
 
@@ -22,23 +21,13 @@ pub struct Watch {
     window: usize,
 }
 
-/// Which threshold of a diagnoser a method is.
-fn kind(method: Method) -> ThresholdKind {
-    match method {
-        Method::Mem => ThresholdKind::ModelError,
-        Method::MemRecurrent => ThresholdKind::RecurrentModelError,
-        Method::Constant => ThresholdKind::Constant,
-        Method::Gmdh => ThresholdKind::Gmdh,
-    }
-}
-
 impl Watch {
     /// The detectors of a diagnoser at the start of a run.
     ///
     /// # Errors
     /// A diagnoser that lacks one.
     pub fn new(diagnoser: &Diagnoser) -> Result<Self, DetectorError> {
-        let detector = |method| diagnoser.detector(kind(method));
+        let detector = |method: Method| diagnoser.detector(method.kind());
         let detectors = ByMethod {
             mem: detector(Method::Mem)?,
             mem_recurrent: detector(Method::MemRecurrent)?,
@@ -95,8 +84,7 @@ impl Judgement {
 
     /// Share of samples outside the threshold after the run-up.
     pub fn false_rate(&self, method: Method) -> f64 {
-        let trace = self.trace(method);
-        rate(trace, trace.run_up..trace.verdicts.len())
+        false_rate_of(self.trace(method))
     }
 
     /// Faults declared within a span: a declaration that stands counts once.
@@ -141,6 +129,11 @@ pub fn row_of(trace: &Trace, method: Method, fault: &Fault) -> DetectionRow {
         delay: declared.map(|at| at - fault.from),
         false_alarms: alarms(trace, 0..fault.from),
     }
+}
+
+/// Share of samples of a run outside the threshold after the run-up.
+pub fn false_rate_of(trace: &Trace) -> f64 {
+    rate(trace, trace.run_up..trace.verdicts.len())
 }
 
 fn alarms(trace: &Trace, span: Range<usize>) -> usize {

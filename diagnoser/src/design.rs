@@ -141,6 +141,7 @@ impl Diagnoser {
             model_error,
             recurrent_error: None,
             gmdh: None,
+            faults: None,
         };
         Ok((diagnoser, DesignReport { bands, orders, one_step_sse }))
     }

@@ -3,6 +3,8 @@
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use drivescope_recording::Recording;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -11,6 +13,7 @@ use crate::decision::Trace;
 use crate::detector::{Detector, DetectorError};
 use crate::gmdh::{GmdhBands, RobustGmdh};
 use crate::interface::{Interface, InterfaceError};
+use crate::isolation::KnownFaults;
 use crate::model::{Model, ModelRun};
 use crate::model_error::ErrorBands;
 use crate::threshold::{Band, Confidence, ConstantThreshold, Threshold};
@@ -42,6 +45,9 @@ pub struct Diagnoser {
     /// A model of the output of its own, with bounded parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gmdh: Option<RobustGmdh>,
+    /// Faults that it was shown: their classes and sizes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub faults: Option<Arc<KnownFaults>>,
 }
 
 /// The stored form of the bands (6), (7).

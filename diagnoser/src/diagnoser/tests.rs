@@ -166,6 +166,16 @@ fn a_saved_diagnoser_gives_the_same_bits() {
 }
 
 #[test]
+fn a_file_of_the_first_version_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("motor.toml");
+    let diagnoser = designed().0.clone();
+    Diagnoser { schema: 1, ..diagnoser.clone() }.save(&path).unwrap();
+    assert!(std::fs::read_to_string(&path).unwrap().starts_with("schema = 1\n"));
+    assert_eq!(Diagnoser::load(&path).unwrap(), diagnoser);
+}
+
+#[test]
 fn a_file_that_cannot_run_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("motor.toml");
@@ -184,8 +194,8 @@ fn a_file_that_cannot_run_is_refused() {
     assert!(matches!(error, FileError::Unstable { which: "error model", .. }), "{error}");
     let error = refused(&|d| d.interface.inputs.push(Channel::new("I_m", "A")));
     assert!(matches!(error, FileError::Shape { inputs: 2, .. }), "{error}");
-    let error = refused(&|d| d.schema = 2);
-    assert!(matches!(error, FileError::Schema { found: 2, .. }), "{error}");
+    let error = refused(&|d| d.schema = 3);
+    assert!(matches!(error, FileError::Schema { found: 3, .. }), "{error}");
     let error = refused(&|d| d.model_error.deviation = -1.0);
     assert!(error.to_string().contains("model_error.deviation = -1 must be positive"));
     std::fs::write(&path, "schema = 1\nrun_up = \"long\"\n").unwrap();

@@ -115,8 +115,11 @@ pub struct Separability {
 }
 
 impl Separability {
+    /// Confusion from which on two faults share a class: the paper is content with 90 % recognition.
+    pub const LIMIT: f64 = 0.1;
+
     /// Tests all pairs; two faults are inseparable if more than `limit` of the samples of either are
-    /// taken for the other (the paper is content with 90 % recognition: 0.1).
+    /// taken for the other.
     pub fn test(symptoms: &Symptoms, limit: f64) -> Self {
         let faults = symptoms.faults();
         let half = |fault: usize, part: usize| faults[fault].samples.iter().skip(part).step_by(2);
@@ -159,7 +162,7 @@ mod tests {
     #[test]
     fn overlapping_faults_share_a_class_and_others_do_not() {
         let symptoms = paper_like(100, 1);
-        let found = Separability::test(&symptoms, 0.1);
+        let found = Separability::test(&symptoms, Separability::LIMIT);
         assert!(found.confusion[0][11] > 0.2 && found.confusion[0][5] == 0.0);
         assert_eq!(found.partition, Partition::paper());
         assert_eq!(
@@ -173,7 +176,7 @@ mod tests {
     fn a_chain_of_neighbours_is_one_class() {
         // Each overlaps the next; the ends do not overlap.
         let chain = clouds(&[[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [20.0, 0.0]], 200, 2);
-        let found = Separability::test(&chain, 0.1);
+        let found = Separability::test(&chain, Separability::LIMIT);
         assert!(found.confusion[0][2] < 0.1);
         assert_eq!(found.partition.classes, [vec![0, 1, 2], vec![3]]);
     }

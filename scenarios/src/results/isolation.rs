@@ -1,5 +1,6 @@
 //! Which fault it is, and how large.
 
+use drivescope_diagnoser::Size;
 use serde::{Deserialize, Serialize};
 
 use super::FaultName;
@@ -64,6 +65,27 @@ pub enum SizeGroup {
     Medium,
     /// Of the largest.
     Large,
+}
+
+impl SizeGroup {
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Small => "small",
+            Self::Medium => "medium",
+            Self::Large => "large",
+        }
+    }
+}
+
+impl From<Size> for SizeGroup {
+    fn from(size: Size) -> Self {
+        match size {
+            Size::Small => Self::Small,
+            Size::Medium => Self::Medium,
+            Size::Large => Self::Large,
+        }
+    }
 }
 
 /// Size of a symptom (27).

@@ -3,7 +3,7 @@
 
 use drivescope_diagnoser::{
     Diagnoser, FaultSymptoms, IsolationError, IsolationMatrix, Isolator, IsolatorOptions,
-    Partition, Separability, Size, Symptoms, size_groups, symptoms_of,
+    Partition, Separability, Symptoms, symptoms_of,
 };
 
 use super::StudyError;
@@ -13,13 +13,11 @@ use crate::experiment::{Experiment, Stream};
 use crate::faults::{Fault, SPAN, twelve};
 use crate::native::ClosedLoops;
 use crate::results::{
-    IsolationTable, Method, Pair, SeparabilitySummary, SizeGroup, SymptomPoints, TorqueReading,
+    IsolationTable, Method, Pair, SeparabilitySummary, SymptomPoints, TorqueReading,
 };
 
 /// Samples of a fault that a classifier is trained on, as in the paper.
 const LEARNED: usize = 100;
-/// Confusion from which on two faults share a class: the paper is content with 90 % recognition.
-const LIMIT: f64 = 0.1;
 /// Random starts of a classifier.
 const STARTS: usize = 2;
 /// Lanes for the twelve faults.
@@ -44,7 +42,7 @@ pub(super) fn isolate(
     let faults = twelve(reading);
     let run = |part: u64| symptoms(experiment, diagnoser, &faults, part);
     let (learning, held_out) = (run(0)?, run(1)?);
-    let separability = Separability::test(&learning, LIMIT);
+    let separability = Separability::test(&learning, Separability::LIMIT);
     let fresh = judged
         .iter()
         .map(|(fault, signals, judgement)| {
@@ -95,7 +93,7 @@ pub(super) fn isolate(
     Ok(Isolated {
         symptoms: points.collect(),
         separability: SeparabilitySummary {
-            limit: LIMIT,
+            limit: Separability::LIMIT,
             classes: named(ours),
             classes_paper: named(&Partition::paper()),
             merged_only_here: pairs(ours.merged_only_here(&Partition::paper())),
@@ -137,14 +135,4 @@ fn symptoms(
     };
     let symptoms = faults.iter().zip(runs).map(of_fault).collect::<Result<_, _>>()?;
     Ok(Symptoms::new(symptoms)?)
-}
-
-/// Groups of faults by S.
-pub(super) fn groups(sizes: &[f64]) -> Vec<SizeGroup> {
-    let group = |size| match size {
-        Size::Small => SizeGroup::Small,
-        Size::Medium => SizeGroup::Medium,
-        Size::Large => SizeGroup::Large,
-    };
-    size_groups(sizes).into_iter().map(group).collect()
 }

@@ -15,7 +15,7 @@ use crate::gmdh::{GmdhBands, RobustGmdh};
 use crate::interface::{Interface, InterfaceError};
 use crate::isolation::KnownFaults;
 use crate::model::{Model, ModelRun};
-use crate::model_error::ErrorBands;
+use crate::model_error::{BandDesign, ErrorBands};
 use crate::threshold::{Band, Confidence, ConstantThreshold, Threshold};
 
 /// Everything that is needed to watch one output, as it is stored.
@@ -60,6 +60,14 @@ pub struct ModelError {
     pub samples: usize,
     /// The error model.
     pub model: Model,
+}
+
+impl ModelError {
+    /// An error model whose r - y_e has mean zero on the data that its bands were designed on.
+    pub(crate) fn centred(model: &Model, bands: &BandDesign) -> Self {
+        let BandDesign { mean, deviation, samples, .. } = *bands;
+        Self { deviation, samples, model: model.raised(mean) }
+    }
 }
 
 /// Which threshold a detector uses.

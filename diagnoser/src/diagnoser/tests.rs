@@ -107,6 +107,34 @@ fn a_band_around_nothing_alarms_always_and_its_r_fd_says_so() {
 }
 
 #[test]
+fn bands_stand_about_the_middle_of_the_design_data() {
+    // An error model that was fitted where the sensor showed 4 rpm less: two thirds of v.
+    let (mut shifted, widths) = (
+        closed_loop(RUN_UP + 3000, 11, usize::MAX, 0.0),
+        closed_loop(RUN_UP + DESIGN_SAMPLES, 12, usize::MAX, 0.0),
+    );
+    shifted.speed.iter_mut().for_each(|speed| *speed -= 4.0);
+    let network = Structure { v1: 1, v2: 1, ..Structure::PAPER };
+    let training = Training { starts: 2, seed: 3, ..Training::default() };
+    for error_model in [
+        ErrorModel::Arx(Orders { n_a: 20, n_b: 20, constant: true }),
+        ErrorModel::Network(network, training),
+    ] {
+        let how = Design { error_model, ..Design::paper(Confidence::new(0.05).unwrap()) };
+        let model = Model::Network(Arc::clone(&process_model().network));
+        let designed = Diagnoser::design(interface(), model, &data(&shifted), &data(&widths), &how);
+        let (diagnoser, report) = designed.unwrap();
+        assert!((report.bands.mean - 4.0).abs() < 1.5, "{report:?}");
+        let mut detector = diagnoser.detector(ThresholdKind::ModelError).unwrap();
+        let verdicts = detector.run(&data(&widths)).unwrap().verdicts;
+        let off = |v: &crate::detector::Verdict| v.residual - 0.5 * (v.lower + v.upper);
+        let mean = verdicts[RUN_UP..].iter().map(off).sum::<f64>() / DESIGN_SAMPLES as f64;
+        // What the start from another constant leaves of its transient.
+        assert!(mean.abs() < 0.01 * report.bands.deviation, "{mean}");
+    }
+}
+
+#[test]
 fn a_one_step_prediction_would_absorb_the_fault() {
     let diagnoser = &designed().0;
     let Model::Arx(error_model) = &diagnoser.model_error.model else { panic!("an ARX") };

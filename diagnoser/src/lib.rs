@@ -44,7 +44,7 @@ mod threshold;
 
 pub use arx::{Arx, ArxError, ArxFit, ArxRun, OrderRow, OrderTable, Orders};
 pub use data::{Column, Data, DataError};
-pub use decision::{RunRule, SpanError, Trace};
+pub use decision::{Detection, RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
 pub use detector::{Detector, DetectorError, Verdict};
 pub use diagnoser::{Diagnoser, DiagnosisError, ModelError, ThresholdKind, ThresholdRun};

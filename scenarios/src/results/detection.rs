@@ -55,12 +55,20 @@ pub struct DetectionRow {
     pub method: Method,
     /// Share of faulty samples outside the threshold.
     pub r_td: f64,
-    /// Sample at which the fault was declared, none if it was not.
+    /// Sample at which the fault was declared, none if it was not; a run of exceedances that most
+    /// of lies in the fault counts for it, so that chance may put this before start + window.
     pub t_dt: Option<usize>,
     /// Samples from the fault's start to its declaration.
     pub delay: Option<usize>,
-    /// Declarations before the fault started.
+    /// Declarations before that, which are none of the fault.
     pub false_alarms: usize,
+}
+
+impl DetectionRow {
+    /// Whether the fault was declared, and nothing before it.
+    pub fn detected(&self) -> bool {
+        self.t_dt.is_some() && self.false_alarms == 0
+    }
 }
 
 /// The rows of one reading of the torque fault.

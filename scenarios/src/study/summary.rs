@@ -45,7 +45,7 @@ fn level(judged: &[Judged], torque: TorqueReading, at: impl Fn(&Judgement) -> Ju
     let others = TorqueReading::ALL.into_iter().filter(|reading| *reading != torque);
     Level {
         r_fd: ByMethod::from_fn(|m| healthy.iter().map(|j| j.false_rate(m)).sum::<f64>() / count),
-        alarms: ByMethod::from_fn(|m| healthy.iter().map(|j| j.alarms(m, 0..SAMPLES)).sum()),
+        alarms: ByMethod::from_fn(|m| healthy.iter().map(|j| j.alarms(m)).sum()),
         detection: rows(torque),
         readings: others.map(|torque| ReadingRows { torque, detection: rows(torque) }).collect(),
     }

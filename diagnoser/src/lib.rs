@@ -61,7 +61,7 @@ pub use interface::{Channel, Interface, InterfaceError};
 pub use isolation::{
     Answer, Cloud, FaultSymptoms, FaultsError, FaultsReport, FaultyRun, IsolationError,
     IsolationMatrix, IsolationReport, Isolator, IsolatorOptions, KnownFaults, Mlp, MlpSize, Named,
-    Naming, Partition, Separability, SymptomError, Symptoms, symptoms_of,
+    Naming, Partition, Separability, SymptomError, Symptoms, discriminant, symptoms_of,
 };
 pub use model::{Model, ModelRun};
 pub use model_error::{BandDesign, ErrorBands};

@@ -17,13 +17,29 @@ pub struct SymptomPoints {
 /// Two faults that share a class, by their names.
 pub type Pair = [String; 2];
 
+/// How often two faults came out inseparable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Merge {
+    /// The two.
+    pub faults: Pair,
+    /// Draws in which they shared a class.
+    pub draws: usize,
+}
+
 /// Which faults can be told apart by their symptoms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SeparabilitySummary {
     /// Share of samples of a fault taken for another from which on the two share a class.
     pub limit: f64,
-    /// Share of samples of fault i taken for fault j, faults in the order of `symptoms`.
+    /// Draws of the noise that the test was made on.
+    pub draws: usize,
+    /// Share of samples of fault i taken for fault j, faults in the order of `symptoms`: the mean
+    /// over the draws, which the classes come from.
     pub confusion: Vec<Vec<f64>>,
+    /// Every pair that shared a class in any of the draws.
+    pub merges: Vec<Merge>,
+    /// Share of the variance of r over all symptoms that a cubic in C_m explains.
+    pub explained: f64,
     /// Our classes, by the names of their faults.
     pub classes: Vec<Vec<String>>,
     /// The paper's.
@@ -45,6 +61,9 @@ pub struct IsolationTable {
     pub matrix: Vec<Vec<f64>>,
     /// Class of each fault.
     pub class_of: Vec<usize>,
+    /// Share of the same samples of each fault that a quadratic discriminant, learned on the same
+    /// symptoms as the classifier, puts into its class.
+    pub discriminant: Vec<f64>,
 }
 
 impl IsolationTable {

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub use detection::{ByMethod, DetectionRow, HealthySummary, LevelRows, Method, ReadingRows};
 pub use fmu::{FmpyRow, FmuSummary};
 pub use isolation::{
-    IdentificationRow, IsolationTable, Pair, SeparabilitySummary, SizeGroup, SymptomPoints,
+    IdentificationRow, IsolationTable, Merge, Pair, SeparabilitySummary, SizeGroup, SymptomPoints,
 };
 pub use models::{
     GmdhSummary, ModelSummary, RecurrentErrorSummary, StructureSummary, TheoremRow, TheoremSummary,

@@ -19,8 +19,8 @@ pub struct ModelSummary {
     pub n_a: usize,
     /// Past inputs of the error model.
     pub n_b: usize,
-    /// Sum of squared one-step errors of the error model over the test samples, on signals
-    /// scaled to unit variance.
+    /// Sum of squared one-step errors of the error model over the test samples, errors as shares of
+    /// the set point.
     pub error_model_sse: f64,
     /// Samples of that sum.
     pub error_model_samples: usize,

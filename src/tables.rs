@@ -28,7 +28,10 @@ pub fn study(study: &StudyResults) -> String {
     text += &section(&title, &rates(study));
     text += &section("All methods and levels", &levels(study));
     text += &section("Models and residual", &models(study));
-    text += &section("Isolation, lowest share of right answers", &isolation(study));
+    text += &section(
+        "Isolation, lowest share of right answers (QDA: quadratic discriminant)",
+        &isolation(study),
+    );
     text += &section("Size of the symptom, S of (27)", &identification(study));
     text += &section("FMU against other runs, greatest relative difference", &fmu(study));
     if study.fmu.fmpy.is_empty() {
@@ -165,7 +168,7 @@ fn levels(study: &StudyResults) -> Table {
 }
 
 fn isolation(study: &StudyResults) -> Table {
-    let headings = ["classes", "right [%]", "mean [%]", "unknown [%]", "discriminant [%]"];
+    let headings = ["classes", "right [%]", "mean [%]", "unknown [%]", "QDA [%]"];
     let mut table = table(headings, 1);
     let tables = [
         ("the paper's ten", &study.isolation_paper),

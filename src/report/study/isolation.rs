@@ -124,8 +124,8 @@ fn limits(study: &StudyResults) -> Markup {
     html! {
         p.note {
             "What limits the recognition: a cubic in " (math("C_m")) " alone explains "
-            (percent(study.separability.explained, 1)) " % of the variance of r over all symptoms, so "
-            "that the second signal adds little but noise. A quadratic discriminant, a classifier of "
+            (percent(study.separability.explained, 1)) " % of the variance of r over all symptoms: a "
+            "symptom is essentially one number. A quadratic discriminant, a classifier of "
             "another kind, answers to the same symptoms; share of right answers for the worst fault: "
             (line(&study.isolation_paper)) "; " (line(&study.isolation)) ". Where the two agree, the "
             "symptoms set the limit and not the classifier; two faults with the same symptoms share "

@@ -6,8 +6,8 @@ use comfy_table::{Cell, CellAlignment, ContentLineStyle, LineStyle, Table, Table
 use drivescope_scenarios::results::{Method, StudyResults};
 
 use crate::report::words::{
-    count, detected, difference, fault, given, greatest, number, p_value, paper_delay, paper_row,
-    percent, rows_of, si_units, torque, verdict,
+    count, difference, fault, given, greatest, number, p_value, paper_delay, paper_row, percent,
+    rows_of, si_units, torque, verdict,
 };
 
 /// What the study found, as text that ends in a line break: a table of detections a method, the
@@ -20,7 +20,7 @@ pub fn study(study: &StudyResults) -> String {
         text += &section(&title, &detection(study, method));
     }
     text += &format!(
-        "t_dt and delay in samples of {} ms; in brackets: declared before the fault began\n",
+        "t_dt and delay in samples of {} ms; in brackets: after a false alarm\n",
         given(1e3 * study.drive.period_s)
     );
     let healthy = &study.healthy;
@@ -28,7 +28,10 @@ pub fn study(study: &StudyResults) -> String {
     text += &section(&title, &rates(study));
     text += &section("All methods and levels", &levels(study));
     text += &section("Models and residual", &models(study));
-    text += &section("Isolation, lowest share of right answers", &isolation(study));
+    text += &section(
+        "Isolation, lowest share of right answers (QDA: quadratic discriminant)",
+        &isolation(study),
+    );
     text += &section("Size of the symptom, S of (27)", &identification(study));
     text += &section("FMU against other runs, greatest relative difference", &fmu(study));
     if study.fmu.fmpy.is_empty() {
@@ -99,8 +102,8 @@ fn detection(study: &StudyResults, method: Method) -> Table {
         let paper = paper_row(study, &row.fault.label, method);
         let none = || "-".to_owned();
         let ours = match (row.t_dt, row.delay) {
-            (Some(t_dt), Some(delay)) => [t_dt.to_string(), delay.to_string()],
-            (Some(t_dt), None) => [format!("({t_dt})"), none()],
+            (Some(t_dt), Some(delay)) if row.detected() => [t_dt.to_string(), delay.to_string()],
+            (Some(t_dt), _) => [format!("({t_dt})"), none()],
             (None, _) => ["none".to_owned(), none()],
         };
         let [t_dt, delay] = ours;
@@ -147,7 +150,7 @@ fn levels(study: &StudyResults) -> Table {
     for (beta, detection, r_fd) in std::iter::once(own).chain(others) {
         for method in Method::ALL {
             let rows = rows_of(detection, method);
-            let found = rows.iter().filter(|row| detected(row)).count();
+            let found = rows.iter().filter(|row| row.detected()).count();
             let lowest = rows.iter().map(|row| row.r_td).reduce(f64::min);
             let longest = rows.iter().filter_map(|row| row.delay).max();
             let none = || "-".to_owned();
@@ -165,7 +168,8 @@ fn levels(study: &StudyResults) -> Table {
 }
 
 fn isolation(study: &StudyResults) -> Table {
-    let mut table = table(["classes", "right [%]", "mean [%]", "unknown [%]"], 1);
+    let headings = ["classes", "right [%]", "mean [%]", "unknown [%]", "QDA [%]"];
+    let mut table = table(headings, 1);
     let tables = [
         ("the paper's ten", &study.isolation_paper),
         ("those of our test", &study.isolation_merged),
@@ -180,6 +184,7 @@ fn isolation(study: &StudyResults) -> Table {
             percent(right.iter().copied().fold(1.0, f64::min), 1),
             percent(right.iter().sum::<f64>() / rows, 1),
             percent(unknown.sum::<f64>() / rows, 1),
+            percent(of.discriminant.iter().copied().fold(1.0, f64::min), 1),
         ]);
     }
     table
@@ -196,7 +201,7 @@ fn models(study: &StudyResults) -> Table {
         ),
         ("residual on healthy design data, sd", format!("{} {unit}", number(model.residual_sd))),
         ("error model: past outputs, past inputs", format!("{}, {}", model.n_a, model.n_b)),
-        ("its SSE, one step, scaled signals", number(model.error_model_sse)),
+        ("its SSE, one step, in set points squared", number(model.error_model_sse)),
         ("samples of that sum", model.error_model_samples.to_string()),
         ("the paper's, over 3000 samples", number(study.paper.arx_sse)),
         ("v, sd of r - y_e", format!("{} {unit}", number(model.v))),
@@ -270,7 +275,7 @@ mod tests {
         let mut found = synthetic();
         found.detection[0].t_dt = None;
         found.detection[0].delay = None;
-        found.detection[1].delay = None;
+        found.detection[1].false_alarms = 1;
         let text = study(&found);
         let words = |start: &str| -> Vec<Vec<String>> {
             let rows = text.lines().filter(|line| line.trim_start().starts_with(start));

@@ -167,6 +167,13 @@ fn check(column: &Column, expected: usize) -> Result<(), DataError> {
     }
 }
 
+/// What a test's run recorded.
+#[cfg(test)]
+pub(crate) fn data(run: &crate::testing::Run) -> Data<'_> {
+    let input = Column { name: "C_m", values: &run.control };
+    Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -83,8 +83,8 @@ pub enum DesignError {
 }
 
 impl Diagnoser {
-    /// Fits the error model on the residual of `healthy` data, and measures the width of the bands
-    /// and the constant thresholds on `design` data: another healthy run, or the same one (the
+    /// Fits the error model on the residual of `healthy` data, and measures the middle and the width of
+    /// the bands and the constant thresholds on `design` data: another healthy run, or the same one (the
     /// bands then come out about K/N too narrow, K parameters on N samples).
     pub fn design(
         interface: Interface,
@@ -128,8 +128,7 @@ impl Diagnoser {
         };
         let bands = BandDesign::measure(&mut error_model.run(), &design, run_up)?;
         let constant = ConstantThreshold::design(&design, run_up)?;
-        let model_error =
-            ModelError { deviation: bands.deviation, samples: bands.samples, model: error_model };
+        let model_error = ModelError::centred(&error_model, &bands);
         let diagnoser = Self {
             schema: SCHEMA,
             run_up,
@@ -141,6 +140,7 @@ impl Diagnoser {
             model_error,
             recurrent_error: None,
             gmdh: None,
+            faults: None,
         };
         Ok((diagnoser, DesignReport { bands, orders, one_step_sse }))
     }
@@ -169,8 +169,7 @@ impl Diagnoser {
         let judge = design.span(run_up..design.len());
         let model = Model::Network(train(structure, &healthy, &judge, training)?.network);
         let bands = BandDesign::measure(&mut model.run(), &design, run_up)?;
-        let BandDesign { deviation, samples, .. } = bands;
-        self.recurrent_error = Some(ModelError { deviation, samples, model });
+        self.recurrent_error = Some(ModelError::centred(&model, &bands));
         Ok((self, bands))
     }
 
@@ -193,20 +192,15 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::data::Column;
+    use crate::data::data;
     use crate::detector::DetectorError;
     use crate::diagnoser::ThresholdKind;
     use crate::file::FileError;
     use crate::gmdh::{BoundOptions, Gmdh, GmdhOptions};
     use crate::interface::Channel;
-    use crate::testing::{PERIOD, Run, closed_loop, multisine};
+    use crate::testing::{PERIOD, closed_loop, multisine};
 
     const RUN_UP: usize = 200;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     /// A process model without dynamics: its residual leaves everything to the error models.
     fn designed(healthy: &Data) -> Diagnoser {

@@ -13,8 +13,10 @@ use crate::diagnoser::Diagnoser;
 use crate::gmdh::BoundError;
 use crate::model::Model;
 
-/// Version of the file format that this code writes and reads.
-pub const SCHEMA: u32 = 1;
+/// Version of the file format that this code writes: 2, since it may hold known faults.
+pub const SCHEMA: u32 = 2;
+/// Oldest version that it reads; a file of version 1 is one of version 2 without known faults.
+const OLDEST: u32 = 1;
 
 /// Why a diagnoser file cannot be used or written.
 #[derive(Debug, Error)]
@@ -47,7 +49,7 @@ pub enum FileError {
     #[error("this diagnoser cannot be written as TOML: {0}")]
     Serialise(#[from] toml::ser::Error),
     /// It was written by another version.
-    #[error("{} has schema {found}, this program reads schema {SCHEMA}: train the diagnoser again", path.display())]
+    #[error("{} has schema {found}, this program reads {OLDEST} to {SCHEMA}: train the diagnoser again", path.display())]
     Schema {
         /// The file.
         path: PathBuf,
@@ -79,6 +81,14 @@ pub enum FileError {
         path: PathBuf,
         /// What is wrong with them.
         source: BoundError,
+    },
+    /// Known faults whose parts do not fit together.
+    #[error("{}: the known faults do not fit together or not the {inputs} inputs and the residual: train the diagnoser again", path.display())]
+    Faults {
+        /// The file.
+        path: PathBuf,
+        /// Inputs of the interface.
+        inputs: usize,
     },
     /// A number without meaning.
     #[error("{}: {key} = {value} must be {must}", path.display())]
@@ -134,12 +144,12 @@ impl Diagnoser {
             |source| FileError::Parse { path: path.to_path_buf(), source: Box::new(source) };
         // The version first: a later one may hold keys that this one does not know.
         let Head { schema } = toml::from_str(&text).map_err(parse)?;
-        if schema != SCHEMA {
+        if !(OLDEST..=SCHEMA).contains(&schema) {
             return Err(FileError::Schema { path: path.into(), found: schema });
         }
         let diagnoser: Self = toml::from_str(&text).map_err(parse)?;
         diagnoser.check(path)?;
-        Ok(diagnoser)
+        Ok(Self { schema: SCHEMA, ..diagnoser })
     }
 
     fn check(&self, path: &Path) -> Result<(), FileError> {
@@ -164,6 +174,9 @@ impl Diagnoser {
         if let Some(gmdh) = &self.gmdh {
             let bounds = gmdh.bands().map(|_| ());
             bounds.map_err(|source| FileError::Bounds { path: path(), source })?;
+        }
+        if self.faults.as_ref().is_some_and(|faults| !faults.is_valid(inputs)) {
+            return Err(FileError::Faults { path: path(), inputs });
         }
         let recurrent = self.recurrent_error.as_ref().map_or(1.0, |error| error.deviation);
         let positive = [

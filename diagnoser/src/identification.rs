@@ -9,6 +9,8 @@
 use std::ops::Range;
 
 use crate::decision::{SpanError, Trace};
+use crate::detector::Verdict;
+use crate::threshold::Band;
 
 /// Size of a fault relative to others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,11 +28,16 @@ pub fn fault_size(trace: &Trace, span: Range<usize>) -> Result<f64, SpanError> {
     trace.check(&span)?;
     let n = span.len() as f64;
     let ratio = |k: usize| {
-        let verdict = &trace.verdicts[k];
-        let middle = 0.5 * (verdict.upper + verdict.lower);
-        (verdict.residual - middle).abs() / (0.5 * (verdict.upper - verdict.lower))
+        let Verdict { residual, lower, upper, .. } = trace.verdicts[k];
+        thresholds_off(residual, &Band { lower, upper })
     };
     Ok(span.map(ratio).sum::<f64>() / n)
+}
+
+/// |r| / T of one sample: distance from the middle of the band over its half width.
+pub(crate) fn thresholds_off(residual: f64, band: &Band) -> f64 {
+    let (middle, half) = (0.5 * (band.upper + band.lower), 0.5 * (band.upper - band.lower));
+    (residual - middle).abs() / half
 }
 
 /// Groups of faults by S, in the order given. Fewer than three different sizes leave groups empty,
@@ -80,7 +87,6 @@ pub fn size_groups(sizes: &[f64]) -> Vec<Size> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Verdict;
 
     /// Table 3: f_1..6^1, then f_1..6^2.
     const TABLE_3: [f64; 12] =

@@ -13,7 +13,8 @@
 //! [`Detector`] puts them to work sample by sample, and its [`Trace`] yields rates and times.
 //! [`RobustGmdh`] is a second kind of model that brings its own bounds. Behind a declared fault,
 //! an [`Isolator`] names its class and [`fault_size`] its size. A [`Diagnoser`] holds them all for
-//! one set of signals and is what the file stores; [`Diagnoser::learn`] makes one from recordings.
+//! one set of signals and is what the file stores; [`Diagnoser::learn`] makes one from recordings,
+//! and [`Diagnoser::with_faults`] teaches it faults that were recorded and labelled.
 //!
 //! Equation numbers are those of K. Patan, M. Witczak, J. Korbicz, "Towards robustness in neural
 //! network based fault diagnosis", Int. J. Appl. Math. Comput. Sci. 18 (2008), 443-454.
@@ -43,7 +44,7 @@ mod threshold;
 
 pub use arx::{Arx, ArxError, ArxFit, ArxRun, OrderRow, OrderTable, Orders};
 pub use data::{Column, Data, DataError};
-pub use decision::{RunRule, SpanError, Trace};
+pub use decision::{Detection, RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
 pub use detector::{Detector, DetectorError, Verdict};
 pub use diagnoser::{Diagnoser, DiagnosisError, ModelError, ThresholdKind, ThresholdRun};
@@ -58,14 +59,15 @@ pub use gmdh::{
 pub use identification::{Size, fault_size, size_groups};
 pub use interface::{Channel, Interface, InterfaceError};
 pub use isolation::{
-    Answer, Cloud, FaultSymptoms, IsolationError, IsolationMatrix, IsolationReport, Isolator,
-    IsolatorOptions, Mlp, MlpSize, Partition, Separability, SymptomError, Symptoms, symptoms_of,
+    Answer, Cloud, FaultSymptoms, FaultsError, FaultsReport, FaultyRun, IsolationError,
+    IsolationMatrix, IsolationReport, Isolator, IsolatorOptions, KnownFaults, Mlp, MlpSize, Named,
+    Naming, Partition, Separability, SymptomError, Symptoms, discriminant, symptoms_of,
 };
 pub use model::{Model, ModelRun};
 pub use model_error::{BandDesign, ErrorBands};
 pub use network::{
-    ApproximationRow, FirNeuron, IirNeuron, Method, Network, NetworkRun, StartRow, Structure,
-    StructureRow, Theta, Trained, Training, TrainingError, approximation_table, select_structure,
+    ApproximationExample, ApproximationRow, FirNeuron, IirNeuron, Method, Network, NetworkRun,
+    StartRow, Structure, StructureRow, Theta, Trained, Training, TrainingError, select_structure,
     train,
 };
 pub use recipe::{Learned, Recipe, RecipeError, Sets};

@@ -42,6 +42,27 @@ impl Model {
         }
     }
 
+    /// The same model with an output higher by `by`, in its unit, once it has settled.
+    pub(crate) fn raised(&self, by: f64) -> Self {
+        match self {
+            Self::Arx(arx) => {
+                let mut arx = Arx::clone(arx);
+                arx.constant += by * (1.0 + arx.a.iter().sum::<f64>());
+                Self::Arx(Arc::new(arx))
+            }
+            Self::Network(network) => {
+                let mut network = Network::clone(network);
+                network.output_scales.iter_mut().for_each(|scale| scale.mean += by);
+                Self::Network(Arc::new(network))
+            }
+            Self::Gmdh(gmdh) => {
+                let mut gmdh = Gmdh::clone(gmdh);
+                gmdh.output_scale.mean += by;
+                Self::Gmdh(Arc::new(gmdh))
+            }
+        }
+    }
+
     /// A free run from rest.
     ///
     /// # Panics

@@ -8,8 +8,11 @@
 //! Readings taken where the paper is silent: y_e is the free-run response to u (a one-step
 //! prediction follows the fault and absorbs it), v is the standard deviation of r - y_e on healthy
 //! data (with the literal std(y_e) the bands narrow as the model improves), the error model has a
-//! constant and is fitted on healthy data of the loop as it runs. (6), (7) hold their level only
-//! if r - y_e is normal; that it is, and that it is white, is tested and reported.
+//! constant and is fitted on healthy data of the loop as it runs. (6), (7) presuppose that r - y_e
+//! has mean zero: a fit leaves its free run that mean on the data that it was fitted to, not on
+//! others, so the mean over the design data, of which there are more, is added to the error model.
+//! The level holds only if r - y_e is normal; that it is, and that it is white, is tested and
+//! reported.
 
 use drivescope_numerics::{Normality, Whiteness, ljung_box, omnibus_normality};
 
@@ -25,10 +28,9 @@ const LAGS: usize = 50;
 pub struct BandDesign {
     /// v, the standard deviation of r - y_e, output unit.
     pub deviation: f64,
-    /// Mean of r - y_e, output unit; far below `deviation` if the error model fits.
+    /// Mean of r - y_e before it was taken out, output unit; far below `deviation` if the error
+    /// model fits.
     pub mean: f64,
-    /// Sum of squares of r - y_e, output unit squared.
-    pub sse: f64,
     /// Samples, run-up excluded.
     pub samples: usize,
     /// Ljung-Box test over 50 lags; `None` if there are not more samples than that.
@@ -52,7 +54,6 @@ impl BandDesign {
         Ok(Self {
             deviation,
             mean,
-            sse: left.iter().map(|e| e * e).sum(),
             samples: left.len(),
             whiteness: ljung_box(left, LAGS),
             normality: omnibus_normality(left),

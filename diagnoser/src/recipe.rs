@@ -149,16 +149,11 @@ impl Diagnoser {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Column;
+    use crate::data::data;
     use crate::diagnoser::ThresholdKind;
     use crate::interface::Channel;
     use crate::testing::{PERIOD, Run, closed_loop, multisine};
     use crate::threshold::Confidence;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     #[test]
     fn every_threshold_of_a_learned_diagnoser_tells_a_fault_from_health() {

@@ -5,7 +5,6 @@
 //! runs of other seeds: of each one healthy run and the twelve faults. The drive runs natively,
 //! which the FMU repeats bit for bit.
 
-use drivescope_diagnoser::Trace;
 use drivescope_numerics::wilson_95;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -15,7 +14,9 @@ use crate::experiment::{Experiment, Stream};
 use crate::faults::{Fault, twelve};
 use crate::native::ClosedLoops;
 use crate::results::{ByMethod, DetectionRow, FaultName, Method, TorqueReading};
-use crate::study::{Designed, Judgement, SAMPLES, Signals, StudyError, Watch, row_of};
+use crate::study::{
+    Designed, Judgement, SAMPLES, Signals, StudyError, Watch, false_rate_of, row_of,
+};
 
 /// Lanes for a healthy run and twelve faults.
 const LANES: usize = 16;
@@ -73,7 +74,7 @@ impl Spread {
 pub struct FaultRow {
     /// The fault.
     pub fault: FaultName,
-    /// Seeds in which it was declared after it began, with none standing declared before.
+    /// Seeds in which it was declared, with no false alarm before it.
     pub detected: Share,
     /// Seeds in which t_dt was at most [`IN_TIME`].
     pub in_time: Share,
@@ -174,13 +175,13 @@ pub fn parity(
         |values: &dyn Fn(&OfSeed) -> f64| of_seeds.iter().map(values).sum::<f64>() / n as f64;
     let twelve = faults.len() as f64;
     let always_hits: usize =
-        of_seeds.iter().map(|s| s.always.0.iter().filter(|row| found(row)).count()).sum();
+        of_seeds.iter().map(|s| s.always.0.iter().filter(|row| row.detected()).count()).sum();
     let broken = Broken {
         always_r_td: mean(&|s| s.always.0.iter().map(|row| row.r_td).sum::<f64>() / twelve),
         always_r_fd: mean(&|s| s.always.1),
         always_detected: Share::new(always_hits, n * faults.len()),
         shuffled_r_td: mean(&|s| s.shuffled.r_td),
-        shuffled_detected: Share::new(of_seeds.iter().filter(|s| found(&s.shuffled)).count(), n),
+        shuffled_detected: Share::new(of_seeds.iter().filter(|s| s.shuffled.detected()).count(), n),
     };
     Ok(Parity {
         design_seed: experiment.seed,
@@ -193,11 +194,6 @@ pub fn parity(
         methods: methods.into(),
         broken,
     })
-}
-
-/// Whether a fault was declared after it began and nothing stood declared before.
-fn found(row: &DetectionRow) -> bool {
-    row.delay.is_some() && row.false_alarms == 0
 }
 
 fn of_seed(
@@ -221,11 +217,8 @@ fn of_seed(
     let judged = loops.run(&inputs).iter().map(judge).collect::<Result<Vec<_>, _>>()?;
     let (healthy, faulty) = (&judged[0], &judged[1..]);
     let always = |judgement: &Judgement| judgement.trace(Method::Mem).with_bands_scaled(0.0);
-    let row = |(fault, judgement): (&Fault, &Judgement)| ByMethod {
-        mem: judgement.row(Method::Mem, fault),
-        mem_recurrent: judgement.row(Method::MemRecurrent, fault),
-        constant: judgement.row(Method::Constant, fault),
-        gmdh: judgement.row(Method::Gmdh, fault),
+    let row = |(fault, judgement): (&Fault, &Judgement)| {
+        ByMethod::from_fn(|method| judgement.row(method, fault))
     };
     let always_rows = faults
         .iter()
@@ -234,15 +227,10 @@ fn of_seed(
     Ok(OfSeed {
         faults: faults.iter().zip(faulty).map(row).collect(),
         r_fd: ByMethod::from_fn(|method| healthy.false_rate(method)),
-        alarms: ByMethod::from_fn(|method| healthy.alarms(method, 0..SAMPLES)),
-        always: (always_rows.collect(), share_outside(&always(healthy))),
+        alarms: ByMethod::from_fn(|method| healthy.alarms(method)),
+        always: (always_rows.collect(), false_rate_of(&always(healthy))),
         shuffled: healthy.row(Method::Mem, &faults[0]),
     })
-}
-
-fn share_outside(trace: &Trace) -> f64 {
-    let judged = &trace.verdicts[trace.run_up..];
-    judged.iter().filter(|verdict| verdict.exceeds).count() as f64 / judged.len() as f64
 }
 
 fn method_rows(method: Method, faults: &[Fault], seeds: &[OfSeed]) -> MethodRows {
@@ -253,10 +241,10 @@ fn method_rows(method: Method, faults: &[Fault], seeds: &[OfSeed]) -> MethodRows
         let rows = || seeds.iter().map(move |seed| seed.faults[k].get(method));
         FaultRow {
             fault: fault.name.clone(),
-            detected: count(&|seed| found(seed.faults[k].get(method))),
+            detected: count(&|seed| seed.faults[k].get(method).detected()),
             in_time: count(&|seed| {
                 let row = seed.faults[k].get(method);
-                found(row) && row.t_dt.is_some_and(|t_dt| t_dt <= IN_TIME)
+                row.detected() && row.t_dt.is_some_and(|t_dt| t_dt <= IN_TIME)
             }),
             r_td: Spread::of(rows().map(|row| row.r_td)),
             t_dt: Spread::of(rows().filter_map(|row| row.t_dt).map(|t_dt| t_dt as f64)),
@@ -264,7 +252,7 @@ fn method_rows(method: Method, faults: &[Fault], seeds: &[OfSeed]) -> MethodRows
     };
     MethodRows {
         method,
-        all_detected: count(&|seed| seed.faults.iter().all(|row| found(row.get(method)))),
+        all_detected: count(&|seed| seed.faults.iter().all(|row| row.get(method).detected())),
         r_fd: Spread::of(seeds.iter().map(|seed| seed.r_fd.of(method))),
         silent: count(&|seed| seed.alarms.of(method) == 0),
         faults: faults.iter().enumerate().map(fault).collect(),

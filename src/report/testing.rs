@@ -167,6 +167,9 @@ pub(crate) fn study() -> StudyResults {
         symptoms: names().enumerate().map(|(k, fault)| cloud(k, fault)).collect(),
         separability: SeparabilitySummary {
             limit: 0.1,
+            draws: 20,
+            merges: vec![Merge { faults: ["tacho +5 %".into(), "flux -5 %".into()], draws: 3 }],
+            explained: 0.99,
             confusion: vec![vec![0.0; 12]; 12],
             classes: names().map(|name| vec![name.shown()]).collect(),
             classes_paper: vec![vec!["tacho +5 %".into(), "flux -5 %".into()]],
@@ -225,6 +228,7 @@ fn isolation(classes: usize) -> IsolationTable {
         faults: names().map(|name| name.shown()).collect(),
         matrix,
         class_of: (0..12).map(|fault| fault % classes).collect(),
+        discriminant: vec![0.9; 12],
     }
 }
 

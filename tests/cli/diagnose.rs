@@ -77,7 +77,7 @@ fn a_machine_of_another_kind_is_diagnosed() {
     let here = here.path();
     trained(here, "recurrent");
     let file = std::fs::read_to_string(here.join("heater.toml")).expect("it was written");
-    assert!(file.starts_with("schema = 1") && file.contains("name = \"y\""), "{file}");
+    assert!(file.starts_with("schema = 2") && file.contains("name = \"y\""), "{file}");
     put(here, "ill.csv", heater(held, 5000, 4, 4000, 1.1));
     put(here, "well.csv", heater(held, 5000, 5, usize::MAX, 1.0));
     let ask = |recording: &str| {
@@ -99,18 +99,74 @@ fn a_machine_of_another_kind_is_diagnosed() {
     // A finding that the user forbids is an exit code; the same rows live say the same.
     assert_eq!(run(here, &["diagnose", "heater.toml", "ill.csv", "--check"]).code, Some(1));
     assert_eq!(run(here, &["diagnose", "heater.toml", "well.csv", "--check"]).code, Some(0));
+    let live = piped(here, &["diagnose", "heater.toml", "-", "--json", "-"], "ill.csv");
+    let live: serde_json::Value = serde_json::from_slice(&live).expect("JSON");
+    assert_eq!(live["methods"], ill["methods"]);
+}
+
+/// What the program prints when a file comes in through standard input.
+fn piped(here: &Path, arguments: &[&str], file: &str) -> Vec<u8> {
     let mut live = program(here)
-        .args(["diagnose", "heater.toml", "-", "--json", "-"])
+        .args(arguments)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
-    let rows = std::fs::read(here.join("ill.csv")).expect("written above");
+    let rows = std::fs::read(here.join(file)).expect("written before");
     live.stdin.take().expect("piped").write_all(&rows).expect("it reads");
-    let output = live.wait_with_output().expect("it ends");
-    let live: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(live["methods"], ill["methods"]);
+    live.wait_with_output().expect("it ends").stdout
+}
+
+#[test]
+fn faults_that_were_shown_are_named_live_or_not_and_others_are_unknown() {
+    let here = folder();
+    let here = here.path();
+    put(here, "one.csv", heater(held, 3500, 1, usize::MAX, 1.0));
+    put(here, "two.csv", heater(held, 12_000, 2, usize::MAX, 1.0));
+    put(here, "open.csv", heater(swinging, 2500, 3, usize::MAX, 1.0));
+    for (file, seed, gain) in
+        [("high", 7, 1.1), ("low", 8, 0.9), ("twice", 9, 1.2), ("same", 10, 1.1)]
+    {
+        put(here, &format!("{file}.csv"), heater(held, 2500, seed, 1500, gain));
+    }
+    let shown = ["--fault", "gain +10 %=high.csv", "--fault", "gain -10 %=low.csv"];
+    let shown =
+        [&shown[..], &["--fault", "gain +20 %=twice.csv", "--fault", "ten=same.csv"]].concat();
+    let without = ["--without", "recurrent,gmdh", "--json", "-"];
+    let learned = done(here, &[&TRAIN[..], &without, &shown].concat()).json();
+    let classes = &learned["faults"]["classes"];
+    assert_eq!(classes[0], serde_json::json!(["gain +10 %", "ten"]), "{learned}");
+    assert_eq!(classes.as_array().map(Vec::len), Some(3), "{learned}");
+    for fault in learned["faults"]["faults"].as_array().expect("a list") {
+        assert!(fault["right"].as_f64().is_some_and(|share| share > 0.9), "{fault}");
+    }
+    for (seed, gain, class, group) in [
+        (11, 1.1, "gain +10 % | ten", "small"),
+        (12, 0.9, "gain -10 %", "small"),
+        (13, 1.2, "gain +20 %", "large"),
+        (14, 0.7, "unknown", "large"),
+    ] {
+        put(here, "ill.csv", heater(held, 3500, seed, 2500, gain));
+        let answer = done(here, &["diagnose", "heater.toml", "ill.csv", "--json", "-"]).json();
+        let fault = &answer["fault"];
+        assert_eq!((&fault["class"], &fault["group"]), (&class.into(), &group.into()), "{answer}");
+        assert!(fault["share"].as_f64().is_some_and(|share| share > 0.8), "{answer}");
+        let live = piped(here, &["diagnose", "heater.toml", "-", "--json", "-"], "ill.csv");
+        let live: serde_json::Value = serde_json::from_slice(&live).expect("JSON");
+        assert_eq!(live["fault"], answer["fault"]);
+        let said = piped(here, &["diagnose", "heater.toml", "-"], "ill.csv");
+        assert!(String::from_utf8_lossy(&said).contains(class), "{class}");
+    }
+    for (wrong, said) in [
+        ("high.csv", "NAME=REC"),
+        ("healthy=two.csv", "two.csv: fault healthy stands declared at"),
+        ("alone=high.csv", "at least two faults"),
+        ("gone=none.csv", "none.csv"),
+    ] {
+        let message = refused(here, &[&TRAIN[..], &["--fault", wrong]].concat());
+        assert!(message.contains(said), "{message}");
+    }
 }
 
 #[test]
@@ -163,7 +219,8 @@ fn a_diagnoser_is_not_run_on_what_it_was_not_made_for() {
         (good.replace("p [W]", "q [W]"), "p"),
         (good.replace("y [K]", "y [V]"), "V"),
         (slow, "0.01"),
-        (heater(held, 400, 6, usize::MAX, 1.0), "nothing was judged"),
+        (heater(held, 400, 6, usize::MAX, 1.0), "0 are left to judge"),
+        (heater(held, 540, 6, usize::MAX, 1.0), "40 are left to judge, and a declaration takes 50"),
     ] {
         put(here, "other.csv", text);
         let message = refused(here, &["diagnose", "heater.toml", "other.csv"]);
@@ -172,7 +229,7 @@ fn a_diagnoser_is_not_run_on_what_it_was_not_made_for() {
     put(here, "good.csv", &good);
     let file = std::fs::read_to_string(here.join("heater.toml")).expect("written");
     for (file, said) in [
-        (file.replacen("schema = 1", "schema = 7", 1), "schema 7"),
+        (file.replacen("schema = 2", "schema = 7", 1), "schema 7"),
         (file.replacen("run_up = 500", "run_up = \"long\"", 1), "line 2"),
         ("what = 1".to_owned(), "schema"),
     ] {

@@ -24,6 +24,7 @@ mod bound_options;
 mod bounds;
 mod design;
 mod fit;
+mod layer;
 mod options;
 mod recurrent;
 mod run;

@@ -9,7 +9,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::symptoms::Symptoms;
+use super::symptoms::{FaultSymptoms, Symptoms};
 
 /// Ridge on a covariance, as a share of its trace: signals may be tied by an equation.
 const RIDGE: f64 = 1e-9;
@@ -95,13 +95,19 @@ impl Partition {
         self.classes.iter().position(|class| class.contains(&fault))
     }
 
-    /// Pairs of faults that share a class here and not in the other partition.
-    pub fn merged_only_here(&self, other: &Self) -> Vec<(usize, usize)> {
+    /// Pairs of faults that share a class.
+    pub fn merged(&self) -> Vec<(usize, usize)> {
         let pairs = self.classes.iter().flat_map(|class| {
             let later = move |i: usize| class[i + 1..].iter().map(move |b| (class[i], *b));
             (0..class.len()).flat_map(later)
         });
-        pairs.filter(|(a, b)| other.class_of(*a) != other.class_of(*b)).collect()
+        pairs.collect()
+    }
+
+    /// Pairs of faults that share a class here and not in the other partition.
+    pub fn merged_only_here(&self, other: &Self) -> Vec<(usize, usize)> {
+        let apart = |(a, b): &(usize, usize)| other.class_of(*a) != other.class_of(*b);
+        self.merged().into_iter().filter(apart).collect()
     }
 }
 
@@ -115,8 +121,11 @@ pub struct Separability {
 }
 
 impl Separability {
+    /// Confusion from which on two faults share a class: the paper is content with 90 % recognition.
+    pub const LIMIT: f64 = 0.1;
+
     /// Tests all pairs; two faults are inseparable if more than `limit` of the samples of either are
-    /// taken for the other (the paper is content with 90 % recognition: 0.1).
+    /// taken for the other.
     pub fn test(symptoms: &Symptoms, limit: f64) -> Self {
         let faults = symptoms.faults();
         let half = |fault: usize, part: usize| faults[fault].samples.iter().skip(part).step_by(2);
@@ -133,9 +142,28 @@ impl Separability {
         let confusion: Vec<Vec<f64>> = (0..faults.len())
             .map(|i| (0..faults.len()).map(|j| if i == j { 0.0 } else { confused(i, j) }).collect())
             .collect();
-        // Classes as connected components: the smallest fault that each is tied to.
-        let mut first: Vec<usize> = (0..faults.len()).collect();
-        for i in 0..faults.len() {
+        Self::of(confusion, limit)
+    }
+
+    /// The test on the mean confusion of several tests of the same faults: one draw of the noise
+    /// leaves a confusion near the limit on either side of it.
+    ///
+    /// # Panics
+    /// If the tests are of different numbers of faults.
+    pub fn pooled(tests: &[Self], limit: f64) -> Self {
+        let faults = tests.first().map_or(0, |test| test.confusion.len());
+        let mean = |i: usize, j: usize| {
+            tests.iter().map(|test| test.confusion[i][j]).sum::<f64>() / tests.len() as f64
+        };
+        let confusion = (0..faults).map(|i| (0..faults).map(|j| mean(i, j)).collect()).collect();
+        Self::of(confusion, limit)
+    }
+
+    /// Classes as connected components: the smallest fault that each is tied to.
+    fn of(confusion: Vec<Vec<f64>>, limit: f64) -> Self {
+        let faults = confusion.len();
+        let mut first: Vec<usize> = (0..faults).collect();
+        for i in 0..faults {
             for j in 0..i {
                 if confusion[i][j] > limit || confusion[j][i] > limit {
                     let (from, to) = (first[i].max(first[j]), first[i].min(first[j]));
@@ -144,11 +172,33 @@ impl Separability {
             }
         }
         let members = |class: usize| -> Vec<usize> {
-            (0..faults.len()).filter(|fault| first[*fault] == class).collect()
+            (0..faults).filter(|fault| first[*fault] == class).collect()
         };
-        let classes = (0..faults.len()).filter(|f| first[*f] == *f).map(members).collect();
+        let classes = (0..faults).filter(|f| first[*f] == *f).map(members).collect();
         Self { confusion, partition: Partition { classes } }
     }
+}
+
+/// Share of fresh symptoms of every fault for which the most likely fault is of its class, each
+/// fault normally distributed as its learning symptoms are: what the symptoms allow a classifier of
+/// another kind.
+///
+/// # Panics
+/// If the fresh symptoms are of other faults than the learning ones or the classes.
+pub fn discriminant(learning: &Symptoms, fresh: &Symptoms, partition: &Partition) -> Vec<f64> {
+    let clouds: Vec<Cloud> =
+        learning.faults().iter().map(|fault| Cloud::of(fault.samples.iter())).collect();
+    let likely = |x: &Vec<f64>| {
+        let surprise = |fault: &usize| clouds[*fault].surprise(x);
+        (0..clouds.len()).min_by(|a, b| surprise(a).total_cmp(&surprise(b)))
+    };
+    let right = |(fault, symptoms): (usize, &FaultSymptoms)| {
+        let class = partition.class_of(fault);
+        let hit = |x: &&Vec<f64>| likely(x).and_then(|answer| partition.class_of(answer)) == class;
+        let hits = symptoms.samples.iter().filter(hit).count();
+        hits as f64 / symptoms.samples.len() as f64
+    };
+    fresh.faults().iter().enumerate().map(right).collect()
 }
 
 #[cfg(test)]
@@ -159,7 +209,7 @@ mod tests {
     #[test]
     fn overlapping_faults_share_a_class_and_others_do_not() {
         let symptoms = paper_like(100, 1);
-        let found = Separability::test(&symptoms, 0.1);
+        let found = Separability::test(&symptoms, Separability::LIMIT);
         assert!(found.confusion[0][11] > 0.2 && found.confusion[0][5] == 0.0);
         assert_eq!(found.partition, Partition::paper());
         assert_eq!(
@@ -170,10 +220,30 @@ mod tests {
     }
 
     #[test]
+    fn several_draws_are_pooled() {
+        let draws: Vec<Separability> = (10..20)
+            .map(|seed| Separability::test(&paper_like(20, seed), Separability::LIMIT))
+            .collect();
+        let pooled = Separability::pooled(&draws, Separability::LIMIT);
+        assert_eq!(pooled.partition, Partition::paper());
+        let mean = draws.iter().map(|draw| draw.confusion[11][0]).sum::<f64>() / 10.0;
+        assert!((pooled.confusion[11][0] - mean).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_discriminant_tells_classes_and_not_what_is_merged() {
+        let (learning, fresh) = (paper_like(100, 1), paper_like(200, 2));
+        let merged = discriminant(&learning, &fresh, &Partition::paper());
+        assert!(merged.iter().all(|share| *share > 0.95), "{merged:?}");
+        let alone = discriminant(&learning, &fresh, &Partition::singletons(12));
+        assert!(alone[0].min(alone[11]) < 0.8 && alone[5] > 0.99, "{alone:?}");
+    }
+
+    #[test]
     fn a_chain_of_neighbours_is_one_class() {
         // Each overlaps the next; the ends do not overlap.
         let chain = clouds(&[[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [20.0, 0.0]], 200, 2);
-        let found = Separability::test(&chain, 0.1);
+        let found = Separability::test(&chain, Separability::LIMIT);
         assert!(found.confusion[0][2] < 0.1);
         assert_eq!(found.partition.classes, [vec![0, 1, 2], vec![3]]);
     }

@@ -28,7 +28,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::approximation::{ApproximationRow, approximation_table};
+pub use self::approximation::{ApproximationExample, ApproximationRow};
 pub use self::run::NetworkRun;
 pub use self::select::{StructureRow, select_structure};
 pub use self::theta::Theta;

@@ -1,6 +1,7 @@
 //! Network sizes by AIC, N ln(SSE / N) + 2 K over the free-run errors.
 
-use super::{Structure, Trained, Training, TrainingError, train};
+use super::train::{Keep, train_from};
+use super::{Structure, Theta, Trained, Training, TrainingError};
 use crate::data::Data;
 
 /// One candidate, trained.
@@ -12,27 +13,43 @@ pub struct StructureRow {
     pub parameters: usize,
     /// K: those that the data can tell apart.
     pub effective_parameters: usize,
-    /// The best of its starts, with SSE and AIC.
+    /// The start that fits best, with SSE and AIC.
     pub trained: Trained,
 }
 
 /// Trains every candidate in the same way; rows in the order given, and the index of the one with
 /// the smallest AIC.
+///
+/// AIC compares least squares, so of the starts of a candidate the one that fits best counts. One of
+/// them is the best network among the candidates that it contains: no structure fits worse than a
+/// part of it, however many starts a search would need to find that out by chance.
 pub fn select_structure(
     candidates: &[Structure],
     estimation: &Data,
     validation: &Data,
     training: &Training,
 ) -> Result<(Vec<StructureRow>, usize), TrainingError> {
-    let row = |structure: &Structure| {
-        Ok(StructureRow {
-            structure: *structure,
+    let mut order: Vec<usize> = (0..candidates.len()).collect();
+    order.sort_by_key(|place| candidates[*place].parameters());
+    let mut trained: Vec<(usize, StructureRow)> = Vec::new();
+    for place in order {
+        let structure = candidates[place];
+        let contained = trained.iter().map(|(_, row)| row);
+        let contained = contained.filter(|row| structure.contains(&row.structure));
+        let best = contained.min_by(|a, b| a.trained.sse.total_cmp(&b.trained.sse));
+        let smaller: Vec<&Theta> = best.iter().map(|row| &row.trained.theta).collect();
+        let data = (estimation, validation);
+        let found = train_from(&smaller, Keep::BestFit, structure, data, training)?;
+        let row = StructureRow {
+            structure,
             parameters: structure.parameters(),
             effective_parameters: structure.effective_parameters(),
-            trained: train(*structure, estimation, validation, training)?,
-        })
-    };
-    let rows = candidates.iter().map(row).collect::<Result<Vec<_>, TrainingError>>()?;
+            trained: found,
+        };
+        trained.push((place, row));
+    }
+    trained.sort_by_key(|(place, _)| *place);
+    let rows: Vec<StructureRow> = trained.into_iter().map(|(_, row)| row).collect();
     let best = (0..rows.len()).min_by(|a, b| rows[*a].trained.aic.total_cmp(&rows[*b].trained.aic));
     best.map(|best| (rows, best)).ok_or(TrainingError::NoCandidate)
 }
@@ -40,15 +57,10 @@ pub fn select_structure(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Column;
+    use crate::data::data;
     use crate::network::Method;
-    use crate::testing::{Run, multisine};
+    use crate::testing::multisine;
     use drivescope_numerics::Limits;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     #[test]
     fn dry_friction_asks_for_neurons_and_idle_ones_are_not_chosen() {
@@ -66,6 +78,21 @@ mod tests {
         assert_eq!(rows.iter().map(|row| row.structure).collect::<Vec<_>>(), candidates);
         assert!(best > 0, "one neuron for a curve with a corner at zero");
         assert!(rows.iter().all(|row| row.trained.aic >= rows[best].trained.aic));
+        // A start that stops early leaves a large network worse than a small one, unless it begins
+        // where that ended; whatever the order in which they are given.
+        let quick = Limits { steps: 4, relative_decrease: 1e-6 };
+        let method = Method::LevenbergMarquardt(quick);
+        let hasty = Training { method, starts: 1, ..training };
+        let mut grid = Structure::grid(1, 1);
+        grid.reverse();
+        let (rows, _) =
+            select_structure(&grid, &data(&estimation), &data(&validation), &hasty).unwrap();
+        for (large, small) in rows.iter().flat_map(|large| rows.iter().map(move |s| (large, s))) {
+            if large.structure.contains(&small.structure) {
+                let bound = small.trained.sse * (1.0 + 1e-9);
+                assert!(large.trained.sse <= bound, "{:?} {:?}", large.structure, small.structure);
+            }
+        }
         let none = select_structure(&[], &data(&estimation), &data(&validation), &training);
         assert_eq!(none.unwrap_err(), TrainingError::NoCandidate);
     }

@@ -136,6 +136,53 @@ impl Theta {
     }
 }
 
+impl Structure {
+    /// Whether a network of these sizes can do all that one of the other sizes can.
+    pub(super) fn contains(&self, other: &Self) -> bool {
+        let own = (self.inputs, self.outputs);
+        own == (other.inputs, other.outputs)
+            && self.v1 >= other.v1
+            && self.v2 >= other.v2
+            && self.order >= other.order
+    }
+}
+
+impl Theta {
+    /// A network of larger sizes that does what this one does: what is new is drawn, and does not
+    /// reach the output. Longer filters have their new coefficients at zero, new neurons their
+    /// weights in the next layer.
+    ///
+    /// # Panics
+    /// If `into` does not contain these sizes.
+    pub(super) fn embedded(&self, into: Structure, normal: impl FnMut() -> f64) -> Self {
+        assert!(into.contains(&self.structure), "a network fits into none that is smaller");
+        let (from, mut larger) = (self.structure, Self::draw(into, normal));
+        let old = Layers::of(from, &self.values);
+        let (iir, rest) = larger.values.split_at_mut(into.v1 * into.iir_parameters());
+        let (fir, c) = rest.split_at_mut(into.v2 * (into.v1 + into.inputs));
+        for (new, old) in iir.chunks_exact_mut(into.iir_parameters()).zip(old.neurons()) {
+            let zeros = vec![0.0; into.order - from.order];
+            let filter = [old.w, old.theta, &zeros, old.b, &zeros].concat();
+            new[..filter.len()].copy_from_slice(&filter);
+            new[filter.len()..].copy_from_slice(&[old.b_0, old.g_1, old.g_2]);
+        }
+        let old_rows = old.fir.chunks_exact(from.v1 + from.inputs);
+        for (new, old) in fir.chunks_exact_mut(into.v1 + into.inputs).zip(old_rows) {
+            let (w_2, w_u) = old.split_at(from.v1);
+            new[..into.v1].fill(0.0);
+            new[..from.v1].copy_from_slice(w_2);
+            new[into.v1..].copy_from_slice(w_u);
+        }
+        let old_rows = old.c.chunks_exact(from.v2 * from.order);
+        for (new, old) in c.chunks_exact_mut(into.v2 * into.order).zip(old_rows) {
+            new.fill(0.0);
+            let taps = new.chunks_exact_mut(into.order).zip(old.chunks_exact(from.order));
+            taps.for_each(|(new, old)| new[..from.order].copy_from_slice(old));
+        }
+        larger
+    }
+}
+
 /// Coefficients a_1..a_r of the polynomial with these roots.
 fn monic(roots: &[f64]) -> Vec<f64> {
     let mut a = vec![1.0];
@@ -165,6 +212,24 @@ mod tests {
                 assert!(network.is_stable(), "order {order}, size {size}");
             }
         }
+    }
+
+    #[test]
+    fn a_network_embedded_in_a_larger_one_does_the_same() {
+        let small = Structure { inputs: 2, outputs: 2, v1: 2, v2: 3, order: 1 };
+        let values = noise(small.parameters(), 5).iter().map(|e| 0.4 * e).collect();
+        let small = Theta { structure: small, values };
+        let inputs = noise(400, 6);
+        let wanted = small.simulate(&inputs);
+        for (v1, v2, order) in [(2, 3, 1), (4, 3, 1), (2, 6, 1), (2, 3, 2), (3, 5, 3)] {
+            let into = Structure { v1, v2, order, ..small.structure };
+            let mut draws = noise(into.parameters() + 20, 7).into_iter();
+            let large = small.embedded(into, || draws.next().unwrap());
+            for (found, wanted) in large.simulate(&inputs).iter().zip(&wanted) {
+                assert!((found - wanted).abs() < 1e-12, "{into:?}");
+            }
+        }
+        assert!(!small.structure.contains(&Structure { v1: 3, ..small.structure }));
     }
 
     #[test]

@@ -111,8 +111,17 @@ pub struct Trained {
     pub aic: f64,
     /// All starts, by index.
     pub starts: Vec<StartRow>,
-    /// Index of the start that did best on the validation data.
+    /// Index of the start that was kept.
     pub best: usize,
+}
+
+/// Which start is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Keep {
+    /// The one that does best on validation data: a network for use.
+    BestOnValidation,
+    /// The one that fits best: the least squares that AIC asks for.
+    BestFit,
 }
 
 /// Standardised signals, row after row.
@@ -164,6 +173,17 @@ pub fn train(
     validation: &Data,
     training: &Training,
 ) -> Result<Trained, TrainingError> {
+    train_from(&[], Keep::BestOnValidation, structure, (estimation, validation), training)
+}
+
+/// Trains from the random starts and from networks that this structure contains, which come last.
+pub(super) fn train_from(
+    smaller: &[&Theta],
+    keep: Keep,
+    structure: Structure,
+    (estimation, validation): (&Data, &Data),
+    training: &Training,
+) -> Result<Trained, TrainingError> {
     let &Training { method, starts, seed, run_up } = training;
     for (set, data) in [("estimation", estimation), ("validation", validation)] {
         let (inputs, outputs) = (data.inputs().len(), data.outputs().len());
@@ -186,11 +206,15 @@ pub fn train(
     let error = FreeRunError { structure, rows: estimation.rows(run_up) };
     let judge = FreeRunError { structure, rows: validation.rows(run_up) };
 
-    let ends: Vec<(Vec<f64>, f64, f64)> = (0..starts)
+    let ends: Vec<(Vec<f64>, f64, f64)> = (0..starts + smaller.len())
         .into_par_iter()
         .map(|index| {
             let mut random = Pcg64::new(u128::from(seed), STREAM * index as u128);
-            let start = Theta::draw(structure, || StandardNormal.sample(&mut random)).values;
+            let normal = || StandardNormal.sample(&mut random);
+            let start = match index.checked_sub(starts) {
+                Some(place) => smaller[place].embedded(structure, normal).values,
+                None => Theta::draw(structure, normal).values,
+            };
             let (values, sse) = match method {
                 Method::LevenbergMarquardt(limits) => {
                     let minimum = minimise(&error, &start, limits);
@@ -209,8 +233,13 @@ pub fn train(
         .iter()
         .enumerate()
         .filter(|(_, (_, sse, held_out))| sse.is_finite() && held_out.is_finite());
-    let best = judged.min_by(|(_, a), (_, b)| a.2.total_cmp(&b.2)).map(|(index, _)| index);
-    let Some(best) = best else { return Err(TrainingError::NoFiniteStart { starts }) };
+    let measure = |(_, sse, held_out): &(Vec<f64>, f64, f64)| match keep {
+        Keep::BestOnValidation => *held_out,
+        Keep::BestFit => *sse,
+    };
+    let best = judged.min_by(|(_, a), (_, b)| measure(a).total_cmp(&measure(b)));
+    let best = best.map(|(index, _)| index);
+    let Some(best) = best else { return Err(TrainingError::NoFiniteStart { starts: ends.len() }) };
     let counted = |signals: &Standardised| signals.outputs.len() - run_up * structure.outputs;
     let (n_estimation, n_validation) = (counted(&estimation), counted(&validation));
     let rows = ends.iter().map(|(_, sse, held_out)| StartRow {
@@ -233,16 +262,12 @@ pub fn train(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::data;
     use crate::signal_model::{free_run, residual};
-    use crate::testing::{Run, multisine, noise};
+    use crate::testing::{multisine, noise};
     use crate::threshold::mean_and_deviation;
 
     const RUN_UP: usize = 100;
-
-    fn data(run: &Run) -> Data<'_> {
-        let input = Column { name: "C_m", values: &run.control };
-        Data::new(vec![input], Column { name: "T", values: &run.speed }).unwrap()
-    }
 
     fn quick(method: Method, starts: usize) -> Training {
         Training { method, starts, seed: 5, run_up: RUN_UP }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use drivescope_diagnoser::{
-    Detector, DetectorError, Diagnoser, ModelRun, ThresholdKind, ThresholdRun, Trace, Verdict,
+    Detection, Detector, DetectorError, Diagnoser, ModelRun, ThresholdRun, Trace, Verdict,
     fault_size,
 };
 use drivescope_recording::Recording;
@@ -22,23 +22,13 @@ pub struct Watch {
     window: usize,
 }
 
-/// Which threshold of a diagnoser a method is.
-fn kind(method: Method) -> ThresholdKind {
-    match method {
-        Method::Mem => ThresholdKind::ModelError,
-        Method::MemRecurrent => ThresholdKind::RecurrentModelError,
-        Method::Constant => ThresholdKind::Constant,
-        Method::Gmdh => ThresholdKind::Gmdh,
-    }
-}
-
 impl Watch {
     /// The detectors of a diagnoser at the start of a run.
     ///
     /// # Errors
     /// A diagnoser that lacks one.
     pub fn new(diagnoser: &Diagnoser) -> Result<Self, DetectorError> {
-        let detector = |method| diagnoser.detector(kind(method));
+        let detector = |method: Method| diagnoser.detector(method.kind());
         let detectors = ByMethod {
             mem: detector(Method::Mem)?,
             mem_recurrent: detector(Method::MemRecurrent)?,
@@ -95,13 +85,12 @@ impl Judgement {
 
     /// Share of samples outside the threshold after the run-up.
     pub fn false_rate(&self, method: Method) -> f64 {
-        let trace = self.trace(method);
-        rate(trace, trace.run_up..trace.verdicts.len())
+        false_rate_of(self.trace(method))
     }
 
-    /// Faults declared within a span: a declaration that stands counts once.
-    pub fn alarms(&self, method: Method, span: Range<usize>) -> usize {
-        alarms(self.trace(method), span)
+    /// Faults declared over the run: a declaration that stands counts once.
+    pub fn alarms(&self, method: Method) -> usize {
+        self.trace(method).declarations().len()
     }
 
     /// The row of the detection table.
@@ -132,19 +121,20 @@ impl Judgement {
 
 /// The row of the detection table that a run of verdicts gives.
 pub fn row_of(trace: &Trace, method: Method, fault: &Fault) -> DetectionRow {
-    let declared = trace.declarations().into_iter().find(|at| *at >= fault.from);
+    let Detection { t_dt, false_alarms } = trace.detection(fault.from);
     DetectionRow {
         fault: fault.name.clone(),
         method,
         r_td: rate(trace, fault.from..fault.until),
-        t_dt: declared,
-        delay: declared.map(|at| at - fault.from),
-        false_alarms: alarms(trace, 0..fault.from),
+        t_dt,
+        delay: t_dt.map(|t_dt| t_dt - fault.from),
+        false_alarms,
     }
 }
 
-fn alarms(trace: &Trace, span: Range<usize>) -> usize {
-    trace.declarations().iter().filter(|at| span.contains(at)).count()
+/// Share of samples of a run outside the threshold after the run-up.
+pub fn false_rate_of(trace: &Trace) -> f64 {
+    rate(trace, trace.run_up..trace.verdicts.len())
 }
 
 /// Share of exceeding samples; the spans of the study lie after the run-up and within the run.

@@ -34,7 +34,7 @@ use crate::faults::{Fault, SPAN, twelve};
 use crate::results::{Pictures, StudyResults, TorqueReading};
 use crate::{cosimulated, native};
 pub use design::{Designed, Signals, design};
-pub use judge::{Judgement, Watch, row_of};
+pub use judge::{Judgement, Watch, false_rate_of, row_of};
 
 /// Samples of a closed-loop run: up to the end of the faults.
 pub const SAMPLES: usize = SPAN.end;

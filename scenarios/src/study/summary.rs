@@ -1,6 +1,6 @@
 //! The study's runs put together into its results.
 
-use drivescope_diagnoser::Confidence;
+use drivescope_diagnoser::{Confidence, size_groups};
 use drivescope_plant::drive::Drive;
 use sha2::{Digest, Sha256};
 
@@ -11,8 +11,8 @@ use crate::experiment::Experiment;
 use crate::faults::{Fault, SPAN};
 use crate::results::{
     ByMethod, DetectionRow, DriveSummary, FaultSpan, FmuSummary, HealthySummary, IdentificationRow,
-    LevelRows, Method, NoiseSummary, ReadingRows, StructureSummary, StudyResults, TheoremSummary,
-    TorqueReading,
+    LevelRows, Method, NoiseSummary, ReadingRows, SizeGroup, StructureSummary, StudyResults,
+    TheoremSummary, TorqueReading,
 };
 
 /// Significance levels of the tables, beside the one that was asked for.
@@ -45,7 +45,7 @@ fn level(judged: &[Judged], torque: TorqueReading, at: impl Fn(&Judgement) -> Ju
     let others = TorqueReading::ALL.into_iter().filter(|reading| *reading != torque);
     Level {
         r_fd: ByMethod::from_fn(|m| healthy.iter().map(|j| j.false_rate(m)).sum::<f64>() / count),
-        alarms: ByMethod::from_fn(|m| healthy.iter().map(|j| j.alarms(m, 0..SAMPLES)).sum()),
+        alarms: ByMethod::from_fn(|m| healthy.iter().map(|j| j.alarms(m)).sum()),
         detection: rows(torque),
         readings: others.map(|torque| ReadingRows { torque, detection: rows(torque) }).collect(),
     }
@@ -57,7 +57,7 @@ fn identification(
 ) -> Result<Vec<IdentificationRow>, StudyError> {
     let sizes = judged.iter().map(|(fault, _, judgement)| judgement.symptom(fault));
     let sizes = sizes.collect::<Result<Vec<f64>, _>>()?;
-    let groups = isolation::groups(&sizes);
+    let groups = size_groups(&sizes).into_iter().map(SizeGroup::from);
     let row = |((s, group), (fault, _, _)): ((f64, _), &(&Fault, Signals, &Judgement))| {
         let label = &fault.name.label;
         IdentificationRow {

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use super::picture;
 use crate::report::page::{self, figure, label, math, minus, table};
 use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
-use crate::report::words::{detected, fault, paper_delay, paper_row, percent, rows_of, torque};
+use crate::report::words::{fault, paper_delay, paper_row, percent, rows_of, torque};
 
 /// The axis of delays reaches at least so far, samples: twice the usual rule and some more.
 const LEAST_AXIS: f64 = 120.0;
@@ -23,7 +23,10 @@ pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
             (table_1(study, pictures))
             p.note {
                 (math("r_td")) ": share of faulty samples outside the threshold. " (math("t_dt"))
-                ": sample of the declaration. † declared before the fault began, a false alarm. Sizes are of the "
+                ": sample of the declaration, which counts for the fault if most of its run of "
+                (study.window) " samples lies in it: chance may put it before the fault's begin + "
+                (study.window) ". † after a false alarm, so that the fault does not count as detected "
+                "(the paper's: declared before its begin). Sizes are of the "
                 "sensor or mechanism that fails; the label is the paper's."
             }
             (others(study))
@@ -114,7 +117,7 @@ fn cells(study: &StudyResults, name: &FaultName, method: Method) -> Markup {
         td.start {
             @match row.and_then(|row| row.t_dt.map(|t_dt| (row, t_dt))) {
                 Some((row, t_dt)) => {
-                    (t_dt) @if !detected(row) { (dagger) }
+                    (t_dt) @if !row.detected() { (dagger) }
                 }
                 None => { span.alert { "none" } }
             }
@@ -136,8 +139,10 @@ fn cells(study: &StudyResults, name: &FaultName, method: Method) -> Markup {
 
 fn delays(study: &StudyResults) -> Rows {
     let ours = |name: &FaultName, method| match row_of(study, name, method) {
-        Some(DetectionRow { delay: Some(delay), .. }) => Value::Number(*delay as f64),
-        Some(DetectionRow { t_dt: Some(_), .. }) => Value::Missing("declared too early".into()),
+        Some(row @ DetectionRow { delay: Some(delay), .. }) if row.detected() => {
+            Value::Number(*delay as f64)
+        }
+        Some(DetectionRow { t_dt: Some(_), .. }) => Value::Missing("after a false alarm".into()),
         _ => Value::Missing("not declared".into()),
     };
     let paper = |name: &FaultName, method| match paper_row(study, &name.label, method) {
@@ -202,7 +207,10 @@ fn others(study: &StudyResults) -> Markup {
                     td.start { @if let Some(row) = row { (percent(row.r_td, 1)) } @else { "\u{2013}" } }
                     td {
                         @match row.and_then(|row| row.t_dt) {
-                            Some(t_dt) => { (t_dt) }
+                            Some(t_dt) => {
+                                (t_dt)
+                                @if row.is_some_and(|row| !row.detected()) { span.dagger { "†" } }
+                            }
                             None => { span.alert { "none" } }
                         }
                     }
@@ -266,7 +274,7 @@ pub(super) fn levels(study: &StudyResults) -> Markup {
 
 /// Three cells: faults found, lowest share outside, longest delay.
 fn found(rows: &[&DetectionRow]) -> Markup {
-    let found = rows.iter().filter(|row| detected(row)).count();
+    let found = rows.iter().filter(|row| row.detected()).count();
     let lowest = rows.iter().map(|row| row.r_td).fold(f64::INFINITY, f64::min);
     let longest = rows.iter().filter_map(|row| row.delay).max();
     html! {
@@ -290,6 +298,7 @@ pub(super) fn readings(study: &StudyResults) -> Markup {
                 p.note { "No other reading was run." }
             } @else {
                 (readings_table(&study.readings))
+                p.note { "A fault after a false alarm in its run does not count as detected." }
             }
         },
     )

@@ -1,6 +1,6 @@
 //! Sizes of the symptoms, (27), beside the paper's.
 
-use drivescope_scenarios::results::{IdentificationRow, SizeGroup, StudyResults};
+use drivescope_scenarios::results::{IdentificationRow, StudyResults};
 use maud::{Markup, html};
 
 use crate::report::page::{self, figure, label, minus, table};
@@ -54,14 +54,6 @@ fn chart(rows: &[IdentificationRow]) -> Rows {
     }
 }
 
-fn group(group: SizeGroup) -> &'static str {
-    match group {
-        SizeGroup::Small => "small",
-        SizeGroup::Medium => "medium",
-        SizeGroup::Large => "large",
-    }
-}
-
 fn data(rows: &[IdentificationRow]) -> Markup {
     let head = html! {
         tr {
@@ -80,8 +72,8 @@ fn data(rows: &[IdentificationRow]) -> Markup {
                 td.name { (label(&row.fault.label)) }
                 td { (format!("{:.2}", row.s)) }
                 td.theirs { (format!("{:.2}", row.s_paper)) }
-                td.name { (group(row.group)) }
-                td.name.theirs { (group(row.group_paper)) }
+                td.name { (row.group.label()) }
+                td.name.theirs { (row.group_paper.label()) }
             }
         }
     };

@@ -1,11 +1,11 @@
 //! Isolation (26): symptoms of every fault (Fig. 5), what can be told apart, and Table 2.
 
-use drivescope_scenarios::results::{IsolationTable, Pair, StudyResults};
+use drivescope_scenarios::results::{IsolationTable, Merge, Pair, StudyResults};
 use maud::{Markup, html};
 
 use crate::report::page::{self, figure, label, math, minus, table};
 use crate::report::plot::{Axis, Figure, Ink, Layer, Panel};
-use crate::report::words::percent;
+use crate::report::words::{count, percent};
 
 const HEIGHT: f64 = 380.0;
 const INKS: [Ink; 6] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Vermilion, Ink::Purple, Ink::Text];
@@ -29,6 +29,7 @@ pub(super) fn section(study: &StudyResults) -> Markup {
                 }))
             }
             (separability(study))
+            (limits(study))
             (matrix("Table 2. Recognition with the paper's classes, ours [%]", &study.isolation_paper, None))
             (matrix(
                 "Table 2 of the paper [%]", &study.isolation_paper, Some(&study.paper.isolation),
@@ -84,16 +85,51 @@ fn separability(study: &StudyResults) -> Markup {
         if named.is_empty() { "none".into() } else { minus(&named.join(", ")) }
     };
     let limit = percent(found.limit, 0);
+    let often = |merge: &Merge| {
+        let [a, b] = &merge.faults;
+        format!("{a} with {b}: {} of {}", merge.draws, found.draws)
+    };
+    let often: Vec<String> = found.merges.iter().map(often).collect();
+    let often = if often.is_empty() { "none".to_owned() } else { minus(&often.join(", ")) };
     html! {
         dl.facts {
             div { dt { "Merged by our test" } dd { (merged(&found.classes)) } }
+            div { dt { "Merged in draws of the noise" } dd { (often) } }
             div { dt { "Merged in the paper" } dd { (merged(&found.classes_paper)) } }
             div { dt { "Merged only here" } dd { (pairs(&found.merged_only_here)) } }
             div { dt { "Merged only in the paper" } dd { (pairs(&found.merged_only_in_paper)) } }
         }
         p.note {
             "Our test: two faults share a class if a quadratic discriminant between the two, "
-            "cross-validated, takes more than " (limit) " % of the samples of either for the other."
+            "cross-validated, takes more than " (limit) " % of the samples of either for the other, on "
+            "average over " (count(found.draws, "draw")) " of the noise with 100 samples a fault each."
+        }
+    }
+}
+
+/// Whether the classifier or the symptoms set the limit.
+fn limits(study: &StudyResults) -> Markup {
+    let worst = |shares: &[f64]| percent(shares.iter().copied().fold(1.0, f64::min), 1);
+    let right = |table: &IsolationTable| -> Vec<f64> {
+        (0..table.faults.len()).map(|fault| table.right(fault)).collect()
+    };
+    let line = |table: &IsolationTable| {
+        format!(
+            "{} classes: perceptron {} %, discriminant {} %",
+            table.classes.len(),
+            worst(&right(table)),
+            worst(&table.discriminant)
+        )
+    };
+    html! {
+        p.note {
+            "What limits the recognition: a cubic in " (math("C_m")) " alone explains "
+            (percent(study.separability.explained, 1)) " % of the variance of r over all symptoms: a "
+            "symptom is essentially one number. A quadratic discriminant, a classifier of "
+            "another kind, answers to the same symptoms; share of right answers for the worst fault: "
+            (line(&study.isolation_paper)) "; " (line(&study.isolation)) ". Where the two agree, the "
+            "symptoms set the limit and not the classifier; two faults with the same symptoms share "
+            "their answers by chance."
         }
     }
 }

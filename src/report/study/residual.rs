@@ -6,6 +6,8 @@ use maud::{Markup, html};
 use crate::report::page::{self, math, minus, table};
 use crate::report::words::{TEST_LEVEL, given, normality, number, p_value, percent, whiteness};
 
+/// Samples of the paper's sum of squared errors.
+const PAPER_SAMPLES: usize = 3000;
 /// The section.
 pub(super) fn section(study: &StudyResults) -> Markup {
     page::section(
@@ -79,13 +81,20 @@ fn statistics(study: &StudyResults) -> Markup {
             th.name scope="col" { "What it is" }
         }
     };
+    let set_point = study.drive.set_point;
+    let rms = |sse: f64, samples: usize| number(set_point * (sse / samples as f64).sqrt());
     let paper = format!(
-        "error model with {} past outputs and {} past inputs, one-step errors over {} samples, \
-         signals of unit variance; the paper gives {} over 3000 samples of its own rig",
+        "error model with {} past outputs and {} past inputs, one-step errors over {} samples as \
+         shares of the set point: {} {unit} rms. The paper gives {} over {PAPER_SAMPLES} samples \
+         and no scale: as shares of this set point that would be {} {unit} rms, a tachometer's \
+         noise; unscaled it would be {} {unit} rms, finer than any",
         model.n_a,
         model.n_b,
         model.error_model_samples,
-        number(study.paper.arx_sse)
+        rms(model.error_model_sse, model.error_model_samples),
+        number(study.paper.arx_sse),
+        rms(study.paper.arx_sse, PAPER_SAMPLES),
+        number((study.paper.arx_sse / PAPER_SAMPLES as f64).sqrt()),
     );
     let body = html! {
         (quantity(

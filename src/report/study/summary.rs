@@ -5,12 +5,12 @@ use maud::{Markup, html};
 
 use super::picture;
 use crate::report::page::{math, minus, section};
-use crate::report::words::{detected, given, lead, percent, rows_of, verdict};
+use crate::report::words::{given, lead, percent, rows_of, verdict};
 
 /// The verdict and the four figures that carry it.
 pub(super) fn headline(study: &StudyResults) -> Markup {
     let rows = rows_of(&study.detection, Method::Mem);
-    let found = rows.iter().filter(|row| detected(row)).count();
+    let found = rows.iter().filter(|row| row.detected()).count();
     let alarms = study.healthy.alarms.mem;
     let class = |good: bool| if good { "good" } else { "alert" };
     html! {

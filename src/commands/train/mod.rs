@@ -1,21 +1,26 @@
-//! `train`: healthy recordings to a diagnoser file.
+//! `train`: healthy recordings, and labelled faulty ones, to a diagnoser file.
 
-use std::path::{Path, PathBuf};
+mod answer;
+mod labelled;
+
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use drivescope_diagnoser::{
-    Channel, Confidence, Data, Design, Diagnoser, Interface, Learned, Recipe, Sets,
+    Channel, Confidence, Data, Design, Diagnoser, FaultyRun, Interface, IsolatorOptions, Recipe,
+    Sets,
 };
 use drivescope_recording::Recording;
-use serde::Serialize;
 
+use self::answer::Answer;
+use self::labelled::Labelled;
 use super::{RecordingOptions, Run};
 use crate::failure::{Ending, Failure, told};
 use crate::interrupt;
-use crate::report::words::{number, p_value};
 use crate::session::Session;
 
-/// Train a diagnoser on healthy recordings: models, bands and thresholds of one output signal.
+/// Train a diagnoser on healthy recordings: models, bands and thresholds of one output signal; and, where
+/// recordings of faults are given, a classifier that names them.
 #[derive(Debug, Args)]
 pub(crate) struct Train {
     /// Healthy recordings of the kind that will be watched: on the first the error models are
@@ -27,6 +32,10 @@ pub(crate) struct Train {
     /// without any, the others serve.
     #[arg(long, num_args = 1..=2, value_name = "REC")]
     excited: Vec<PathBuf>,
+    /// A recording of a fault, by a name of your own for it; several of one fault may be given, and
+    /// two faults or more. What `diagnose` then sees declared is named after the fault it looks like.
+    #[arg(long, value_name = "NAME=REC")]
+    fault: Vec<Labelled>,
     /// Input signals of the model; by default C_m, or else u.
     #[arg(long, value_delimiter = ',', value_name = "NAME,..")]
     input: Vec<String>,
@@ -65,57 +74,13 @@ enum Part {
 const USUAL_INPUTS: [&str; 2] = ["C_m", "u"];
 const USUAL_OUTPUTS: [&str; 3] = ["T", "omega", "v"];
 
-#[derive(Debug, Serialize)]
-struct Answer {
-    output: PathBuf,
-    inputs: Vec<Channel>,
-    watched: Channel,
-    period: f64,
-    beta: f64,
-    window_samples: usize,
-    run_up_samples: usize,
-    process_model: ProcessAnswer,
-    bands: BandsAnswer,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    recurrent_error: Option<BandsAnswer>,
-    constant: ConstantAnswer,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    gmdh: Option<GmdhAnswer>,
-}
-
-#[derive(Debug, Serialize)]
-struct ProcessAnswer {
-    estimation_rms: f64,
-    validation_rms: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct BandsAnswer {
-    v: f64,
-    samples: usize,
-    whiteness_p: Option<f64>,
-    normality_p: Option<f64>,
-}
-
-#[derive(Debug, Serialize)]
-struct ConstantAnswer {
-    lower: f64,
-    upper: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct GmdhAnswer {
-    layers: usize,
-    neurons: usize,
-    validation_rms: f64,
-    noise: Option<[f64; 2]>,
-}
-
 impl Run for Train {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         session.check_writable(&[&self.output])?;
         let healthy = self.read(&self.healthy, session)?;
         let excited = self.read(&self.excited, session)?;
+        let files: Vec<PathBuf> = self.fault.iter().map(|fault| fault.file.clone()).collect();
+        let faulty = self.read(&files, session)?;
         let interface = self.interface(&healthy[0])?;
         let period = interface.period_s;
         let samples = |name: &str, seconds: f64, least: usize| -> miette::Result<usize> {
@@ -134,6 +99,10 @@ impl Run for Train {
         let data = |recording| interface.select(recording).map_err(told);
         let healthy: Vec<Data> = healthy.iter().map(data).collect::<Result<_, _>>()?;
         let excited: Vec<Data> = excited.iter().map(data).collect::<Result<_, _>>()?;
+        let faulty = self.fault.iter().zip(&faulty).map(|(Labelled { name, .. }, recording)| {
+            Ok(FaultyRun { fault: name, recording: &recording.name, data: data(recording)? })
+        });
+        let faulty: Vec<FaultyRun> = faulty.collect::<miette::Result<_>>()?;
         let Some(healthy) = pair(&healthy, (1, 2)) else {
             return Err(Failure::Usage {
                 what: "no healthy recording".to_owned(),
@@ -161,10 +130,17 @@ impl Run for Train {
         let learned = Diagnoser::learn(interface.clone(), &Sets { excited, healthy }, &recipe);
         spinner.finish_and_clear();
         interrupt::check()?;
-        let learned = learned.map_err(told)?;
+        let mut learned = learned.map_err(told)?;
+        let mut faults = None;
+        if !faulty.is_empty() {
+            let options = IsolatorOptions { seed: session.seed, ..IsolatorOptions::default() };
+            let found = learned.diagnoser.clone().with_faults(&faulty, &options);
+            let (diagnoser, report) = found.map_err(told)?;
+            (learned.diagnoser, faults) = (diagnoser, Some(report));
+        }
         learned.diagnoser.save(&self.output).map_err(told)?;
-        let answer = answer(&self.output, &learned);
-        session.answer(&text(&answer), &answer)?;
+        let answer = Answer::new(&self.output, &learned, faults.as_ref());
+        session.answer(&answer.text(), &answer)?;
         Ok(Ending::Done)
     }
 }
@@ -226,84 +202,4 @@ fn pair<'a>(data: &[Data<'a>], parts: (usize, usize)) -> Option<[Data<'a>; 2]> {
         }
         [first, second, ..] => Some([first.clone(), second.clone()]),
     }
-}
-
-fn answer(output: &Path, learned: &Learned) -> Answer {
-    let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
-    let unit = process.network.output_scales[0].deviation;
-    let start = process.starts[process.best];
-    let bands = |bands: &drivescope_diagnoser::BandDesign| BandsAnswer {
-        v: bands.deviation,
-        samples: bands.samples,
-        whiteness_p: bands.whiteness.as_ref().map(|test| test.p_value),
-        normality_p: bands.normality.as_ref().map(|test| test.p_value),
-    };
-    let constant = diagnoser.constant.band(diagnoser.confidence);
-    let network = diagnoser.gmdh.as_ref().zip(gmdh.as_ref());
-    Answer {
-        output: output.to_owned(),
-        inputs: diagnoser.interface.inputs.clone(),
-        watched: diagnoser.interface.output.clone(),
-        period: diagnoser.interface.period_s,
-        beta: diagnoser.confidence.beta(),
-        window_samples: diagnoser.window,
-        run_up_samples: diagnoser.run_up,
-        process_model: ProcessAnswer {
-            estimation_rms: unit * start.estimation,
-            validation_rms: unit * start.validation,
-        },
-        bands: bands(&design.bands),
-        recurrent_error: recurrent_error.as_ref().map(bands),
-        constant: ConstantAnswer { lower: constant.lower, upper: constant.upper },
-        gmdh: network.map(|(robust, report)| GmdhAnswer {
-            layers: report.kept,
-            neurons: robust.network.neurons.len(),
-            validation_rms: report.validation,
-            noise: robust.noise(),
-        }),
-    }
-}
-
-fn text(answer: &Answer) -> String {
-    let unit = &answer.watched.unit;
-    let inputs: Vec<&str> = answer.inputs.iter().map(|channel| channel.name.as_str()).collect();
-    let p = |p: Option<f64>| p.map_or_else(|| "not computed".to_owned(), p_value);
-    let bands = |name: &str, bands: &BandsAnswer| {
-        format!(
-            "{name}: v = {} {unit} over {} samples; white? p = {}, normal? p = {}\n",
-            number(bands.v),
-            bands.samples,
-            p(bands.whiteness_p),
-            p(bands.normality_p)
-        )
-    };
-    let mut text = format!(
-        "{} from {}, every {} s; a fault is declared after {} samples outside\n\
-         process model: free-run error {} {unit} in training, {} {unit} on what it was judged by\n",
-        answer.watched.name,
-        inputs.join(", "),
-        answer.period,
-        answer.window_samples,
-        number(answer.process_model.estimation_rms),
-        number(answer.process_model.validation_rms),
-    );
-    text += &bands("ARX error model", &answer.bands);
-    if let Some(recurrent) = &answer.recurrent_error {
-        text += &bands("recurrent error model", recurrent);
-    }
-    text += &format!(
-        "constant thresholds: {} to {} {unit}\n",
-        number(answer.constant.lower),
-        number(answer.constant.upper)
-    );
-    if let Some(GmdhAnswer { layers, neurons, validation_rms, noise }) = &answer.gmdh {
-        let noise = noise.map_or_else(String::new, |[lower, upper]| {
-            format!(", noise bounds {} to {} {unit}", number(lower), number(upper))
-        });
-        text += &format!(
-            "GMDH network: {neurons} neurons in {layers} layers, validation error {} {unit}{noise}\n",
-            number(*validation_rms)
-        );
-    }
-    text + &format!("written to {}\n", answer.output.display())
 }

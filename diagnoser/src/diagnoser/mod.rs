@@ -1,0 +1,173 @@
+//! A diagnoser: trained models, thresholds and decision for one set of signals.
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use drivescope_recording::Recording;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::decision::Trace;
+use crate::detector::{Detector, DetectorError};
+use crate::gmdh::{GmdhBands, RobustGmdh};
+use crate::interface::{Interface, InterfaceError};
+use crate::isolation::KnownFaults;
+use crate::model::{Model, ModelRun};
+use crate::model_error::{BandDesign, ErrorBands};
+use crate::threshold::{Band, Confidence, ConstantThreshold, Threshold};
+
+/// Everything that is needed to watch one output, as it is stored.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Diagnoser {
+    /// Version of the file format.
+    pub schema: u32,
+    /// Samples at the start of a run during which the models settle and nothing is judged.
+    pub run_up: usize,
+    /// Exceedances in a row that declare a fault.
+    pub window: usize,
+    /// Share of healthy samples expected outside the bands.
+    #[serde(rename = "beta")]
+    pub confidence: Confidence,
+    /// The signals it was trained on.
+    pub interface: Interface,
+    /// Constant thresholds.
+    pub constant: ConstantThreshold,
+    /// Model of the output.
+    pub model: Model,
+    /// Model of what that model gets wrong.
+    pub model_error: ModelError,
+    /// A second one, by a recurrent network.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recurrent_error: Option<ModelError>,
+    /// A model of the output of its own, with bounded parameters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gmdh: Option<RobustGmdh>,
+    /// Faults that it was shown: their classes and sizes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub faults: Option<Arc<KnownFaults>>,
+}
+
+/// The stored form of the bands (6), (7).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelError {
+    /// v, the standard deviation of r - y_e on the design set, output unit.
+    pub deviation: f64,
+    /// Samples of the design set, run-up excluded.
+    pub samples: usize,
+    /// The error model.
+    pub model: Model,
+}
+
+impl ModelError {
+    /// An error model whose r - y_e has mean zero on the data that its bands were designed on.
+    pub(crate) fn centred(model: &Model, bands: &BandDesign) -> Self {
+        let BandDesign { mean, deviation, samples, .. } = *bands;
+        Self { deviation, samples, model: model.raised(mean) }
+    }
+}
+
+/// Which threshold a detector uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ThresholdKind {
+    /// Bands of model error modelling, (6) and (7).
+    ModelError,
+    /// The same with the recurrent error model.
+    RecurrentModelError,
+    /// Mean +- t_beta std.
+    Constant,
+    /// Output intervals of the GMDH network with bounded parameters (19), around its own output; no
+    /// significance level enters.
+    Gmdh,
+}
+
+/// A stored threshold, running.
+#[derive(Debug, Clone)]
+pub enum ThresholdRun {
+    /// Bands of model error modelling.
+    ModelError(ErrorBands<ModelRun>),
+    /// Constant thresholds.
+    Constant(Band),
+    /// The adaptive threshold (19).
+    Gmdh(GmdhBands),
+}
+
+impl Threshold for ThresholdRun {
+    fn reset(&mut self) {
+        match self {
+            Self::ModelError(bands) => bands.reset(),
+            Self::Constant(band) => band.reset(),
+            Self::Gmdh(bands) => bands.reset(),
+        }
+    }
+
+    #[inline]
+    fn band(&mut self, u: &[f64]) -> Band {
+        match self {
+            Self::ModelError(bands) => bands.band(u),
+            Self::Constant(band) => band.band(u),
+            Self::Gmdh(bands) => bands.band(u),
+        }
+    }
+}
+
+/// Why a recording cannot be diagnosed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DiagnosisError {
+    /// Other signals, units or sampling time.
+    #[error(transparent)]
+    Interface(#[from] InterfaceError),
+    /// The detector refuses.
+    #[error(transparent)]
+    Detector(#[from] DetectorError),
+}
+
+impl Diagnoser {
+    /// A detector at its start, with the diagnoser's own significance level.
+    pub fn detector(
+        &self,
+        kind: ThresholdKind,
+    ) -> Result<Detector<ModelRun, ThresholdRun>, DetectorError> {
+        self.detector_at(kind, self.confidence)
+    }
+
+    /// A detector at its start, at another significance level.
+    pub fn detector_at(
+        &self,
+        kind: ThresholdKind,
+        confidence: Confidence,
+    ) -> Result<Detector<ModelRun, ThresholdRun>, DetectorError> {
+        let bands = |ModelError { deviation, model, .. }: &ModelError| {
+            ThresholdRun::ModelError(ErrorBands::new(model.run(), *deviation, confidence))
+        };
+        let threshold = match kind {
+            ThresholdKind::ModelError => bands(&self.model_error),
+            ThresholdKind::RecurrentModelError => {
+                let part = "recurrent error model";
+                bands(self.recurrent_error.as_ref().ok_or(DetectorError::Missing { part })?)
+            }
+            ThresholdKind::Constant => ThresholdRun::Constant(self.constant.band(confidence)),
+            ThresholdKind::Gmdh => {
+                let part = "GMDH network";
+                let robust = self.gmdh.as_ref().ok_or(DetectorError::Missing { part })?;
+                let bands = robust.bands().map_err(|_| DetectorError::DamagedBounds)?;
+                let model = ModelRun::Gmdh(robust.network.run());
+                return Detector::new(model, ThresholdRun::Gmdh(bands), self.window, self.run_up);
+            }
+        };
+        Detector::new(self.model.run(), threshold, self.window, self.run_up)
+    }
+
+    /// Runs over a recording of the signals it was trained on.
+    pub fn diagnose(
+        &self,
+        recording: &Recording,
+        kind: ThresholdKind,
+    ) -> Result<Trace, DiagnosisError> {
+        let data = self.interface.select(recording)?;
+        Ok(self.detector(kind)?.run(&data)?)
+    }
+}

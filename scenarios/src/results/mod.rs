@@ -1,0 +1,74 @@
+//! What a study finds, as `study.json` holds it. Fractions unless a name says per cent.
+
+mod detection;
+mod fmu;
+mod isolation;
+mod models;
+mod paper;
+mod pictures;
+mod setting;
+
+use serde::{Deserialize, Serialize};
+
+pub use detection::{ByMethod, DetectionRow, HealthySummary, LevelRows, Method, ReadingRows};
+pub use fmu::{FmpyRow, FmuSummary};
+pub use isolation::{
+    IdentificationRow, IsolationTable, Merge, Pair, SeparabilitySummary, SizeGroup, SymptomPoints,
+};
+pub use models::{
+    GmdhSummary, ModelSummary, RecurrentErrorSummary, StructureSummary, TheoremRow, TheoremSummary,
+};
+pub use paper::{PaperFigures, PaperRates, PaperRow};
+pub use pictures::Pictures;
+pub use setting::{DriveSummary, FaultName, FaultSpan, NoiseSummary, TorqueReading};
+
+/// The whole study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StudyResults {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// The drive.
+    pub drive: DriveSummary,
+    /// Standard deviations of the noise, SI.
+    pub noise: NoiseSummary,
+    /// Reading of "torque fault" that the tables use.
+    pub torque: TorqueReading,
+    /// Confidence level beta of the bands (two-sided).
+    pub beta: f64,
+    /// When each fault acts.
+    pub fault_span: FaultSpan,
+    /// Samples in a row outside the threshold that declare a fault.
+    pub window: usize,
+    /// One row a fault and method.
+    pub detection: Vec<DetectionRow>,
+    /// The rows of the other readings.
+    pub readings: Vec<ReadingRows>,
+    /// The same at other significance levels.
+    pub levels: Vec<LevelRows>,
+    /// False alarms on healthy runs.
+    pub healthy: HealthySummary,
+    /// Share of healthy samples outside the threshold, by method.
+    pub r_fd: ByMethod,
+    /// How the process model was found and how good it is.
+    pub model: ModelSummary,
+    /// Structures of the process model that were compared, the paper's among them.
+    pub structures: Vec<StructureSummary>,
+    /// Theorem 1 on an example.
+    pub theorem: TheoremSummary,
+    /// Symptoms of every fault (Fig. 5): points (C_m, r).
+    pub symptoms: Vec<SymptomPoints>,
+    /// Which faults can be told apart by them.
+    pub separability: SeparabilitySummary,
+    /// Isolation with every fault a class of its own.
+    pub isolation: IsolationTable,
+    /// Isolation with the paper's ten classes.
+    pub isolation_paper: IsolationTable,
+    /// Isolation with the classes of our separability test.
+    pub isolation_merged: IsolationTable,
+    /// Size of the symptom (27), by fault.
+    pub identification: Vec<IdentificationRow>,
+    /// The FMU against the native run, and against fmpy where that was run.
+    pub fmu: FmuSummary,
+    /// The figures of the reference paper.
+    pub paper: PaperFigures,
+}

@@ -1,0 +1,91 @@
+//! Rows from standard input.
+
+use std::io;
+
+use drivescope_diagnoser::Diagnoser;
+use drivescope_recording::{CsvStream, Mapping, ReadOptions};
+
+use super::Diagnose;
+use super::watch::{Event, Watch};
+use crate::failure::{Failure, told};
+use crate::session::Session;
+use crate::{interrupt, output};
+
+impl Diagnose {
+    /// Takes rows as they come in: a declaration is said at once.
+    pub(super) fn live(
+        &self,
+        diagnoser: &Diagnoser,
+        mut watch: Watch,
+        session: &Session,
+    ) -> miette::Result<Watch> {
+        /// Departure of the mean sampling time from the diagnoser's that is taken for jitter.
+        const SAME_PERIOD: f64 = 0.01;
+        let columns = self.reading.columns().map(Mapping::parse_list).transpose();
+        let options =
+            ReadOptions { columns: columns.map_err(told)?.unwrap_or_default(), resample: None };
+        let stdin = io::stdin().lock();
+        let mut rows = CsvStream::new(stdin, "standard input", &options).map_err(told)?;
+        let interface = &diagnoser.interface;
+        let place = |channel: &drivescope_diagnoser::Channel| -> miette::Result<usize> {
+            let columns = rows.columns();
+            let found = columns.iter().position(|column| column.signal == channel.name);
+            let at = found.ok_or_else(|| Failure::Usage {
+                what: format!("standard input: there is no signal `{}`", channel.name),
+                instead: "name its column with --columns".to_owned(),
+            })?;
+            if columns[at].unit != channel.unit {
+                return Err(Failure::Usage {
+                    what: format!(
+                        "standard input: `{}` is in {}, the diagnoser was trained on {}",
+                        channel.name, columns[at].unit, channel.unit
+                    ),
+                    instead: "give the unit of the column with --columns".to_owned(),
+                }
+                .into());
+            }
+            Ok(at)
+        };
+        let inputs = interface.inputs.iter().map(place).collect::<miette::Result<Vec<_>>>()?;
+        let watched = place(&interface.output)?;
+        let mut u = vec![0.0; inputs.len()];
+        let mut last = None;
+        loop {
+            interrupt::check()?;
+            let Some(row) = rows.next_row().map_err(told)? else { break };
+            let (line, time) = (row.line, row.time_s);
+            u.iter_mut().zip(&inputs).for_each(|(u, at)| *u = row.values[*at]);
+            let y = row.values[watched];
+            if let Some(before) = last.replace(time) {
+                let (expected, found) = (interface.period_s, time - before);
+                if (found - expected).abs() > SAME_PERIOD * expected {
+                    return Err(Failure::Usage {
+                        what: format!(
+                            "standard input, line {line}: {found} s after the row before, the \
+                             diagnoser was trained on {expected} s"
+                        ),
+                        instead: "give rows at that sampling time".to_owned(),
+                    }
+                    .into());
+                }
+            }
+            for event in watch.step(&u, y, time)? {
+                let (said, of_asked) = match event {
+                    Event::Declared(method) if method == self.method.into() => {
+                        (format!("fault declared at {time} s (line {line})"), true)
+                    }
+                    Event::Declared(method) => {
+                        (format!("{}: declared at {time} s", method.label()), false)
+                    }
+                    Event::Named(fault) => (format!("at {time} s: {}", fault.text()), true),
+                };
+                if of_asked && !session.prints_json() {
+                    output::print(&format!("{said}\n"))?;
+                } else {
+                    session.remark(said);
+                }
+            }
+        }
+        Ok(watch)
+    }
+}

@@ -114,6 +114,7 @@ pub fn add(
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
     let (model, mut found) = begin(drive, estimation, validation, watch)?;
+    let seen = |error| seen_by(watch, error);
     let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
     let floor = floor(estimation, found.observer);
     let scales = Scales::of(&model.fitted.drive, estimation);
@@ -127,7 +128,7 @@ pub fn add(
             left.addable(floor).and_then(|best| Some((best, effect(&model.fitted.drive, best)?)));
         let (best, effect) = best.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
         found.learned = Some(LearnedCurve::of(best, left.excess(floor)));
-        with_learned(&model, effect, estimation, validation)?
+        with_learned(&model, effect, estimation, validation, &seen)?
     } else {
         let Some(entry) = Entry::find(kind) else {
             return Err(cannot("the library has no effect of that name".to_owned()));
@@ -143,7 +144,7 @@ pub fn add(
         if best.is_imitated() {
             return Err(cannot(imitated(&chosen[0]).reason));
         }
-        refit(&model, &chosen[0], best, estimation, validation)?
+        refit(&model, &chosen[0], best, estimation, validation, &seen)?
     };
     found.named.push(kind.to_owned());
     found.verdict = Verdict::Named;
@@ -197,9 +198,12 @@ fn begin(
     let setting = Setting::new(drive, observer);
     watch.step(&Step::Doing("fitting the base drive"));
     let options = Options { starts: STARTS, ..Options::default() };
-    let model = Model::fit(drive, estimation, validation, setting, &options)?;
+    let model = Model::fit(drive, estimation, validation, setting, &options, &|error| {
+        seen_by(watch, error)
+    })?;
     let mut found = Discovery {
         drive: model.fitted.drive.clone(),
+        parameters: Vec::new(),
         ladder: Vec::new(),
         verdict: Verdict::None,
         named: Vec::new(),
@@ -213,6 +217,12 @@ fn begin(
     };
     found.climb(None, &model, watch);
     Ok((model, found))
+}
+
+/// Tells the error of a step of a fit; whether the fit is to end.
+fn seen_by(watch: &dyn Watch, error: f64) -> bool {
+    watch.step(&Step::Fitting(error));
+    watch.stopped()
 }
 
 /// Where the base fails; nothing where its recordings cannot be compared together.
@@ -257,6 +267,7 @@ impl Discovery {
         };
         watch.step(&Step::Rung(&rung));
         self.ladder.push(rung);
+        self.parameters = model.fitted.parameters.clone();
     }
 }
 

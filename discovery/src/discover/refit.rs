@@ -9,7 +9,7 @@ use super::projection::wald;
 use super::screen::{Screened, finer};
 use crate::case::Setting;
 use crate::error::Error;
-use crate::estimate::{Evaluated, Evidence, Fitted, Options, evaluate, fit};
+use crate::estimate::{Evaluated, Evidence, Fitted, Options, Seen, evaluate, fit_seen};
 
 /// A drive with its fit, on the recordings it was fitted to and on others.
 #[derive(Debug, Clone)]
@@ -30,8 +30,9 @@ impl Model {
         validation: &Evidence,
         setting: Setting,
         options: &Options,
+        seen: Seen<'_>,
     ) -> Result<Self, Error> {
-        let fitted = fit(drive, estimation, &setting, options)?;
+        let fitted = fit_seen(drive, estimation, &setting, options, seen)?;
         let validation = evaluate(&fitted.drive, validation, &setting, true)?;
         Ok(Self { fitted, setting, validation })
     }
@@ -64,6 +65,7 @@ pub(crate) fn refit(
     screened: &Screened,
     estimation: &Evidence,
     validation: &Evidence,
+    seen: Seen<'_>,
 ) -> Result<Model, Error> {
     let variant = &candidate.variants[screened.variant];
     let mut drive = candidate.added(&base.fitted.drive, variant);
@@ -73,7 +75,7 @@ pub(crate) fn refit(
     }
     let setting = finer(&base.setting, &drive);
     let options = Options { starts: 1, ..Options::default() };
-    let mut model = Model::fit(&drive, estimation, validation, setting, &options)?;
+    let mut model = Model::fit(&drive, estimation, validation, setting, &options, seen)?;
     // What was frozen for the search is the user's to fit.
     let own = format!("{}.", candidate.id);
     model.fitted.drive.fixed.retain(|name| !name.starts_with(&own));
@@ -86,6 +88,7 @@ pub(crate) fn with_learned(
     (effect, kept): (EffectData, Vec<String>),
     estimation: &Evidence,
     validation: &Evidence,
+    seen: Seen<'_>,
 ) -> Result<Model, Error> {
     let mut drive = base.fitted.drive.clone();
     drive.effects.push(effect);
@@ -93,7 +96,7 @@ pub(crate) fn with_learned(
     let options = Options { starts: 1, ..Options::default() };
     let fixed = drive.fixed.clone();
     drive.fixed.extend(kept);
-    let mut model = Model::fit(&drive, estimation, validation, setting, &options)?;
+    let mut model = Model::fit(&drive, estimation, validation, setting, &options, seen)?;
     model.fitted.drive.fixed = fixed;
     Ok(model)
 }

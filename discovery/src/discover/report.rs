@@ -9,6 +9,7 @@ use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
 use super::learned::LearnedCurve;
 use crate::compare::Finding;
+use crate::estimate::Estimate;
 use crate::observer::Observer;
 
 /// What the loop says while it runs.
@@ -18,6 +19,8 @@ pub enum Step<'a> {
     Rung(&'a Rung),
     /// What is being done.
     Doing(&'static str),
+    /// The error that a step of a fit came to, in units of the noise.
+    Fitting(f64),
 }
 
 /// Who watches the loop.
@@ -98,6 +101,8 @@ pub enum Verdict {
 pub struct Discovery {
     /// The drive with everything that was named in it, fitted.
     pub drive: Drive,
+    /// Its parameters with their standard errors.
+    pub parameters: Vec<Estimate>,
     /// Errors of the base and after each addition.
     pub ladder: Vec<Rung>,
     /// The answer.

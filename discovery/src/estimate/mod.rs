@@ -33,6 +33,9 @@ use solved::Solved;
 use starts::search;
 use unknowns::{Unknown, Unknowns, Which, set};
 
+/// Who sees a search: told the error, in units of the noise, after every step; true ends it.
+pub type Seen<'a> = &'a (dyn Fn(f64) -> bool + Sync);
+
 /// How hard to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -58,6 +61,21 @@ pub fn fit(
     setting: &Setting,
     options: &Options,
 ) -> Result<Fitted, Error> {
+    fit_seen(base, evidence, setting, options, &|_| false)
+}
+
+/// As [`fit`], with somebody who sees the error fall and may end the search: the fit then is where
+/// it came to.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_seen(
+    base: &Drive,
+    evidence: &Evidence,
+    setting: &Setting,
+    options: &Options,
+    seen: Seen<'_>,
+) -> Result<Fitted, Error> {
     let base = &tied(base);
     let mut kept: Vec<NotIdentifiable> = Vec::new();
     let mut from = base.clone();
@@ -69,11 +87,11 @@ pub fn fit(
         let problem = Problem { base: &from, evidence, setting, unknowns };
         // Once what cannot be told is out, the search goes on from where it was.
         let found = if tried == 0 {
-            let (found, count) = search(&problem, options.starts.max(1), options.seed)?;
+            let (found, count) = search(&problem, options.starts.max(1), options.seed, seen)?;
             tried = count;
             found
         } else {
-            search(&problem, 1, options.seed)?.0
+            search(&problem, 1, options.seed, seen)?.0
         };
         let more = not_identifiable(&problem, &found, base);
         if more.is_empty() {
@@ -103,7 +121,7 @@ pub fn evaluate(
     let which = if own { Which::Own } else { Which::StartsOnly };
     let unknowns = Unknowns::new(drive, evidence, guesses(drive, evidence, setting), which);
     let problem = Problem { base: drive, evidence, setting, unknowns };
-    let (found, _) = search(&problem, 1, 0)?;
+    let (found, _) = search(&problem, 1, 0, &|_| false)?;
     let at = Solved::new(&problem, &found);
     let recordings = at.recordings(&problem, &found, drive);
     let squares = total(&recordings);

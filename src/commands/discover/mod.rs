@@ -12,13 +12,14 @@ use drivescope_plant::drive::Drive;
 
 use super::Run;
 use crate::drive_source;
+use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, told};
 use crate::interrupt;
 use crate::output;
 use crate::session::Session;
 
-use answer::{Answer, with_effects};
+use answer::Answer;
 use watch::Watching;
 
 /// Find what a drive's model lacks, add it, and print the error before and after.
@@ -73,7 +74,7 @@ impl Search<'_> {
         interrupt::check()?;
         let found = found.map_err(told)?;
         if let Some(path) = self.output {
-            let text = with_effects(self.given, self.base, &found.drive, &gathered)?;
+            let text = with_effects((self.given, &drive_source::text(self.given)?), self.base, &found.drive, &gathered)?;
             output::write_file(path, |out| out.write_all(text.as_bytes()))?;
         }
         let answer = Answer::new(self.base, self.output.cloned(), &gathered, &found, session.seed);

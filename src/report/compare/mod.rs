@@ -1,7 +1,7 @@
 //! The report of a comparison: the verdict, where the model fails, and what that rests on.
 
-mod pictures;
-mod tables;
+pub(crate) mod pictures;
+pub(crate) mod tables;
 
 use drivescope_discovery::compare::Comparison;
 use maud::{Markup, html};
@@ -69,28 +69,35 @@ pub(crate) fn remark(compared: &Comparison) -> String {
 /// One self-contained HTML page.
 pub(crate) fn compare_html(compared: &Comparison, setting: &Setting) -> String {
     let title = format!("Model against measurement: {}", setting.drive);
-    let body = html! {
+    let whole = html! {
         a.skip href="#main" { "Skip to the findings" }
         header {
             h1 { (title) }
             p.about { "A drive's model compared with recordings of the drive." }
         }
         main #main {
-            p.verdict { (verdict(compared)) }
-            p.second { (remark(compared)) }
-            (tables::tiles(compared, setting))
-            (findings(compared))
-            (curves(compared))
-            (recordings(compared, setting))
-            (section("residual", "Is the residual white", &tables::residuals(compared)))
-            (section("setting", "What this rests on", &tables::setting(compared, setting)))
+            (body(compared, setting))
         }
         footer {
             "drivescope compare, seed " (setting.seed) ". The same files and seed give the same \
              figures."
         }
     };
-    page(&title, &body)
+    page(&title, &whole)
+}
+
+/// The findings and what they rest on, as sections.
+pub(crate) fn body(compared: &Comparison, setting: &Setting) -> Markup {
+    html! {
+        p.verdict { (verdict(compared)) }
+        p.second { (remark(compared)) }
+        (tables::tiles(compared, setting))
+        (findings(compared))
+        (curves(compared))
+        (recordings(compared, setting))
+        (section("residual", "Is the residual white", &tables::residuals(compared)))
+        (section("setting", "What this rests on", &tables::setting(compared, setting)))
+    }
 }
 
 fn findings(compared: &Comparison) -> Markup {

@@ -116,9 +116,11 @@ impl Command {
                 Ok(())
             }
             Self::Learn { rung } => {
+                bench.state().rung(rung).map_err(said)?;
                 bench.start("Learning", move |progress| work::learn(progress, rung)).map_err(said)
             }
             Self::Add { rung, effect } => {
+                bench.state().rung(rung).map_err(said)?;
                 let title = format!("Adding {}", effect.replace('_', " "));
                 bench
                     .start(&title, move |progress| work::extend(progress, rung, &effect))

@@ -97,7 +97,8 @@ async fn listen(served: &Served, session: &Session) -> miette::Result<()> {
             tokio::time::sleep(LOOK).await;
         }
     };
-    let ended = select(pin!(server.into_future()), pin!(ended)).await;
+    let (server, ended) = (pin!(server.into_future()), pin!(ended));
+    let ended = select(server, ended).await;
     // Work under way may hold the site; its files go with the server all the same.
     let _ = std::fs::remove_dir_all(site.folder.path());
     match ended {

@@ -7,7 +7,7 @@ mod parameters;
 
 use drivescope_discovery::compare::Comparison;
 use drivescope_discovery::{Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, Verdict};
-use maud::{Markup, html};
+use maud::html;
 
 pub(crate) use cards::cards;
 pub(crate) use ladder::{Step, ladder};

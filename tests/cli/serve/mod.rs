@@ -79,6 +79,7 @@ fn nothing_foreign_or_inline_may_run() {
     let here = folder();
     let server = Server::open(here.path(), &[]);
     let page = server.get(&server.session());
+    assert_eq!(page.status, 200, "{page:?}");
     let policy = page.header("content-security-policy").expect("a policy");
     assert!(policy.starts_with("default-src 'self'; ") && !policy.contains("unsafe"), "{policy}");
     for (name, value) in [

@@ -100,7 +100,7 @@ def fits(page, check, words):
 
 
 def at_rest(page):
-    page.wait_for_function("document.getElementById('status').hidden")
+    expect(page.locator("#status")).to_be_hidden(timeout=PATIENCE_MS)
 
 
 def errors(page, step):
@@ -216,7 +216,7 @@ def large(page, server, check, folder):
         [Path(folder) / "model.toml", Path(folder) / "long.csv"]
     )
     page.locator("#see").wait_for()
-    page.wait_for_function("document.body.dataset.firstViewMs")
+    expect(page.locator("body")).to_have_attribute("data-first-view-ms", re.compile("."))
     data = page.evaluate("({...document.body.dataset})")
     check.figure("first view of 1e5 samples", float(data["firstViewMs"]), FIRST_VIEW_MS, "ms")
     # In the frame after the data are set, uPlot paints: both count.
@@ -272,7 +272,7 @@ def faults(page, server, check, pictures):
     page.locator("table.matrix").wait_for()
     check.that(page.locator("table.matrix tbody tr").count() == 12, "the matrix has not 12 faults")
     page.locator("table.matrix button").first.click()
-    page.locator("#trace svg").wait_for()
+    page.locator("#trace svg").first.wait_for()
     check.that(page.locator("table.heat").count() > 0, "no isolation matrix is shown")
     fits(page, check, "faults")
     page.locator("#matrix-h").evaluate("it => it.scrollIntoView()")
@@ -292,7 +292,7 @@ def main():
         text = INPUTS["one.csv"][0]
         simulate(program, folder, "long.csv", EXAMPLE / "machine.toml", text, 5, SAMPLES_S)
         browser = playwright.chromium.launch(executable_path=browser_path, args=flags)
-        context = browser.new_context(viewport=WIDE, accept_downloads=True)
+        context = browser.new_context(viewport=WIDE, accept_downloads=True, reduced_motion="reduce")
         with Server(program, folder) as server:
             page = watched(context, check, re.search("//(.*?)/", server.url)[1])
             kept = walk(page, server, check, folder, pictures)

@@ -161,6 +161,12 @@ impl Understood {
             let x = from + (to - from) * k as f64 / (POINTS - 1) as f64;
             (x, self.at(curve.variable, x, &self.values))
         };
+        for layer in &mut figure.panels[0].layers {
+            // The heading says it; a narrow picture has room for one more name.
+            if let Layer::Line { label, .. } = layer {
+                label.clear();
+            }
+        }
         figure.panels[0].layers.push(Layer::Line {
             label: "the law".to_owned(),
             points: (0..POINTS).map(point).collect(),

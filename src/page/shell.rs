@@ -81,7 +81,7 @@ fn see() -> Markup {
             div #verdict {}
             div.bar role="toolbar" aria-label="View of the signals" {
                 label { "Recording " select #recording {} }
-                label { "Beside it " select #ghost {} }
+                label { "Compare with " select #ghost {} }
                 button type="button" #zoom-out { "Whole recording" }
                 button type="button" #earlier aria-label="earlier" { "\u{2190}" }
                 button type="button" #later aria-label="later" { "\u{2192}" }

@@ -14,6 +14,9 @@ use crate::failure::Failure;
 /// Points of a column at most, unless the browser asks for fewer.
 pub(super) const MOST_POINTS: usize = 100_000;
 
+/// Time over which the residual is averaged, s: what noise leaves of an error that stays.
+const SMOOTH_S: f64 = 0.05;
+
 /// A column: what it shows of which output.
 #[derive(Debug, Clone, Serialize)]
 struct Column {
@@ -21,7 +24,7 @@ struct Column {
     output: &'static str,
     /// Its unit.
     unit: String,
-    /// `measured`, `model`, `residual`, or those with `ghost` before.
+    /// `measured`, `model`, `residual`, `mean residual`, or some with `ghost` before.
     role: &'static str,
 }
 
@@ -87,10 +90,13 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
         push("measured", &|k| output.model[k] + output.residual[k]);
         push("model", &|k| output.model[k]);
         push("residual", &|k| output.residual[k] / output.noise);
+        let smooth = smoothed(&output.residual, (SMOOTH_S / measured.period_s) as usize);
+        push("mean residual", &|k| smooth[k] / output.noise);
         let other = ghost.as_ref().and_then(|it| it.compared.recordings.get(wanted.recording));
         if let Some(other) = other.and_then(|it| it.outputs.get(place)) {
             push("ghost model", &|k| other.model[k]);
-            push("ghost residual", &|k| other.residual[k] / other.noise);
+            let smooth = smoothed(&other.residual, (SMOOTH_S / measured.period_s) as usize);
+            push("ghost mean residual", &|k| smooth[k] / other.noise);
         }
     }
     let step = if bucket == 1 { 1.0 } else { bucket as f64 / 2.0 };
@@ -107,6 +113,22 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
 /// Unit of u; what a force-driven drive takes, its file does not say.
 fn input_unit(drive: &Drive) -> String {
     if drive.motor.input == Input::Voltage { "V".to_owned() } else { String::new() }
+}
+
+/// The mean over that many samples around each, of those that are finite.
+fn smoothed(values: &[f64], samples: usize) -> Vec<f64> {
+    let finite = |value: &f64| if value.is_finite() { (*value, 1.0) } else { (0.0, 0.0) };
+    let mut sums = vec![(0.0, 0.0)];
+    for (value, count) in values.iter().map(finite) {
+        let (sum, before) = sums[sums.len() - 1];
+        sums.push((sum + value, before + count));
+    }
+    let half = samples / 2;
+    let mean = |k: usize| {
+        let (from, to) = (sums[k.saturating_sub(half)], sums[(k + half + 1).min(values.len())]);
+        (to.0 - from.0) / (to.1 - from.1)
+    };
+    (0..values.len()).map(mean).collect()
 }
 
 /// Samples of a bucket, so that two points a bucket are at most that many.
@@ -180,6 +202,16 @@ mod tests {
         assert!(holes.len() == 4 && holes.iter().all(|it| it.is_nan()));
         // Odd lengths end in a shorter bucket; the greater value came first there.
         assert_eq!(reduced(&[0.0, 1.0, 5.0, 4.0, 9.0], 3), [0.0, 5.0, 4.0, 9.0]);
+    }
+
+    #[test]
+    fn a_mean_leaves_out_what_is_missing() {
+        let mut values = vec![1.0; 50];
+        values[20] = f64::NAN;
+        values[30] = 6.0;
+        let smooth = smoothed(&values, 5);
+        assert_eq!((smooth[0], smooth[20], smooth[30], smooth[33]), (1.0, 1.0, 2.0, 1.0));
+        assert!(smoothed(&[f64::NAN; 9], 3).iter().all(|it| it.is_nan()));
     }
 
     #[test]

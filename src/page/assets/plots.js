@@ -13,7 +13,7 @@ function styleOf(name) {
 function inks() {
   return {
     text: styleOf("--text"), muted: styleOf("--muted"), rule: styleOf("--rule"), paper: styleOf("--paper"),
-    blue: styleOf("--blue"), orange: styleOf("--orange"), vermilion: styleOf("--vermilion"), alarm: styleOf("--alarm"),
+    blue: styleOf("--blue"), orange: styleOf("--orange"), vermilion: styleOf("--vermilion"), faintVermilion: styleOf("--faint-vermilion"), alarm: styleOf("--alarm"),
   };
 }
 
@@ -110,7 +110,7 @@ export class Plots {
         this.plot("u, the input", of(["measured"]), 84, false, last);
       } else {
         this.plot(output, of(["measured", "model", "ghost model"]), 170, false, false);
-        this.plot(`residual of ${output}`, of(["residual", "ghost residual"]), 96, true, false);
+        this.plot(`residual of ${output}`, of(["residual", "mean residual", "ghost mean residual"]), 120, true, false);
       }
     });
   }
@@ -121,11 +121,12 @@ export class Plots {
       measured: { label: "measured", stroke: ink.text, width: 1 },
       model: { label: "model", stroke: ink.blue, width: 1.4 },
       "ghost model": { label: "other step", stroke: ink.orange, width: 1.4, dash: [7, 4] },
-      residual: { label: "residual", stroke: ink.vermilion, width: 1 },
-      "ghost residual": { label: "other step", stroke: ink.orange, width: 1, dash: [7, 4] },
+      residual: { label: "residual", stroke: ink.faintVermilion, width: 1 },
+      "mean residual": { label: "its mean over 50 ms", stroke: ink.vermilion, width: 2 },
+      "ghost mean residual": { label: "mean of the other step", stroke: ink.orange, width: 1.5, dash: [7, 4] },
     };
     // What is compared with lies below.
-    const order = ["ghost residual", "measured", "ghost model", "residual", "model"];
+    const order = ["measured", "ghost model", "model", "residual", "ghost mean residual", "mean residual"];
     columns.sort((a, b) => order.indexOf(a.role) - order.indexOf(b.role));
     const unit = isResidual ? "noise sd" : columns[0].unit;
     const holder = document.createElement("figure");
@@ -140,14 +141,14 @@ export class Plots {
       width: Math.max(this.place.clientWidth, 200),
       height: height + (isLast ? 22 : 0),
       pxAlign: 0,
-      padding: [6, 8, 0, 0],
+      padding: [6, 10, 0, 0],
       cursor: { sync: { key: "signals", setSeries: false }, drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
       select: { show: true },
       legend: { show: true, live: true },
       scales: { x: { time: false }, y: { range: (_, min, max) => isResidual ? padded(Math.min(min, -3), Math.max(max, 3)) : padded(min, max) } },
       axes: [
         { ...axis, size: isLast ? 42 : 6, label: isLast ? "time [s]" : undefined, labelSize: 16, values: isLast ? undefined : (_, ticks) => ticks.map(() => "") },
-        { ...axis, size: narrow ? 44 : 58, values: (_, ticks) => ticks.map(short) },
+        { ...axis, size: narrow ? 44 : 58, space: 24, values: (_, ticks) => ticks.map(short) },
       ],
       series: [
         { label: "time [s]", value: (_, value) => short(value) },

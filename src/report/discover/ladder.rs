@@ -3,12 +3,8 @@
 use maud::{Markup, PreEscaped, html};
 
 use crate::report::page::table;
-use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel};
+use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
 use crate::report::words::number;
-
-/// Width and height of its picture, pixels.
-const WIDTH: f64 = 460.0;
-const HEIGHT: f64 = 110.0;
 
 /// A step of the ladder.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +32,7 @@ pub(crate) fn ladder(steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup
     let body = html! {
         @for (place, step) in steps.iter().enumerate() {
             tr data-step=(place) {
-                th scope="row" { span.branch { ("\u{2003}".repeat(step.depth)) } (step.label) }
+                th scope="row" { span.branch { ("\u{2003}".repeat(step.depth)) } (place) ": " (step.label) }
                 td { (number(step.error)) }
                 td { (number(step.validation_error)) }
                 td.name { (action(place)) }
@@ -45,39 +41,30 @@ pub(crate) fn ladder(steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup
     };
     html! {
         (table("Errors in units of the sensors\u{2019} noise; 1 is the floor", &head, &body))
-        @if steps.len() > 1 { (PreEscaped(picture(steps).svg_of(WIDTH))) }
+        @if steps.len() > 1 {
+            div.scroll role="region" tabindex="0" aria-label="Errors, step by step" {
+                (PreEscaped(picture(steps).svg()))
+            }
+        }
     }
 }
 
-fn picture(steps: &[Step]) -> Figure {
-    let line = |label: &str, of: &dyn Fn(&Step) -> f64, ink, dash| Layer::Line {
-        label: label.to_owned(),
-        points: steps.iter().enumerate().map(|(k, step)| (k as f64, of(step))).collect(),
-        ink,
-        dash,
+fn picture(steps: &[Step]) -> Rows {
+    let series = |label: &str, ink, mark| Series { label: label.to_owned(), ink, mark, lane: 0 };
+    let row = |(number, step): (usize, &Step)| {
+        let values = vec![Value::Number(step.error), Value::Number(step.validation_error)];
+        (format!("{number}: {}", step.label), values)
     };
-    let floor = Layer::Level {
-        label: "noise floor".to_owned(),
-        y: 1.0,
-        ink: Ink::Text,
-        dash: Dash::Dotted,
-    };
-    Figure {
+    Rows {
         id: "ladder-plot".to_owned(),
         title: "Errors, step by step".to_owned(),
-        description: "Estimation and validation error over the steps of the ladder".to_owned(),
-        x: Axis::new("step", ""),
-        spans: Vec::new(),
-        markers: Vec::new(),
-        panels: vec![Panel {
-            height: HEIGHT,
-            y: Axis::new("error", "noise sd"),
-            layers: vec![
-                floor,
-                line("estimation", &|it| it.error, Ink::Blue, Dash::Solid),
-                line("validation", &|it| it.validation_error, Ink::Vermilion, Dash::Dashed),
-            ],
-            strip: None,
-        }],
+        description: "Estimation and validation error of every step of the ladder".to_owned(),
+        axis: Axis::new("error", "noise sd"),
+        reference: Some((1.0, "noise floor".to_owned())),
+        series: vec![
+            series("estimation", Ink::Blue, Mark::Disc),
+            series("validation", Ink::Vermilion, Mark::HollowDiamond),
+        ],
+        rows: steps.iter().enumerate().map(row).collect(),
     }
 }

@@ -113,7 +113,7 @@ fn signals_come_as_numbers() {
     let head: serde_json::Value = serde_json::from_str(&answer.body[from..to]).expect("JSON");
     assert_eq!(head["count"], 386, "5001 samples in buckets of 26, two points each: {head}");
     let columns = head["columns"].as_array().expect("columns");
-    assert_eq!(columns.len(), 1 + 2 * 3);
+    assert_eq!(columns.len(), 1 + 2 * 4);
     assert_eq!(columns[1], serde_json::json!({"output": "i", "unit": "A", "role": "measured"}));
     assert_eq!(server.get(&format!("{session}signals?rung=0&recording=2")).status, 422);
     assert_eq!(server.get(&format!("{session}signals?rung=1")).status, 422);

@@ -302,6 +302,8 @@ def main():
             wrong_unit(page, server, check, folder)
             large(page, server, check, folder)
             faults(page, server, check, pictures)
+            # Before the server: the page would say that it is gone.
+            page.close()
         browser.close()
     print(f"page: {len(check.wrong)} problems")
     sys.exit(1 if check.wrong else 0)

@@ -79,6 +79,11 @@ impl Watch for Progress {
         }
     }
 
+    fn compares(&self) -> bool {
+        // Every rung is compared on its own.
+        false
+    }
+
     fn stopped(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }

@@ -103,7 +103,8 @@ async fn listen(served: &Served, session: &Session) -> miette::Result<()> {
     let _ = std::fs::remove_dir_all(site.folder.path());
     match ended {
         Either::Left((served, _)) => served.map_err(taken)?,
-        Either::Right(_) => crate::interrupt::check()?,
+        // Whoever ends the server has got what was wanted.
+        Either::Right(_) => {}
     }
     Ok(())
 }

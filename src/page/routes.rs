@@ -19,6 +19,7 @@ use futures_util::stream::unfold;
 use serde::Deserialize;
 use serde_json::json;
 use tokio::sync::watch;
+use tokio::time::Instant;
 
 use super::bench::{Bench, words};
 use super::command::Command;
@@ -104,16 +105,19 @@ struct Listener {
     site: Arc<Site>,
     own: watch::Receiver<u64>,
     study: watch::Receiver<u64>,
+    /// When it may be told again.
+    next: Instant,
 }
 
 impl Listener {
-    /// Waits until something has changed, and a little longer for more of it.
+    /// Waits until something has changed, and for its turn.
     async fn next(mut self) -> Option<(Result<Event, Infallible>, Self)> {
         {
             let (own, study) = (pin!(self.own.changed()), pin!(self.study.changed()));
             select(own, study).await;
         }
-        tokio::time::sleep(BETWEEN_EVENTS).await;
+        tokio::time::sleep_until(self.next).await;
+        self.next = Instant::now() + BETWEEN_EVENTS;
         self.own.mark_unchanged();
         self.study.mark_unchanged();
         Some((Ok(news(&self.bench, &self.site)), self))
@@ -128,7 +132,7 @@ async fn events(
     let (mut own, study) = (bench.changes.subscribe(), site.study.changes.subscribe());
     // Who comes anew is told how things stand.
     own.mark_changed();
-    let listener = Listener { bench, site, own, study };
+    let listener = Listener { bench, site, own, study, next: Instant::now() };
     Ok(Sse::new(unfold(listener, Listener::next)).keep_alive(KeepAlive::default()))
 }
 

@@ -2,6 +2,7 @@
 //! what changes in the state.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use drivescope_discovery::compare::{Options as CompareOptions, compare};
 use drivescope_discovery::{
@@ -22,6 +23,8 @@ use crate::read_evidence::{KnownNoise, ReadEvidence, evidence_of, given_noise};
 use crate::report::compare::Setting as About;
 use crate::report::discover::Missing;
 
+/// Time that the browser has the processors for itself to draw what was found, before they search.
+const FIRST_LOOK: Duration = Duration::from_millis(250);
 /// A name for the drive that is made from a recording.
 const FIRST: &str = "first.toml";
 
@@ -146,6 +149,7 @@ fn first_drive(recording: &Recording) -> miette::Result<GivenDrive> {
 /// What a drive lacks.
 fn lacking(drive: &Drive, basis: &Basis, progress: &Progress) -> miette::Result<Missing> {
     progress.doing("asking what is missing")?;
+    std::thread::sleep(FIRST_LOOK);
     let Gathered { estimation, validation, .. } = &*basis.gathered;
     let found = discover(drive, estimation, validation, progress).map_err(told)?;
     progress.doing("done")?;

@@ -28,6 +28,11 @@ pub trait Watch: Sync {
     /// Something happened.
     fn step(&self, _step: &Step<'_>) {}
 
+    /// Whether [`Discovery::fails`] is wanted: the comparison of the base costs time and memory.
+    fn compares(&self) -> bool {
+        true
+    }
+
     /// Whether the loop is to end.
     fn stopped(&self) -> bool {
         false

@@ -118,6 +118,7 @@ function listen() {
   events.onmessage = async (event) => {
     const news = JSON.parse(event.data);
     status(news.job);
+    shown.there = news.rungs > 0;
     if (news.problem) tell(news.problem);
     if (follow && news.rungs > follow.rungs) {
       const next = { rung: news.rungs - 1, ghost: follow.from };
@@ -169,6 +170,8 @@ let turn = 0;
 async function refresh() {
   const mine = ++turn;
   const asked = new URLSearchParams({ rung: view.rung, recording: view.recording });
+  // Asked for together: the numbers are many.
+  const numbers = fetchSignals();
   const answer = await fetch(`${base}pieces?${asked}`).catch(() => null);
   if (!answer?.ok || mine !== turn) return;
   const said = await answer.json();
@@ -194,22 +197,35 @@ async function refresh() {
   if (!isThere) return;
   options($("recording"), said.recordings, view.recording);
   options($("ghost"), said.rungs, view.ghost, "nothing");
-  await draw(said.spans ?? []);
+  await draw(said.spans ?? [], numbers);
 }
 
 /* Signals */
 
 const plots = new Plots($("plots"), (window) => brush(window));
 
-async function draw(spans) {
+function signalsAsked() {
   const asked = new URLSearchParams({ rung: view.rung, recording: view.recording });
   if (view.ghost !== null && view.ghost !== view.rung) asked.set("ghost", view.ghost);
-  const key = `${shown.beginning} ${asked}`;
+  return asked;
+}
+
+// The signals of the view, unless they are here already or there is nothing yet.
+async function fetchSignals() {
+  const asked = signalsAsked().toString();
+  if (!shown.there || shown.signals === `${shown.beginning} ${asked}`) return null;
+  const answer = await fetch(`${base}signals?${asked}`).catch(() => null);
+  return answer?.ok ? { asked, data: unpacked(await answer.arrayBuffer()) } : null;
+}
+
+async function draw(spans, numbers) {
+  const asked = signalsAsked().toString(), key = `${shown.beginning} ${asked}`;
   if (shown.signals !== key) {
-    const answer = await fetch(`${base}signals?${asked}`);
-    if (!answer.ok) return;
+    let got = await numbers;
+    if (got?.asked !== asked) got = await fetchSignals();
+    if (!got) return;
     shown.signals = key;
-    shown.whole = unpacked(await answer.arrayBuffer());
+    shown.whole = got.data;
     shown.spans = spans;
   }
   await drawWindow();
@@ -221,8 +237,9 @@ async function drawWindow() {
   const mine = ++windowTurn;
   let data = shown.whole;
   if (view.window && data.bucket > 1) {
-    const asked = new URLSearchParams({ rung: view.rung, recording: view.recording, from: view.window[0], to: view.window[1] });
-    if (view.ghost !== null && view.ghost !== view.rung) asked.set("ghost", view.ghost);
+    const asked = signalsAsked();
+    asked.set("from", view.window[0]);
+    asked.set("to", view.window[1]);
     const answer = await fetch(`${base}signals?${asked}`);
     if (answer.ok && mine === windowTurn) data = unpacked(await answer.arrayBuffer());
   }

@@ -3,7 +3,7 @@
 //! It reads names and numbers from the JSON of the results, not from types of this program, so
 //! that a method or a class that is new appears without a change here.
 
-use drivescope_scenarios::results::{Pictures, StudyResults};
+use drivescope_scenarios::results::{Method, Pictures, StudyResults};
 use maud::{Markup, PreEscaped, html};
 use serde_json::{Map, Value};
 
@@ -134,7 +134,12 @@ fn rest_of<'a>(results: &'a Value, section: &str, key: &str) -> &'a str {
     results.get(section).map_or("", |it| text(it, key))
 }
 
+/// What people call a method; one that nobody knows by its name in the results.
 fn name_of(method: &Value) -> String {
+    let known = Method::ALL.into_iter().find(|it| serde_json::to_value(it).is_ok_and(|it| it == *method));
+    if let Some(known) = known {
+        return known.label().to_owned();
+    }
     method.as_str().map_or_else(|| method.to_string(), |name| name.replace('_', " "))
 }
 
@@ -177,7 +182,7 @@ fn healthy(results: &Value) -> Markup {
                     } }
                     tbody { @for name in names {
                         tr {
-                            th scope="row" { (name.replace('_', " ")) }
+                            th scope="row" { (name_of(&Value::from(name.as_str()))) }
                             td { (scalar(alarms.get(name))) }
                             td { (rates.get(name).and_then(Value::as_f64).map_or("\u{2013}".to_owned(), |it| percent(it, 2))) }
                         }

@@ -14,7 +14,7 @@ use crate::report::plot::{Dash, Ink, Layer};
 use crate::report::words::number;
 
 /// Width and height of the preview, pixels.
-const WIDTH: f64 = 460.0;
+const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 140.0;
 /// Points of the previewed law.
 const POINTS: usize = 121;
@@ -161,12 +161,6 @@ impl Understood {
             let x = from + (to - from) * k as f64 / (POINTS - 1) as f64;
             (x, self.at(curve.variable, x, &self.values))
         };
-        for layer in &mut figure.panels[0].layers {
-            // The heading says it; a narrow picture has room for one more name.
-            if let Layer::Line { label, .. } = layer {
-                label.clear();
-            }
-        }
         figure.panels[0].layers.push(Layer::Line {
             label: "the law".to_owned(),
             points: (0..POINTS).map(point).collect(),

@@ -16,7 +16,7 @@ use crate::report::page::minus;
 use crate::report::words::number;
 
 /// Width and height of the panels, pixels.
-const WIDTH: f64 = 460.0;
+const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 130.0;
 /// Signals that a column may be taken as.
 const SIGNALS: [&str; 10] =

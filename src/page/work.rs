@@ -19,7 +19,7 @@ use crate::drive_text::with_effects;
 use crate::evidence::Gathered;
 use crate::failure::told;
 use crate::first_drive::FirstDrive;
-use crate::read_evidence::{KnownNoise, ReadEvidence, evidence_of, given_noise};
+use crate::read_evidence::{ReadEvidence, evidence_of, given_noise};
 use crate::report::compare::Setting as About;
 use crate::report::discover::Missing;
 
@@ -311,18 +311,9 @@ impl Fresh {
         let (error, validation_error) = (error(estimation)?, error(validation)?);
         let options = CompareOptions { curves: true, seed: basis.seed };
         let compared = compare(&drive, &basis.whole, &setting, &options).map_err(told)?;
-        let noise = |it: &KnownNoise| {
-            let source = format!("{:?}", it.source).to_lowercase();
-            (it.name.to_owned(), format!("{:.3e} {}", it.sd, it.unit), source)
-        };
-        let about = About {
-            drive: drive.name.clone(),
-            noise: basis.gathered.noise[0].iter().map(noise).collect(),
-            validation_error: Some(validation_error),
-            times: basis.whole.recordings.iter().map(|it| (it.start_s, it.period_s)).collect(),
-            doubts: basis.gathered.doubts.clone(),
-            seed: basis.seed,
-        };
+        let Gathered { noise, doubts, .. } = &*basis.gathered;
+        let judged = Some(validation_error);
+        let about = About::new(&drive, &basis.whole, &noise[0], judged, doubts, basis.seed);
         let Self { parent, label, command, text } = self;
         Ok(Rung {
             parent,

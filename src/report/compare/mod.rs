@@ -3,11 +3,14 @@
 pub(crate) mod pictures;
 pub(crate) mod tables;
 
+use drivescope_discovery::Evidence;
 use drivescope_discovery::compare::Comparison;
+use drivescope_plant::drive::Drive;
 use maud::{Markup, html};
 
 use super::page::{figure, page, section};
 use super::words::number;
+use crate::read_evidence::KnownNoise;
 
 /// What a report of a comparison tells beside the comparison itself.
 #[derive(Debug, Clone)]
@@ -24,6 +27,31 @@ pub(crate) struct Setting {
     pub(crate) doubts: Vec<String>,
     /// Seed.
     pub(crate) seed: u64,
+}
+
+impl Setting {
+    /// Of a drive on recordings, with the noise of the first one's outputs.
+    pub(crate) fn new(
+        drive: &Drive,
+        evidence: &Evidence,
+        noise: &[KnownNoise],
+        validation_error: Option<f64>,
+        doubts: &[String],
+        seed: u64,
+    ) -> Self {
+        let known = |it: &KnownNoise| {
+            let source = format!("{:?}", it.source).to_lowercase();
+            (it.name.to_owned(), format!("{:.3e} {}", it.sd, it.unit), source)
+        };
+        Self {
+            drive: drive.name.clone(),
+            noise: noise.iter().map(known).collect(),
+            validation_error,
+            times: evidence.recordings.iter().map(|it| (it.start_s, it.period_s)).collect(),
+            doubts: doubts.to_vec(),
+            seed,
+        }
+    }
 }
 
 /// What is to be seen first.

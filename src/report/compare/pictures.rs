@@ -93,7 +93,7 @@ pub(crate) fn curve_at(it: &Curve, id: &str, height: f64) -> Figure {
             layers: vec![
                 Layer::Band { label: "95 %".to_owned(), points: band, ink: Ink::Blue },
                 Layer::Level { label: String::new(), y: 0.0, ink: Ink::Text, dash: Dash::Dashed },
-                line("missing", points, Ink::Blue),
+                line("", points, Ink::Blue),
             ],
             strip: None,
         }],

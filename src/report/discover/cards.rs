@@ -13,7 +13,7 @@ use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel};
 use crate::report::words::{number, p_value, percent};
 
 /// Width and height of a card's picture, pixels.
-const WIDTH: f64 = 460.0;
+const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 120.0;
 
 /// The cards, best first, then the honest ones; `action` is what may be done about an effect.
@@ -148,14 +148,14 @@ fn card(
             }
             dl.facts {
                 div { dt { "Share of the error" } dd { (percent(one.excess_removed, 1)) " % of what is above the noise" } }
-                div { dt { "By chance" } dd { "p = " (p_value(one.p_value)) ", BIC gain " (minus(&number(one.delta_bic))) } }
+                div { dt { "By chance" } dd { "p = " (minus(&p_value(one.p_value))) ", BIC gain " (minus(&number(one.delta_bic))) } }
                 @if let Some(shape) = one.shape {
                     div { dt { "Shape" } dd { (percent(shape, 0)) " % of what any curve removes" } }
                 }
                 @for (parameter, value) in &one.parameters {
                     div {
                         dt { code { (parameter) } }
-                        dd { (minus(&number(value.value))) " \u{b1} " (number(value.std_error)) " " (unit(&one.effect, parameter)) }
+                        dd { (minus(&number(value.value))) " \u{b1} " (minus(&number(value.std_error))) " " (unit(&one.effect, parameter)) }
                     }
                 }
                 @if !one.confusion_set.is_empty() {

@@ -23,7 +23,7 @@ pub(crate) fn parameters(all: &[Estimate], value: &dyn Fn(&Estimate) -> Markup) 
             tr {
                 th scope="row" { (math(&it.name)) }
                 td { (value(it)) }
-                td { @if it.std_error.is_finite() { (number(it.std_error)) } @else { "\u{2013}" } }
+                td { @if it.std_error.is_finite() { (minus(&number(it.std_error))) } @else { "\u{2013}" } }
                 td.name { (it.unit) }
                 td { (minus(&number(it.before))) }
                 td.name { @if it.at_bound { "at its limit" } }

@@ -150,6 +150,10 @@ def walk(page, server, check, folder, pictures):
     expect(page.locator("#law-said")).to_contain_text("`speed` is unknown")
     page.locator("#law [name=text]").fill("-c * omega * abs(omega)")
     expect(page.locator("#law-said")).to_contain_text("Understood")
+    # A second tab of the same session sees what the first one does.
+    tab = watched(page.context, check, re.search("//(.*?)/", page.url)[1])
+    tab.goto(page.url)
+    tab.locator("#ladder tr[data-step='0']").wait_for()
     # One click, and the error falls.
     page.locator(".card .add").first.click()
     page.locator("#ladder tr[data-step='1']").wait_for()
@@ -158,6 +162,9 @@ def walk(page, server, check, folder, pictures):
     floor = NEAR_THE_FLOOR * FLOOR
     check.that(max(after) < floor < before[1], f"the error falls from {before} to {after} only")
     check.that("step=1" in page.url, "the page does not go to the new step")
+    tab.locator("#ladder tr[data-step='1']").wait_for()
+    check.that("step=1" not in tab.url, "the other tab is taken along")
+    tab.close()
     page.locator("#add-h").evaluate("it => it.scrollIntoView()")
     picture(page, pictures, "add.png")
     for fmi in (2, 3):
@@ -237,7 +244,7 @@ def large(page, server, check, folder):
 
 
 def report(context, check, path):
-    """The same frozen in a file."""
+    """The same frozen in a file: of the page, and of the command line."""
     page = watched(context, check, "nowhere")
     page.goto(path.as_uri())
     check.that(page.locator("svg.plot").count() > 5, "the report shows few plots")
@@ -299,6 +306,9 @@ def main():
             keyboard(page, check)
             looks(page, check, pictures)
             report(context, check, kept)
+            run = [program, "discover", "model.toml", *INPUTS, "--out", "found.html", "--quiet"]
+            subprocess.run(run, cwd=folder, check=True, capture_output=True)
+            report(context, check, Path(folder) / "found.html")
             wrong_unit(page, server, check, folder)
             large(page, server, check, folder)
             faults(page, server, check, pictures)

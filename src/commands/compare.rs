@@ -142,14 +142,8 @@ impl Run for Compare {
         };
         if let Some(out) = &self.out {
             let seed = session.seed;
-            let about = page::Setting::new(
-                &drive,
-                &evidence,
-                &noise[0],
-                validation_error,
-                &doubts,
-                seed,
-            );
+            let about =
+                page::Setting::new(&drive, &evidence, &noise[0], validation_error, &doubts, seed);
             let html = compare_html(&compared, &about);
             output::write_file(out, |file| file.write_all(html.as_bytes()))?;
         }

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use drivescope_discovery::Evidence;
@@ -68,11 +68,17 @@ pub(super) struct Bench {
     state: Mutex<State>,
     /// Counts the changes of the state.
     pub(super) changes: watch::Sender<u64>,
+    /// Held while a window is compared: one at a time.
+    pub(super) looking: Mutex<()>,
+    /// Counts the windows that were asked for: the latest counts.
+    pub(super) looks: AtomicU64,
 }
 
 impl Bench {
     pub(super) fn new(id: String, seed: u64) -> Self {
-        Self { id, seed, state: Mutex::default(), changes: watch::Sender::new(1) }
+        let changes = watch::Sender::new(1);
+        let (state, looking, looks) = Default::default();
+        Self { id, seed, state, changes, looking, looks }
     }
 
     /// The state, to look at.
@@ -118,13 +124,12 @@ impl Bench {
     /// Begins to analyse the recordings from the start; what was done before is dropped. Nothing
     /// happens without a recording.
     pub(super) fn analyse(self: &Arc<Self>) {
-        self.cancel();
-        self.change(State::forget);
-        if self.state().recordings.is_empty() {
-            return;
-        }
-        let begun = self.start("Analysing", work::analyse);
-        debug_assert!(begun.is_ok(), "whatever ran was cancelled");
+        let anew = |state: &mut State| {
+            state.end_job();
+            state.forget();
+            !state.recordings.is_empty()
+        };
+        self.begin("Analysing", anew, work::analyse);
     }
 
     /// Begins long work; `work` gets its progress and answers with what changes in the state.
@@ -136,9 +141,24 @@ impl Bench {
         W: FnOnce(&Progress) -> miette::Result<C> + Send + 'static,
         C: FnOnce(&mut State),
     {
+        let begun = self.begin(title, |state| state.job.is_none(), work);
+        if begun { Ok(()) } else { Err(busy()) }
+    }
+
+    /// Begins long work where the state, made ready under one lock, allows it.
+    fn begin<W, C>(
+        self: &Arc<Self>,
+        title: &str,
+        ready: impl FnOnce(&mut State) -> bool,
+        work: W,
+    ) -> bool
+    where
+        W: FnOnce(&Progress) -> miette::Result<C> + Send + 'static,
+        C: FnOnce(&mut State),
+    {
         let cancelled = Arc::new(AtomicBool::new(false));
         let number = self.change(|state| {
-            if state.job.is_some() {
+            if !ready(state) {
                 return None;
             }
             state.jobs += 1;
@@ -152,7 +172,7 @@ impl Bench {
             });
             Some(state.jobs)
         });
-        let number = number.ok_or_else(busy)?;
+        let Some(number) = number else { return false };
         let progress = Progress { bench: Arc::clone(self), number, cancelled };
         std::thread::spawn(move || {
             let done = catch_unwind(AssertUnwindSafe(|| work(&progress)));
@@ -169,16 +189,12 @@ impl Bench {
                 }
             });
         });
-        Ok(())
+        true
     }
 
     /// Ends what is being done; its result is dropped.
     pub(super) fn cancel(&self) {
-        self.change(|state| {
-            if let Some(job) = state.job.take() {
-                job.cancelled.store(true, Ordering::Relaxed);
-            }
-        });
+        self.change(State::end_job);
     }
 
     /// Changes what is said of the job of that number, if it is still being done.
@@ -201,6 +217,13 @@ impl Bench {
 }
 
 impl State {
+    /// Ends what is being done.
+    fn end_job(&mut self) {
+        if let Some(job) = self.job.take() {
+            job.cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+
     /// Drops what was found.
     fn forget(&mut self) {
         self.beginnings += 1;

@@ -100,7 +100,8 @@ impl Command {
             Self::Column { recording, column, signal, unit } => {
                 bench.change(|state| {
                     let taken = state.recordings.get_mut(recording);
-                    let taken = taken.ok_or_else(|| format!("there is no recording {recording}"))?;
+                    let taken =
+                        taken.ok_or_else(|| format!("there is no recording {recording}"))?;
                     taken.map(&column, &signal, &unit)
                 })?;
                 bench.analyse();

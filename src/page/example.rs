@@ -99,10 +99,11 @@ mod tests {
     #[test]
     fn every_example_can_be_recorded() {
         for example in &EXAMPLES {
-            let (recordings, _) = Example::find(example.id).and_then(|it| {
-                Ok(it.recorded().unwrap_or_else(|error| panic!("{}: {error:?}", it.id)))
-            })
-            .expect("it is listed");
+            let (recordings, _) = Example::find(example.id)
+                .and_then(|it| {
+                    Ok(it.recorded().unwrap_or_else(|error| panic!("{}: {error:?}", it.id)))
+                })
+                .expect("it is listed");
             assert_eq!(recordings.len(), 2);
             assert_eq!(recordings[0].recording.len(), 5001);
             let noisy = &recordings[0].recording.signal("omega").expect("there is one").values;

@@ -14,8 +14,7 @@ use crate::report::words::{number, percent};
 
 /// Height of the picture of the symptoms, pixels.
 const HEIGHT: f64 = 340.0;
-const INKS: [Ink; 6] =
-    [Ink::Blue, Ink::Orange, Ink::Green, Ink::Vermilion, Ink::Purple, Ink::Text];
+const INKS: [Ink; 6] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Vermilion, Ink::Purple, Ink::Text];
 
 /// The whole view.
 pub(super) fn view(shown: &Shown) -> String {
@@ -55,7 +54,10 @@ pub(super) fn view(shown: &Shown) -> String {
 }
 
 /// The traces of a run of that study.
-pub(super) fn trace((study, pictures): &(StudyResults, Vec<Pictures>), run: usize) -> Option<String> {
+pub(super) fn trace(
+    (study, pictures): &(StudyResults, Vec<Pictures>),
+    run: usize,
+) -> Option<String> {
     let picture = pictures.get(run)?;
     Some(crate::report::study::run(study, picture, run).into_string())
 }
@@ -70,9 +72,10 @@ fn rows<'a>(value: &'a Value, key: &str) -> &'a [Value] {
 
 /// A fault in words: `tacho +5 %`.
 fn fault(of: &Value) -> String {
-    let size = of.get("size").and_then(Value::as_f64).map_or(String::new(), |size| {
-        format!(" {:+} %", (size * 1e4).round() / 100.0)
-    });
+    let size = of
+        .get("size")
+        .and_then(Value::as_f64)
+        .map_or(String::new(), |size| format!(" {:+} %", (size * 1e4).round() / 100.0));
     minus(&format!("{}{size}", text(of, "kind").replace('_', " ")))
 }
 
@@ -95,9 +98,9 @@ fn detection(results: &Value, traces: Option<&(StudyResults, Vec<Pictures>)>) ->
     };
     let run_of = |fault: &Value| {
         let pictures = &traces?.1;
-        pictures.iter().position(|it| {
-            it.fault.as_ref().is_some_and(|it| it.label == text(fault, "label"))
-        })
+        pictures
+            .iter()
+            .position(|it| it.fault.as_ref().is_some_and(|it| it.label == text(fault, "label")))
     };
     html! {
         section aria-labelledby="matrix-h" {
@@ -136,7 +139,8 @@ fn rest_of<'a>(results: &'a Value, section: &str, key: &str) -> &'a str {
 
 /// What people call a method; one that nobody knows by its name in the results.
 fn name_of(method: &Value) -> String {
-    let known = Method::ALL.into_iter().find(|it| serde_json::to_value(it).is_ok_and(|it| it == *method));
+    let known =
+        Method::ALL.into_iter().find(|it| serde_json::to_value(it).is_ok_and(|it| it == *method));
     if let Some(known) = known {
         return known.label().to_owned();
     }
@@ -148,7 +152,8 @@ fn outcome(row: Option<&Value>) -> Markup {
     let Some(row) = row else { return html! { td { "\u{2013}" } } };
     let whole = |key: &str| row.get(key).and_then(Value::as_u64);
     let share = row.get("r_td").and_then(Value::as_f64);
-    let title = share.map(|share| format!("outside the threshold in {} % of samples", percent(share, 1)));
+    let title =
+        share.map(|share| format!("outside the threshold in {} % of samples", percent(share, 1)));
     match (whole("t_dt"), whole("delay"), whole("false_alarms").unwrap_or(0)) {
         (_, None, alarms) if alarms > 0 => html! {
             td.name.false-alarm title=[title] { "\u{25b2} false alarm" }
@@ -198,15 +203,11 @@ fn scalar(value: Option<&Value>) -> String {
     match value {
         None | Some(Value::Null) => "\u{2013}".to_owned(),
         Some(Value::String(text)) => text.clone(),
-        Some(Value::Number(it)) if it.is_f64() => {
-            minus(&number(it.as_f64().unwrap_or(f64::NAN)))
-        }
+        Some(Value::Number(it)) if it.is_f64() => minus(&number(it.as_f64().unwrap_or(f64::NAN))),
         Some(Value::Array(ends)) => {
             ends.iter().map(|end| scalar(Some(end))).collect::<Vec<_>>().join(" to ")
         }
-        Some(Value::Object(of)) if of.contains_key("kind") => {
-            value.map(fault).unwrap_or_default()
-        }
+        Some(Value::Object(of)) if of.contains_key("kind") => value.map(fault).unwrap_or_default(),
         Some(other) => other.to_string(),
     }
 }
@@ -275,7 +276,8 @@ fn matrix(of: &Value) -> Markup {
     let (classes, lines) = (rows(of, "classes"), rows(of, "matrix"));
     let faults = rows(of, "faults");
     let width = lines.iter().map(|line| line.as_array().map_or(0, Vec::len)).max().unwrap_or(0);
-    let column = |k: usize| classes.get(k).map_or_else(|| "unknown".to_owned(), |it| scalar(Some(it)));
+    let column =
+        |k: usize| classes.get(k).map_or_else(|| "unknown".to_owned(), |it| scalar(Some(it)));
     let row = |k: usize| {
         faults.get(k).or_else(|| classes.get(k)).map_or_else(String::new, |it| scalar(Some(it)))
     };
@@ -308,7 +310,9 @@ fn sizes(results: &Value) -> Markup {
     let all = rows(results, "identification");
     let mut keys: Vec<&String> = Vec::new();
     for row in all.iter().filter_map(Value::as_object) {
-        keys.extend(row.keys().filter(|key| *key != "fault" && !keys.contains(key)).collect::<Vec<_>>());
+        keys.extend(
+            row.keys().filter(|key| *key != "fault" && !keys.contains(key)).collect::<Vec<_>>(),
+        );
     }
     html! {
         @if !all.is_empty() {
@@ -354,7 +358,8 @@ mod tests {
 
     #[test]
     fn methods_and_classes_that_nobody_knew_appear() {
-        let fault = |label: &str| serde_json::json!({"kind": "tacho", "size": 0.05, "label": label});
+        let fault =
+            |label: &str| serde_json::json!({"kind": "tacho", "size": 0.05, "label": label});
         let row = |label: &str, method: &str, delay: Option<u64>, alarms: u64| {
             let t_dt = delay.map(|delay| 4000 + delay);
             serde_json::json!({"fault": fault(label), "method": method, "r_td": 0.5, "t_dt": t_dt,

@@ -130,11 +130,7 @@ fn token_of(uri: &Uri) -> Option<&str> {
 }
 
 /// Lets a request through or refuses it; every answer gets its headers.
-pub(super) async fn guard(
-    State(site): State<Arc<Site>>,
-    request: Request,
-    next: Next,
-) -> Response {
+pub(super) async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
     let guard = &site.guard;
     let mut response = match guard.check(request.method(), request.headers()) {
         Err(refused) => (StatusCode::FORBIDDEN, refused.words()).into_response(),

@@ -58,7 +58,8 @@ impl TypedLaw {
     pub(super) fn understood(&self, curves: &[Curve]) -> Result<Understood, Wrong> {
         let wrong = |words: String| Wrong { at: None, words };
         let known = Target::ALL.iter().find(|(name, _)| *name == self.target);
-        let (target, kind) = *known.ok_or_else(|| wrong(format!("`{}` is no target", self.target)))?;
+        let (target, kind) =
+            *known.ok_or_else(|| wrong(format!("`{}` is no target", self.target)))?;
         let (mut names, mut given) = (Vec::new(), Vec::new());
         for item in self.coefficients.split(',').map(str::trim).filter(|it| !it.is_empty()) {
             let (name, value) = match item.split_once('=') {
@@ -181,7 +182,8 @@ impl Understood {
             .find(|id| !taken(id))
             .unwrap_or_default();
         let values = self.names.iter().zip(&self.values);
-        let values: Vec<String> = values.map(|(name, value)| format!("{name} = {value:e}")).collect();
+        let values: Vec<String> =
+            values.map(|(name, value)| format!("{name} = {value:e}")).collect();
         let text = format!(
             "{}\n[[effect]]\nkind = \"custom\"\nid = \"{id}\"\n{} = {}\nparameters = {{ {} }}\n",
             rung.text.trim_end(),

@@ -78,8 +78,7 @@ pub(crate) fn serve(served: &Served, session: &Session) -> miette::Result<()> {
 
 async fn listen(served: &Served, session: &Session) -> miette::Result<()> {
     let taken = |source| Failure::Serve { port: served.port, source };
-    let listener =
-        TcpListener::bind((Ipv4Addr::LOCALHOST, served.port)).await.map_err(taken)?;
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, served.port)).await.map_err(taken)?;
     let SocketAddr::V4(address) = listener.local_addr().map_err(taken)? else {
         unreachable!("an IPv4 address was bound")
     };

@@ -123,9 +123,8 @@ impl Taken {
                 largest / possible
             );
             // The speed that a motor is recorded at is near its no-load speed.
-            let fix = self.fix(number, name, words, |si| {
-                (0.15..1.5).contains(&(si * largest / possible))
-            });
+            let fix = self
+                .fix(number, name, words, |si| (0.15..1.5).contains(&(si * largest / possible)));
             fixes.extend(fix);
         }
         fixes.dedup_by(|a, b| a.column == b.column);
@@ -184,11 +183,7 @@ pub(super) fn units_like(unit: &str) -> Vec<&'static str> {
 }
 
 /// Reads the file; what is said of it names what the user called it.
-fn read_named(
-    path: &Path,
-    name: &str,
-    columns: &[Mapping],
-) -> Result<(Recording, Report), String> {
+fn read_named(path: &Path, name: &str, columns: &[Mapping]) -> Result<(Recording, Report), String> {
     let options = ReadOptions { columns: columns.to_vec(), resample: None };
     let read = read(path, &options);
     let own = path.display().to_string();

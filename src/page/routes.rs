@@ -2,7 +2,8 @@
 
 use std::convert::Infallible;
 use std::pin::pin;
-use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use axum::body::Body;
@@ -167,7 +168,8 @@ async fn show(
     let recordings = state.recordings.iter().map(|it| &it.name).collect::<Vec<_>>();
     let rungs = state.rungs.iter().map(|it| &it.label).collect::<Vec<_>>();
     let rung = state.rungs.get(looked.rung);
-    let spans = rung.and_then(|it| it.compared.recordings.get(looked.recording)).map(|it| &it.spans);
+    let spans =
+        rung.and_then(|it| it.compared.recordings.get(looked.recording)).map(|it| &it.spans);
     let answer = json!({
         "version": version,
         "beginning": state.beginnings,
@@ -196,7 +198,7 @@ async fn numbers(
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
 }
 
-/// Where the model fails within a window.
+/// Where the model fails within a window; a window that was asked for later overtakes it.
 async fn brushed(
     From(site): From<Arc<Site>>,
     Path(id): Path<String>,
@@ -210,8 +212,15 @@ async fn brushed(
         (rung, state.whole.clone().ok_or_else(|| refused("nothing was analysed"))?)
     };
     let seed = site.seed;
-    let compared = off_the_loop(move || window::compared(&rung, &whole, looked.recording, span, seed));
-    let compared = compared.await?.map_err(|error| refused(words(&error)))?;
+    let mine = bench.looks.fetch_add(1, Ordering::Relaxed) + 1;
+    let compared = off_the_loop(move || {
+        let _alone = bench.looking.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_last = bench.looks.load(Ordering::Relaxed) == mine;
+        is_last.then(|| window::compared(&rung, &whole, looked.recording, span, seed))
+    });
+    let overtaken = || StatusCode::CONFLICT.into_response();
+    let compared = compared.await?.ok_or_else(overtaken)?;
+    let compared = compared.map_err(|error| refused(words(&error)))?;
     Ok(Json(json!({ "html": within(&compared, span) })).into_response())
 }
 
@@ -344,7 +353,10 @@ struct Run {
     run: usize,
 }
 
-async fn study_trace(From(site): From<Arc<Site>>, Query(Run { run }): Query<Run>) -> Answer<Response> {
+async fn study_trace(
+    From(site): From<Arc<Site>>,
+    Query(Run { run }): Query<Run>,
+) -> Answer<Response> {
     let traces = site.study.shown().traces.clone();
     let html = traces.and_then(|traces| faults::trace(&traces, run));
     let html = html.ok_or_else(|| refused("these results hold no traces of that run"))?;

@@ -54,8 +54,12 @@ fn drop_zone(most_bytes: u64) -> Markup {
     html! {
         section #drop aria-labelledby="drop-h" {
             h2 #drop-h { "Drop" span.about { " a recording of the drive" } }
+            p.intro {
+                "See where its model fails, learn which physical effect is missing, add it, and \
+                 watch the error fall to the noise of the sensors."
+            }
             label.zone for="file" {
-                strong { "Drop recordings here" } " or choose files"
+                span { strong { "Drop recordings here" } " or " span.choose { "choose files" } }
                 span.note {
                     "CSV, Parquet or MAT with the input u and a current, speed or position; a drive \
                      file (.toml) is the model to begin with. Up to "

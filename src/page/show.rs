@@ -19,8 +19,7 @@ use crate::report::words::number;
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 130.0;
 /// Signals that a column may be taken as.
-const SIGNALS: [&str; 10] =
-    ["time", "u", "i", "omega", "theta", "v", "x", "T_l", "reference", "T"];
+const SIGNALS: [&str; 10] = ["time", "u", "i", "omega", "theta", "v", "x", "T_l", "reference", "T"];
 
 /// What the browser looks at.
 #[derive(Debug, Clone, Copy)]
@@ -37,34 +36,46 @@ pub(super) fn pieces(state: &State, view: View) -> BTreeMap<&'static str, String
     let Some(rung) = state.rungs.get(view.rung) else { return pieces };
     let found = state.missing.get(&view.rung);
     let shown = [
-        ("verdict", html! {
-            p.verdict { (verdict(&rung.compared)) }
-            p.second { (remark(&rung.compared)) }
-            (tables::tiles(&rung.compared, &rung.about))
-        }),
-        ("spans", spans(&rung.compared, view.recording)),
-        ("where", html! {
-            h3 { "Where it fails" }
-            (tables::findings(&rung.compared))
-            (panels(&rung.compared, "where"))
-        }),
-        ("white", white(&rung.compared, view.recording)),
-        ("cards", match found {
-            Some(missing) => cards(missing, &rung.compared.curves, &add_button),
-            None => html! {
-                p { "What this model lacks has not been asked yet. "
-                    button type="button" data-do="learn" { "Ask the library" } }
+        (
+            "verdict",
+            html! {
+                p.verdict { (verdict(&rung.compared)) }
+                p.second { (remark(&rung.compared)) }
+                (tables::tiles(&rung.compared, &rung.about))
             },
-        }),
+        ),
+        ("spans", spans(&rung.compared, view.recording)),
+        (
+            "where",
+            html! {
+                h3 { "Where it fails" }
+                (tables::findings(&rung.compared))
+                (panels(&rung.compared, "where"))
+            },
+        ),
+        ("white", white(&rung.compared, view.recording)),
+        (
+            "cards",
+            match found {
+                Some(missing) => cards(missing, &rung.compared.curves, &add_button),
+                None => html! {
+                    p { "What this model lacks has not been asked yet. "
+                        button type="button" data-do="learn" { "Ask the library" } }
+                },
+            },
+        ),
         ("ladder", steps(state, view.rung)),
-        ("parameters", html! {
-            h3 { "Parameters of this step" }
-            (parameters(&rung.parameters, &|it| html! {
-                input.value type="text" inputmode="decimal" value=(plain(it.value)) size="11"
-                    data-parameter=(it.name) aria-label={ "value of " (it.name) ", " (it.unit) };
-            }))
-            (untold(rung))
-        }),
+        (
+            "parameters",
+            html! {
+                h3 { "Parameters of this step" }
+                (parameters(&rung.parameters, &|it| html! {
+                    input.value type="text" inputmode="decimal" value=(plain(it.value)) size="11"
+                        data-parameter=(it.name) aria-label={ "value of " (it.name) ", " (it.unit) };
+                }))
+                (untold(rung))
+            },
+        ),
         ("take", take(view.rung, rung)),
     ];
     pieces.extend(shown.map(|(place, piece)| (place, piece.into_string())));
@@ -207,10 +218,8 @@ fn spans(compared: &Comparison, recording: usize) -> Markup {
             ol.spans {
                 @for span in spans {
                     li {
-                        button type="button" data-from=(span.from) data-to=(span.to) {
-                            (number_of(span.from)) " to " (number_of(span.to)) " s"
-                        }
-                        " " (span.sentence) " " span.note { "(error " (number(span.error)) ")" }
+                        button.link type="button" data-from=(span.from) data-to=(span.to) { (span.sentence) }
+                        " " span.note { "error " (number(span.error)) }
                     }
                 }
             }
@@ -223,7 +232,8 @@ fn spans(compared: &Comparison, recording: usize) -> Markup {
 fn panels(compared: &Comparison, place: &str) -> Markup {
     let rank = |curve: &Curve| {
         let found = compared.findings.iter().position(|it| {
-            it.variable == curve.variable || (it.variable == "omega_sign" && curve.variable == "omega")
+            it.variable == curve.variable
+                || (it.variable == "omega_sign" && curve.variable == "omega")
         });
         let ends = curve.lower.iter().zip(&curve.upper);
         let outside = ends.filter(|(low, high)| **low > 0.0 || **high < 0.0).count();
@@ -323,11 +333,13 @@ fn steps(state: &State, now: usize) -> Markup {
             depth: Rung::depth(&state.rungs, number),
         })
         .collect();
-    ladder(&all, &|number| html! {
-        @if number == now { strong { "shown" } }
-        @else {
-            button type="button" data-rung=(number) { "Go to" } " "
-            button type="button" data-ghost=(number) { "Compare" }
+    ladder(&all, &|number| {
+        html! {
+            @if number == now { strong { "shown" } }
+            @else {
+                button type="button" data-rung=(number) { "Go to" } " "
+                button type="button" data-ghost=(number) { "Compare" }
+            }
         }
     })
 }

@@ -72,7 +72,8 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
             instead: "reload the page".to_owned(),
         });
     };
-    let sample = |time: f64| ((time - measured.start_s) / measured.period_s).round().max(0.0) as usize;
+    let sample =
+        |time: f64| ((time - measured.start_s) / measured.period_s).round().max(0.0) as usize;
     let all = measured.len();
     let (from, to) = wanted.window.map_or((0, all), |(from, to)| (sample(from), sample(to) + 1));
     let to = to.min(all);

@@ -35,7 +35,8 @@ pub(super) struct Site {
 impl Site {
     pub(super) fn new(guard: Guard, seed: u64, most_bytes: u64) -> Result<Arc<Self>, Failure> {
         let unwritable = |source| Failure::Write { path: std::env::temp_dir(), source };
-        let folder = tempfile::Builder::new().prefix("drivescope-").tempdir().map_err(unwritable)?;
+        let folder =
+            tempfile::Builder::new().prefix("drivescope-").tempdir().map_err(unwritable)?;
         let (benches, begun) = Default::default();
         let study = Arc::default();
         Ok(Arc::new(Self { guard, seed, most_bytes, folder, study, benches, begun }))

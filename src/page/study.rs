@@ -155,8 +155,8 @@ fn run(site: &Site, cancelled: &AtomicBool) -> miette::Result<(Value, Traces)> {
         });
         cancelled.load(Ordering::Relaxed)
     };
-    let outcome = study(&options, (&closed, &open), &progress)
-        .map_err(|error: StudyError| told(error))?;
+    let outcome =
+        study(&options, (&closed, &open), &progress).map_err(|error: StudyError| told(error))?;
     let results = serde_json::to_value(&outcome.results)
         .map_err(|error| Failure::Print { source: error.into() })?;
     Ok((results, (outcome.results, outcome.pictures)))

@@ -47,16 +47,18 @@ pub(super) fn shown(name: &str) -> String {
 ///
 /// # Errors
 /// [`UploadError`].
-pub(super) async fn recording(site: &Site, name: &str, body: Body) -> Result<TempPath, UploadError> {
+pub(super) async fn recording(
+    site: &Site,
+    name: &str,
+    body: Body,
+) -> Result<TempPath, UploadError> {
     let given = name.rsplit_once('.').map(|parts| parts.1.to_lowercase()).unwrap_or_default();
     let kind = KINDS.into_iter().find(|kind| *kind == given);
     let kind = kind.ok_or_else(|| UploadError::Kind { name: name.to_owned() })?;
     let broken = |error: std::io::Error| UploadError::Broken(error.to_string());
     let suffix = format!(".{kind}");
-    let mut file = tempfile::Builder::new()
-        .suffix(&suffix)
-        .tempfile_in(site.folder.path())
-        .map_err(broken)?;
+    let mut file =
+        tempfile::Builder::new().suffix(&suffix).tempfile_in(site.folder.path()).map_err(broken)?;
     let mut left = site.most_bytes;
     let mut chunks = body.into_data_stream();
     while let Some(chunk) = chunks.next().await {

@@ -18,11 +18,13 @@ pub(super) fn compared(
     (from, to): (f64, f64),
     seed: u64,
 ) -> miette::Result<Comparison> {
-    let (Some(measured), Some(noise)) = (whole.recordings.get(recording), whole.noise.get(recording))
+    let (Some(measured), Some(noise)) =
+        (whole.recordings.get(recording), whole.noise.get(recording))
     else {
         return Err(miette::Report::msg(format!("there is no recording {recording}")));
     };
-    let sample = |time: f64| ((time - measured.start_s) / measured.period_s).round().max(0.0) as usize;
+    let sample =
+        |time: f64| ((time - measured.start_s) / measured.period_s).round().max(0.0) as usize;
     let end = (sample(to) + 1).min(measured.len());
     let part = measured.part(sample(from).min(end)..end).map_err(told)?;
     let evidence = Evidence { recordings: vec![part], noise: vec![noise.clone()] };

@@ -116,17 +116,17 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
     let setting = Setting::new(&given.drive, observer);
     progress.doing("fitting the drive")?;
     let options = Options { seed: basis.seed, ..Options::default() };
-    let fitted = fit_seen(&given.drive, estimation, &setting, &options, &|error| {
-        progress.fitting(error)
-    })
-    .map_err(told)?;
+    let fitted =
+        fit_seen(&given.drive, estimation, &setting, &options, &|error| progress.fitting(error))
+            .map_err(told)?;
     let name = quoted(&given.name);
     let fit = format!("drivescope fit {name} {} -o {}", basis.files, file_of(0));
     let command = match made {
         true => format!("drivescope init {} -o {name}\n{fit}", quoted(&recordings[0].0)),
         false => fit,
     };
-    let text = with_effects((&given.name, &given.text), &given.drive, &fitted.drive, &basis.gathered)?;
+    let text =
+        with_effects((&given.name, &given.text), &given.drive, &fitted.drive, &basis.gathered)?;
     let step = Fresh { parent: None, label: "the base, fitted".to_owned(), command, text };
     let rung = Arc::new(step.rung(fitted.into(), setting, &basis, progress)?);
     let drive = rung.drive.clone();

@@ -186,8 +186,7 @@ impl Round<'_> {
             let candidate = &self.all[one.candidate];
             // One that diverges is out; the rest goes on.
             let seen = |_| self.watch.stopped();
-            let model =
-                refit(self.model, candidate, one, self.estimation, self.validation, &seen);
+            let model = refit(self.model, candidate, one, self.estimation, self.validation, &seen);
             Some((one.candidate, model.ok()?))
         };
         let mut models: Vec<(usize, Model)> = Vec::new();

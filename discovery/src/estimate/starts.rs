@@ -7,8 +7,8 @@ use rand::SeedableRng;
 use rand::distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
-use super::problem::Problem;
 use super::Seen;
+use super::problem::Problem;
 use super::search::minimise_within;
 use super::unknowns::{Unknown, Unknowns};
 use crate::error::Error;

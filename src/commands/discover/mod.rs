@@ -82,7 +82,12 @@ impl Search<'_> {
         interrupt::check()?;
         let found = found.map_err(told)?;
         if let Some(path) = self.output {
-            let text = with_effects((self.given, &drive_source::text(self.given)?), self.base, &found.drive, &gathered)?;
+            let text = with_effects(
+                (self.given, &drive_source::text(self.given)?),
+                self.base,
+                &found.drive,
+                &gathered,
+            )?;
             output::write_file(path, |out| out.write_all(text.as_bytes()))?;
         }
         if let Some(path) = self.report {

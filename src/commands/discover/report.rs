@@ -40,9 +40,10 @@ pub(super) fn report(
         .iter()
         .enumerate()
         .map(|(depth, rung)| Step {
-            label: rung.added.as_ref().map_or("the base, fitted".to_owned(), |it| {
-                format!("+ {}", it.replace('_', " "))
-            }),
+            label: rung
+                .added
+                .as_ref()
+                .map_or("the base, fitted".to_owned(), |it| format!("+ {}", it.replace('_', " "))),
             error: rung.error,
             validation_error: rung.validation_error,
             depth,

@@ -113,8 +113,9 @@ function status(job) {
   }
 }
 
+let events = null;
 function listen() {
-  const events = new EventSource(`${base}events`);
+  events = new EventSource(`${base}events`);
   events.onmessage = async (event) => {
     const news = JSON.parse(event.data);
     status(news.job);
@@ -184,6 +185,7 @@ async function refresh() {
   const isThere = said.rungs.length > 0;
   if (isThere && view.rung >= said.rungs.length) return look({ rung: said.rungs.length - 1 });
   if (view.ghost !== null && view.ghost >= said.rungs.length) view.ghost = null;
+  document.body.classList.toggle("begun", said.recordings.length > 0);
   for (const id of ["see", "learn", "add"]) $(id).hidden = !isThere;
   for (const [id, html] of Object.entries(said.pieces)) fill(id, html);
   document.querySelectorAll("[data-law]:not([data-tried])").forEach((it) => {
@@ -251,7 +253,7 @@ async function drawWindow() {
   $("to").value = Number(to.toPrecision(6));
   $("zoom-out").disabled = $("earlier").disabled = $("later").disabled = !view.window;
   if ($("signal-data").open) tabulate();
-  await look_within();
+  await lookWithin();
 }
 
 function brush(window) {
@@ -261,7 +263,7 @@ function brush(window) {
 }
 
 let withinTurn = 0;
-async function look_within() {
+async function lookWithin() {
   const mine = ++withinTurn;
   if (!view.window) { fill("within", ""); return; }
   const [from, to] = view.window;
@@ -271,6 +273,8 @@ async function look_within() {
   const answer = await fetch(`${base}within?${asked}`);
   const said = await answer.json().catch(() => ({}));
   if (mine !== withinTurn) return;
+  // Another tab of this session asked later: it has its turn, then this one.
+  if (answer.status === 409) { setTimeout(() => mine === withinTurn && lookWithin(), 500); return; }
   if (answer.ok) { fill("within", said.html); return; }
   const words = document.createElement("p");
   words.className = "note";
@@ -389,6 +393,8 @@ form.addEventListener("input", checkLaw);
 form.addEventListener("submit", async (event) => { event.preventDefault(); await act({ do: "law", rung: view.rung, law: law() }); });
 form.closest("details").addEventListener("toggle", checkLaw);
 $("signal-data").addEventListener("toggle", () => { if ($("signal-data").open) tabulate(); });
+// A tab that nobody sees keeps no connection: a browser has few for a server.
+document.addEventListener("visibilitychange", () => { events?.close(); if (!document.hidden) listen(); });
 addEventListener("hashchange", () => { readAddress(); showView(); refresh(); });
 
 // Files may be dropped anywhere.

@@ -185,7 +185,8 @@ fn unit(effect: &str, parameter: &str) -> &'static str {
 /// most tellingly, of those that were drawn.
 fn convicting<'a>(info: &Info, curves: &'a [Curve]) -> Option<(usize, &'a Curve)> {
     // The curve over the speed shows both directions.
-    let drawn = |variable: &str| if variable == "omega_sign" { "omega" } else { variable }.to_owned();
+    let drawn =
+        |variable: &str| if variable == "omega_sign" { "omega" } else { variable }.to_owned();
     info.fails_over.iter().find_map(|variable| {
         let wanted = drawn(variable.name());
         curves.iter().enumerate().find(|(_, curve)| curve.variable == wanted)

@@ -116,7 +116,8 @@ impl Server {
         let stream = TcpStream::connect(&self.host).expect("it listens");
         stream.set_read_timeout(Some(PATIENCE)).expect("a time");
         let (host, cookie) = (&self.host, &self.cookie);
-        let ask = format!("GET {session}events HTTP/1.1\r\nHost: {host}\r\nCookie: {cookie}\r\n\r\n");
+        let ask =
+            format!("GET {session}events HTTP/1.1\r\nHost: {host}\r\nCookie: {cookie}\r\n\r\n");
         (&stream).write_all(ask.as_bytes()).expect("it listens");
         for line in BufReader::new(&stream).lines() {
             let line = line.expect("an event");

@@ -34,8 +34,7 @@ fn only_its_own_page_may_ask() {
     let here = folder();
     let server = Server::open(here.path(), &[]);
     let session = server.session();
-    let (host, cookie) =
-        (format!("Host: {}", server.host), format!("Cookie: {}", server.cookie));
+    let (host, cookie) = (format!("Host: {}", server.host), format!("Cookie: {}", server.cookie));
     let path = format!("{session}do");
     let kind = "Content-Type: application/json";
     let ask = |origin: &[&str]| {
@@ -176,7 +175,8 @@ fn sessions_of_others_and_wrong_commands_are_refused() {
     let session = server.session();
     assert_eq!(server.get("/b/0123456789abcdef0123456789abcdef/").status, 404);
     assert_eq!(server.get("/b/0123456789abcdef0123456789abcdef/pieces").status, 404);
-    for command in [r#"{"do":"add","rung":7,"effect":"cogging"}"#, r#"{"do":"example","id":"no"}"#] {
+    for command in [r#"{"do":"add","rung":7,"effect":"cogging"}"#, r#"{"do":"example","id":"no"}"#]
+    {
         let answer = server.post(&format!("{session}do"), command.as_bytes());
         assert_eq!(answer.status, 422, "{command}: {answer:?}");
     }

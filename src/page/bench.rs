@@ -30,6 +30,8 @@ pub(super) struct GivenDrive {
     pub(super) text: String,
     /// What it describes.
     pub(super) drive: Drive,
+    /// Whether it was made from the first recording.
+    pub(super) made: bool,
 }
 
 /// What a session knows.
@@ -106,7 +108,7 @@ impl Bench {
     pub(super) fn take_drive(&self, name: &str, text: &str) -> miette::Result<()> {
         let parsed = Drive::parse(text, name);
         let drive = parsed.map_err(|error| miette::Report::msg(error.to_string()))?;
-        let given = GivenDrive { name: name.to_owned(), text: text.to_owned(), drive };
+        let given = GivenDrive { name: name.to_owned(), text: text.to_owned(), drive, made: false };
         self.change(|state| state.drive = Some(given));
         Ok(())
     }

@@ -86,8 +86,12 @@ impl Example {
         };
         let recordings = INPUTS.into_iter().map(record).collect::<miette::Result<_>>()?;
         let drive = Drive::parse(self.model, "model.toml").map_err(told)?;
-        let given =
-            GivenDrive { name: "model.toml".to_owned(), text: self.model.to_owned(), drive };
+        let given = GivenDrive {
+            name: "model.toml".to_owned(),
+            text: self.model.to_owned(),
+            drive,
+            made: false,
+        };
         Ok((recordings, given))
     }
 }
@@ -99,11 +103,10 @@ mod tests {
     #[test]
     fn every_example_can_be_recorded() {
         for example in &EXAMPLES {
-            let (recordings, _) = Example::find(example.id)
-                .and_then(|it| {
-                    Ok(it.recorded().unwrap_or_else(|error| panic!("{}: {error:?}", it.id)))
-                })
-                .expect("it is listed");
+            let found = Example::find(example.id).expect("it is listed");
+            let recorded = found.recorded();
+            let (recordings, _) =
+                recorded.unwrap_or_else(|error| panic!("{}: {error:?}", found.id));
             assert_eq!(recordings.len(), 2);
             assert_eq!(recordings[0].recording.len(), 5001);
             let noisy = &recordings[0].recording.signal("omega").expect("there is one").values;

@@ -10,12 +10,15 @@
 //! finds it again and several tabs see the same. HTML comes from the same functions as reports;
 //! signals go as numbers and are drawn in the browser.
 
+mod answer;
 mod assets;
 mod bench;
 mod command;
 mod download;
+mod events;
 mod example;
 mod faults;
+mod fresh;
 mod guard;
 mod job;
 mod law;
@@ -27,6 +30,7 @@ mod show;
 mod signals;
 mod site;
 mod study;
+mod study_routes;
 mod upload;
 mod window;
 mod work;

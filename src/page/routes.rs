@@ -1,41 +1,27 @@
 //! What is answered at which address.
 
-use std::convert::Infallible;
-use std::pin::pin;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
-use std::time::Duration;
 
 use axum::body::Body;
 use axum::extract::{Path, Query, State as From};
 use axum::http::{StatusCode, header};
 use axum::middleware;
-use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
-use futures_util::Stream;
-use futures_util::future::select;
-use futures_util::stream::unfold;
 use serde::Deserialize;
 use serde_json::json;
-use tokio::sync::watch;
-use tokio::time::Instant;
 
-use super::bench::{Bench, words};
+use super::answer::{Answer, Refusal, refused};
+use super::bench::Bench;
 use super::command::Command;
 use super::law::TypedLaw;
 use super::recordings::Taken;
 use super::show::{View, pieces, within};
 use super::signals::{MOST_POINTS, Wanted, signals};
 use super::site::Site;
-use super::study::FaultStudy;
-use super::{assets, download, faults, guard, shell, upload, window};
-
-/// Least time between two events of a session.
-const BETWEEN_EVENTS: Duration = Duration::from_millis(60);
-/// Greatest size of a study.json, bytes.
-const MOST_STUDY: usize = 20_000_000;
+use super::{assets, download, events, guard, shell, study_routes, upload, window};
 
 /// Everything behind the guard.
 pub(super) fn router(site: Arc<Site>) -> Router {
@@ -43,7 +29,7 @@ pub(super) fn router(site: Arc<Site>) -> Router {
         .route("/", get(open))
         .route("/assets/{name}", get(assets::asset))
         .route("/b/{id}/", get(page))
-        .route("/b/{id}/events", get(events))
+        .route("/b/{id}/events", get(events::events))
         .route("/b/{id}/pieces", get(show))
         .route("/b/{id}/signals", get(numbers))
         .route("/b/{id}/within", get(brushed))
@@ -51,23 +37,18 @@ pub(super) fn router(site: Arc<Site>) -> Router {
         .route("/b/{id}/law", post(check))
         .route("/b/{id}/file", post(take))
         .route("/b/{id}/take/{what}", get(give))
-        .route("/study", get(study_view).post(study_command))
-        .route("/study/file", post(study_file))
-        .route("/study/trace", get(study_trace))
+        .route("/study", get(study_routes::view).post(study_routes::command))
+        .route("/study/file", post(study_routes::file))
+        .route("/study/trace", get(study_routes::trace))
         .fallback(|| async { (StatusCode::NOT_FOUND, "there is nothing here\n") })
         .layer(middleware::from_fn_with_state(Arc::clone(&site), guard::guard))
         .with_state(site)
 }
 
-type Answer<T> = Result<T, Response>;
-
-fn refused(words: impl Into<String>) -> Response {
-    (StatusCode::UNPROCESSABLE_ENTITY, Json(json!({ "problem": words.into() }))).into_response()
-}
-
-fn bench(site: &Site, id: &str) -> Answer<Arc<Bench>> {
-    let gone = "this session is over: open a new one at the root of this server\n";
-    site.bench(id).ok_or_else(|| (StatusCode::NOT_FOUND, gone).into_response())
+/// The session of that name.
+pub(super) fn bench(site: &Site, id: &str) -> Answer<Arc<Bench>> {
+    let gone = "this session is over: open a new one at the root of this server";
+    site.bench(id).ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, gone))
 }
 
 /// A new session, or the one of the command line.
@@ -80,61 +61,6 @@ async fn page(From(site): From<Arc<Site>>, Path(id): Path<String>) -> Answer<Res
     let bench = bench(&site, &id)?;
     let html = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
     Ok((html, shell::page(&bench.id, site.most_bytes)).into_response())
-}
-
-/// What a tab has to know at once: what is being done, and that something changed.
-fn news(bench: &Bench, site: &Site) -> Event {
-    let version = *bench.changes.borrow();
-    let state = bench.state();
-    let study = site.study.shown();
-    let data = json!({
-        "version": version,
-        "job": state.job,
-        "problem": state.problem,
-        "recordings": state.recordings.len(),
-        "rungs": state.rungs.len(),
-        "asked": state.missing.keys().collect::<Vec<_>>(),
-        "study": *site.study.changes.borrow(),
-        "running": study.running,
-    });
-    Event::default().data(data.to_string())
-}
-
-/// A tab that listens.
-struct Listener {
-    bench: Arc<Bench>,
-    site: Arc<Site>,
-    own: watch::Receiver<u64>,
-    study: watch::Receiver<u64>,
-    /// When it may be told again.
-    next: Instant,
-}
-
-impl Listener {
-    /// Waits until something has changed, and for its turn.
-    async fn next(mut self) -> Option<(Result<Event, Infallible>, Self)> {
-        {
-            let (own, study) = (pin!(self.own.changed()), pin!(self.study.changed()));
-            select(own, study).await;
-        }
-        tokio::time::sleep_until(self.next).await;
-        self.next = Instant::now() + BETWEEN_EVENTS;
-        self.own.mark_unchanged();
-        self.study.mark_unchanged();
-        Some((Ok(news(&self.bench, &self.site)), self))
-    }
-}
-
-async fn events(
-    From(site): From<Arc<Site>>,
-    Path(id): Path<String>,
-) -> Answer<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
-    let bench = bench(&site, &id)?;
-    let (mut own, study) = (bench.changes.subscribe(), site.study.changes.subscribe());
-    // Who comes anew is told how things stand.
-    own.mark_changed();
-    let listener = Listener { bench, site, own, study, next: Instant::now() };
-    Ok(Sse::new(unfold(listener, Listener::next)).keep_alive(KeepAlive::default()))
 }
 
 #[derive(Debug, Deserialize)]
@@ -194,7 +120,7 @@ async fn numbers(
         window: looked.window(),
         points: looked.points.unwrap_or(MOST_POINTS),
     };
-    let bytes = signals(&bench.state(), &wanted).map_err(|error| refused(words(&error.into())))?;
+    let bytes = signals(&bench.state(), &wanted)?;
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
 }
 
@@ -208,7 +134,7 @@ async fn brushed(
     let span = looked.window().ok_or_else(|| refused("a window has a beginning and an end"))?;
     let (rung, whole) = {
         let state = bench.state();
-        let rung = state.rung(looked.rung).map_err(|error| refused(words(&error.into())))?;
+        let rung = state.rung(looked.rung)?;
         (rung, state.whole.clone().ok_or_else(|| refused("nothing was analysed"))?)
     };
     let seed = site.seed;
@@ -218,9 +144,9 @@ async fn brushed(
         let is_last = bench.looks.load(Ordering::Relaxed) == mine;
         is_last.then(|| window::compared(&rung, &whole, looked.recording, span, seed))
     });
-    let overtaken = || StatusCode::CONFLICT.into_response();
+    let overtaken = || Refusal::new(StatusCode::CONFLICT, "another window was asked for");
     let compared = compared.await?.ok_or_else(overtaken)?;
-    let compared = compared.map_err(|error| refused(words(&error)))?;
+    let compared = compared?;
     Ok(Json(json!({ "html": within(&compared, span) })).into_response())
 }
 
@@ -242,7 +168,7 @@ async fn check(
     Json(law): Json<TypedLaw>,
 ) -> Answer<Response> {
     let bench = bench(&site, &id)?;
-    let rung = bench.state().rung(looked.rung).map_err(|error| refused(words(&error.into())))?;
+    let rung = bench.state().rung(looked.rung)?;
     let curves = &rung.compared.curves;
     Ok(match law.understood(curves) {
         Ok(law) => Json(json!({ "html": law.preview(curves).into_string() })).into_response(),
@@ -267,18 +193,11 @@ async fn take(
 ) -> Answer<StatusCode> {
     let bench = bench(&site, &id)?;
     let name = upload::shown(&name);
-    let too_large = |error: upload::UploadError| match error {
-        upload::UploadError::TooLarge { .. } => {
-            (StatusCode::PAYLOAD_TOO_LARGE, Json(json!({ "problem": error.to_string() })))
-                .into_response()
-        }
-        other => refused(other.to_string()),
-    };
     if name.to_lowercase().ends_with(".toml") {
-        let text = upload::text(body, None).await.map_err(too_large)?;
-        bench.take_drive(&name, &text).map_err(|error| refused(words(&error)))?;
+        let text = upload::text(body, None).await?;
+        bench.take_drive(&name, &text)?;
     } else {
-        let path = upload::recording(&site, &name, body).await.map_err(too_large)?;
+        let path = upload::recording(&site, &name, body).await?;
         let taken = off_the_loop(move || Taken::uploaded(name, path)).await?.map_err(refused)?;
         bench.change(|state| {
             // The same file again replaces what was there; an example makes room.
@@ -300,7 +219,7 @@ async fn give(
 ) -> Answer<Response> {
     let bench = bench(&site, &id)?;
     let number = looked.rung;
-    let rung = bench.state().rung(number).map_err(|error| refused(words(&error.into())))?;
+    let rung = bench.state().rung(number)?;
     match (what.as_str(), looked.fmi) {
         ("drive.toml", _) => {
             let text = Ok(rung.text.clone().into_bytes());
@@ -315,58 +234,12 @@ async fn give(
             let report = report.map(String::into_bytes).map_err(Into::into);
             Ok(download::file("text/html; charset=utf-8", "report.html", report))
         }
-        _ => Err((StatusCode::NOT_FOUND, "there is nothing here\n").into_response()),
+        _ => Err(Refusal::new(StatusCode::NOT_FOUND, "there is nothing here")),
     }
-}
-
-async fn study_view(From(site): From<Arc<Site>>) -> Json<serde_json::Value> {
-    let version = *site.study.changes.borrow();
-    Json(json!({ "version": version, "html": faults::view(&site.study.shown()) }))
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(tag = "do", rename_all = "snake_case")]
-enum StudyCommand {
-    Start,
-    Cancel,
-}
-
-async fn study_command(
-    From(site): From<Arc<Site>>,
-    Json(command): Json<StudyCommand>,
-) -> Answer<StatusCode> {
-    match command {
-        StudyCommand::Start => FaultStudy::start(&site).map_err(refused)?,
-        StudyCommand::Cancel => site.study.cancel(),
-    }
-    Ok(StatusCode::NO_CONTENT)
-}
-
-async fn study_file(From(site): From<Arc<Site>>, body: Body) -> Answer<StatusCode> {
-    let text = upload::text(body, Some(MOST_STUDY)).await;
-    site.study.take(&text.map_err(|error| refused(error.to_string()))?).map_err(refused)?;
-    Ok(StatusCode::NO_CONTENT)
-}
-
-#[derive(Debug, Deserialize)]
-struct Run {
-    run: usize,
-}
-
-async fn study_trace(
-    From(site): From<Arc<Site>>,
-    Query(Run { run }): Query<Run>,
-) -> Answer<Response> {
-    let traces = site.study.shown().traces.clone();
-    let html = traces.and_then(|traces| faults::trace(&traces, run));
-    let html = html.ok_or_else(|| refused("these results hold no traces of that run"))?;
-    Ok(Json(json!({ "html": html })).into_response())
 }
 
 /// Work that would keep other requests waiting, on a thread of its own.
 async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Answer<T> {
-    tokio::task::spawn_blocking(work).await.map_err(|_| {
-        (StatusCode::INTERNAL_SERVER_ERROR, Json(json!({ "problem": "an internal error" })))
-            .into_response()
-    })
+    let ended = tokio::task::spawn_blocking(work).await;
+    ended.map_err(|_| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, "an internal error"))
 }

@@ -4,23 +4,20 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use drivescope_discovery::compare::{Options as CompareOptions, compare};
 use drivescope_discovery::{
-    Discovery, Estimate, Evidence, Fitted, NotIdentifiable, Observer, Options, Setting, add,
-    discover, evaluate, fit_seen,
+    Estimate, Evidence, Observer, Options, Setting, add, discover, fit_seen,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
 use super::bench::{GivenDrive, State};
+use super::fresh::{Drawn, Fresh};
 use super::job::Progress;
-use super::rung::Rung;
 use crate::drive_text::with_effects;
 use crate::evidence::Gathered;
 use crate::failure::told;
 use crate::first_drive::FirstDrive;
 use crate::read_evidence::{ReadEvidence, evidence_of, given_noise};
-use crate::report::compare::Setting as About;
 use crate::report::discover::Missing;
 
 /// Time that the browser has the processors for itself to draw what was found, before they search.
@@ -86,9 +83,9 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
         (recordings, state.drive.clone(), files(&state))
     };
     progress.doing("reading the recordings")?;
-    let (given, made) = match given {
-        Some(given) => (given, false),
-        None => (first_drive(&recordings[0].1)?, true),
+    let given = match given {
+        Some(given) => given,
+        None => first_drive(&recordings[0].1)?,
     };
     let fixes: Vec<_> = {
         let state = progress.bench.state();
@@ -121,7 +118,7 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
             .map_err(told)?;
     let name = quoted(&given.name);
     let fit = format!("drivescope fit {name} {} -o {}", basis.files, file_of(0));
-    let command = match made {
+    let command = match given.made {
         true => format!("drivescope init {} -o {name}\n{fit}", quoted(&recordings[0].0)),
         false => fit,
     };
@@ -143,7 +140,7 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
 /// The first drive that a recording tells.
 fn first_drive(recording: &Recording) -> miette::Result<GivenDrive> {
     let (text, drive) = FirstDrive::of(recording, None)?.file(FIRST)?;
-    Ok(GivenDrive { name: FIRST.to_owned(), text, drive })
+    Ok(GivenDrive { name: FIRST.to_owned(), text, drive, made: true })
 }
 
 /// What a drive lacks.
@@ -261,75 +258,6 @@ fn finish(
     Ok(move |state: &mut State| {
         state.missing.insert(number, Arc::new(missing));
     })
-}
-
-/// A drive with what an estimate says of it.
-struct Drawn {
-    drive: Drive,
-    parameters: Vec<Estimate>,
-    not_identifiable: Vec<NotIdentifiable>,
-}
-
-impl From<Fitted> for Drawn {
-    fn from(fitted: Fitted) -> Self {
-        let Fitted { drive, parameters, not_identifiable, .. } = fitted;
-        Self { drive, parameters, not_identifiable }
-    }
-}
-
-impl From<Discovery> for Drawn {
-    fn from(found: Discovery) -> Self {
-        let Discovery { drive, parameters, .. } = found;
-        Self { drive, parameters, not_identifiable: Vec::new() }
-    }
-}
-
-/// What is known of a rung before it is judged.
-struct Fresh {
-    parent: Option<usize>,
-    label: String,
-    command: String,
-    text: String,
-}
-
-impl Fresh {
-    /// The rung, judged and compared.
-    fn rung(
-        self,
-        drawn: Drawn,
-        setting: Setting,
-        basis: &Basis,
-        progress: &Progress,
-    ) -> miette::Result<Rung> {
-        let Drawn { drive, parameters, not_identifiable } = drawn;
-        progress.doing("looking where the model fails")?;
-        let error = |evidence: &Evidence| {
-            let judged = evaluate(&drive, evidence, &setting, true).map_err(told)?;
-            Ok::<_, miette::Report>(judged.squares.error())
-        };
-        let (estimation, validation) = (&basis.gathered.estimation, &basis.gathered.validation);
-        let (error, validation_error) = (error(estimation)?, error(validation)?);
-        let options = CompareOptions { curves: true, seed: basis.seed };
-        let compared = compare(&drive, &basis.whole, &setting, &options).map_err(told)?;
-        let Gathered { noise, doubts, .. } = &*basis.gathered;
-        let judged = Some(validation_error);
-        let about = About::new(&drive, &basis.whole, &noise[0], judged, doubts, basis.seed);
-        let Self { parent, label, command, text } = self;
-        Ok(Rung {
-            parent,
-            label,
-            command,
-            drive,
-            text,
-            setting,
-            parameters,
-            not_identifiable,
-            error,
-            validation_error,
-            compared,
-            about,
-        })
-    }
 }
 
 #[cfg(test)]

@@ -170,9 +170,9 @@ fn the_report_shows_what_is_missing_and_how_the_error_fell() {
     };
     assert_eq!(count("script, [src], link"), 0);
     assert_eq!(count("#ladder tbody tr"), 2);
-    assert_eq!(count("#missing .card[data-effect=quadratic_drag] svg"), 1);
+    assert_eq!(count("#missing .card[data-effect=quadratic_drag] svg.plot"), 1);
     assert!(count("#parameters tbody tr") >= 7);
-    assert!(count("#recordings svg") == 1 && count("#curves svg") > 3);
+    assert!(count("#recordings svg.plot") == 1 && count("#curves svg.plot") > 3);
     done(here, &[&["add"], &run[..1], &["stribeck"], &run[1..], &["-o", "b.toml"]].concat());
     let text = std::fs::read_to_string(here.join("report.html")).expect("it was written");
     assert!(!text.contains("id=\"missing\""), "nobody was asked what is missing");

@@ -3,18 +3,18 @@
 //! It reads names and numbers from the JSON of the results, not from types of this program, so
 //! that a method or a class that is new appears without a change here.
 
-use drivescope_scenarios::results::{Method, Pictures, StudyResults};
-use maud::{Markup, PreEscaped, html};
+mod isolation;
+mod read;
+
+use drivescope_scenarios::results::{Pictures, StudyResults};
+use maud::{Markup, html};
 use serde_json::{Map, Value};
 
 use super::study::Shown;
-use crate::report::page::{label, minus};
-use crate::report::plot::{Axis, Figure, Ink, Layer, Panel};
-use crate::report::words::{number, percent};
-
-/// Height of the picture of the symptoms, pixels.
-const HEIGHT: f64 = 340.0;
-const INKS: [Ink; 6] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Vermilion, Ink::Purple, Ink::Text];
+use crate::report::page::label;
+use crate::report::words::percent;
+use isolation::{isolation, sizes, symptoms};
+use read::{distinct, fault, name_of, rows, scalar, text, word_of};
 
 /// The whole view.
 pub(super) fn view(shown: &Shown) -> String {
@@ -62,34 +62,6 @@ pub(super) fn trace(
     Some(crate::report::study::run(study, picture, run).into_string())
 }
 
-fn text<'a>(value: &'a Value, key: &str) -> &'a str {
-    value.get(key).and_then(Value::as_str).unwrap_or_default()
-}
-
-fn rows<'a>(value: &'a Value, key: &str) -> &'a [Value] {
-    value.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
-}
-
-/// A fault in words: `tacho +5 %`.
-fn fault(of: &Value) -> String {
-    let size = of
-        .get("size")
-        .and_then(Value::as_f64)
-        .map_or(String::new(), |size| format!(" {:+} %", (size * 1e4).round() / 100.0));
-    minus(&format!("{}{size}", text(of, "kind").replace('_', " ")))
-}
-
-/// Values of a key, each once, in the order in which they come.
-fn distinct<'a>(rows: &'a [Value], key: &str) -> Vec<&'a Value> {
-    let mut all: Vec<&Value> = Vec::new();
-    for value in rows.iter().filter_map(|row| row.get(key)) {
-        if !all.contains(&value) {
-            all.push(value);
-        }
-    }
-    all
-}
-
 fn detection(results: &Value, traces: Option<&(StudyResults, Vec<Pictures>)>) -> Markup {
     let rows = rows(results, "detection");
     let (faults, methods) = (distinct(rows, "fault"), distinct(rows, "method"));
@@ -105,7 +77,7 @@ fn detection(results: &Value, traces: Option<&(StudyResults, Vec<Pictures>)>) ->
     html! {
         section aria-labelledby="matrix-h" {
             h2 #matrix-h { "Detection" }
-            p { (rest_of(results, "drive", "name")) }
+            p { (word_of(results, "drive", "name")) }
             div.scroll role="region" tabindex="0" aria-label="Faults and detectors" {
                 table.matrix {
                     caption { "\u{25cf} detected, with the delay in samples; \u{25cb} missed; \u{25b2} declared before the fault began" }
@@ -131,20 +103,6 @@ fn detection(results: &Value, traces: Option<&(StudyResults, Vec<Pictures>)>) ->
             (healthy(results))
         }
     }
-}
-
-fn rest_of<'a>(results: &'a Value, section: &str, key: &str) -> &'a str {
-    results.get(section).map_or("", |it| text(it, key))
-}
-
-/// What people call a method; one that nobody knows by its name in the results.
-fn name_of(method: &Value) -> String {
-    let known =
-        Method::ALL.into_iter().find(|it| serde_json::to_value(it).is_ok_and(|it| it == *method));
-    if let Some(known) = known {
-        return known.label().to_owned();
-    }
-    method.as_str().map_or_else(|| method.to_string(), |name| name.replace('_', " "))
 }
 
 /// What became of a fault under a method: a shape, a word and a number, not a colour alone.
@@ -192,145 +150,6 @@ fn healthy(results: &Value) -> Markup {
                             td { (rates.get(name).and_then(Value::as_f64).map_or("\u{2013}".to_owned(), |it| percent(it, 2))) }
                         }
                     } }
-                }
-            }
-        }
-    }
-}
-
-/// A number or a word as text; a dash for what is not there.
-fn scalar(value: Option<&Value>) -> String {
-    match value {
-        None | Some(Value::Null) => "\u{2013}".to_owned(),
-        Some(Value::String(text)) => text.clone(),
-        Some(Value::Number(it)) if it.is_f64() => minus(&number(it.as_f64().unwrap_or(f64::NAN))),
-        Some(Value::Array(ends)) => {
-            ends.iter().map(|end| scalar(Some(end))).collect::<Vec<_>>().join(" to ")
-        }
-        Some(Value::Object(of)) if of.contains_key("kind") => value.map(fault).unwrap_or_default(),
-        Some(other) => other.to_string(),
-    }
-}
-
-fn symptoms(results: &Value) -> Markup {
-    let all = rows(results, "symptoms");
-    let cloud = |(place, of): (usize, &Value)| {
-        let one = of.get("fault").unwrap_or(of);
-        let point = |pair: &Value| Some((pair.get(0)?.as_f64()?, pair.get(1)?.as_f64()?));
-        Layer::Cloud {
-            name: label(text(one, "label")),
-            points: rows(of, "points").iter().filter_map(point).collect(),
-            ink: INKS[place % INKS.len()],
-            below: place % 2 == 1,
-        }
-    };
-    let figure = Figure {
-        id: "symptoms".to_owned(),
-        title: "Distribution of the symptoms of every fault".to_owned(),
-        description: "Residual over control signal, a cloud of points a fault".to_owned(),
-        x: Axis::new("control signal C_m", "V"),
-        spans: Vec::new(),
-        markers: Vec::new(),
-        panels: vec![Panel {
-            height: HEIGHT,
-            y: Axis::new("residual r", rest_of(results, "drive", "tacho_unit")),
-            layers: all.iter().enumerate().map(cloud).collect(),
-            strip: None,
-        }],
-    };
-    html! {
-        @if !all.is_empty() {
-            section aria-labelledby="symptoms-h" {
-                h2 #symptoms-h { "Symptoms" }
-                figure { div.scroll role="region" tabindex="0" aria-label="Symptoms" { (PreEscaped(figure.svg())) } }
-            }
-        }
-    }
-}
-
-/// Every isolation matrix that is there.
-fn isolation(results: &Value) -> Markup {
-    let none = Map::new();
-    let all = results.as_object().unwrap_or(&none);
-    let tables = all.iter().filter(|(key, it)| {
-        key.starts_with("isolation") && it.get("matrix").is_some_and(Value::is_array)
-    });
-    html! {
-        @for (key, of) in tables {
-            section aria-labelledby=(key) {
-                h2 id=(key) { (title(key)) }
-                (matrix(of))
-            }
-        }
-    }
-}
-
-fn title(key: &str) -> String {
-    match key.strip_prefix("isolation") {
-        Some("") | None => "Isolation, every fault a class".to_owned(),
-        Some(rest) => format!("Isolation, classes: {}", rest.replace('_', " ").trim()),
-    }
-}
-
-fn matrix(of: &Value) -> Markup {
-    let (classes, lines) = (rows(of, "classes"), rows(of, "matrix"));
-    let faults = rows(of, "faults");
-    let width = lines.iter().map(|line| line.as_array().map_or(0, Vec::len)).max().unwrap_or(0);
-    let column =
-        |k: usize| classes.get(k).map_or_else(|| "unknown".to_owned(), |it| scalar(Some(it)));
-    let row = |k: usize| {
-        faults.get(k).or_else(|| classes.get(k)).map_or_else(String::new, |it| scalar(Some(it)))
-    };
-    html! {
-        div.scroll role="region" tabindex="0" aria-label="Shares of answers" {
-            table.heat {
-                caption { "Shares in per cent: rows the true fault, columns the answer" }
-                thead { tr {
-                    th.name scope="col" { "Fault" }
-                    @for k in 0..width { th scope="col" { (minus(&column(k))) } }
-                } }
-                tbody { @for (k, line) in lines.iter().enumerate() {
-                    tr {
-                        th scope="row" { (minus(&row(k))) }
-                        @for value in line.as_array().map_or(&[][..], Vec::as_slice) {
-                            @let share = value.as_f64().unwrap_or(0.0);
-                            td class={ "h" ((share.clamp(0.0, 1.0) * 10.0).round()) } {
-                                @if share < 5e-4 { "\u{2013}" } @else { (percent(share, 1)) }
-                            }
-                        }
-                    }
-                } }
-            }
-        }
-    }
-}
-
-/// Sizes of the faults with whatever the results say of them.
-fn sizes(results: &Value) -> Markup {
-    let all = rows(results, "identification");
-    let mut keys: Vec<&String> = Vec::new();
-    for row in all.iter().filter_map(Value::as_object) {
-        keys.extend(
-            row.keys().filter(|key| *key != "fault" && !keys.contains(key)).collect::<Vec<_>>(),
-        );
-    }
-    html! {
-        @if !all.is_empty() {
-            section aria-labelledby="sizes-h" {
-                h2 #sizes-h { "Sizes" }
-                div.scroll role="region" tabindex="0" aria-label="Sizes of the faults" {
-                    table {
-                        thead { tr {
-                            th.name scope="col" { "Fault" }
-                            @for key in &keys { th scope="col" { (key.replace('_', " ")) } }
-                        } }
-                        tbody { @for row in all {
-                            tr {
-                                th scope="row" { (row.get("fault").map(fault).unwrap_or_default()) }
-                                @for key in &keys { td { (scalar(row.get(key.as_str()))) } }
-                            }
-                        } }
-                    }
                 }
             }
         }

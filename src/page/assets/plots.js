@@ -75,9 +75,8 @@ export class Plots {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.data && this.show(this.data, this.spans, this.limits));
   }
 
-  // Draws the signals; `limits` is the window, nothing for all. How long that took, ms.
+  // Draws the signals; `limits` is the window, nothing for all.
   show(data, spans, limits) {
-    const begun = performance.now();
     const shape = JSON.stringify(data.columns.map((it) => [it.output, it.role, it.unit]));
     const dark = matchMedia("(prefers-color-scheme: dark)").matches;
     Object.assign(this, { data, spans, limits });
@@ -88,7 +87,6 @@ export class Plots {
       this.build();
     }
     this.zoom(limits);
-    return performance.now() - begun;
   }
 
   zoom(limits) {

@@ -252,7 +252,7 @@ def report(context, check, path):
     page.close()
 
 
-def looks(page, check, pictures):
+def looks(page, check):
     """Narrow and wide, dark and light: nothing leaves the page."""
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
@@ -261,8 +261,6 @@ def looks(page, check, pictures):
             page.locator("#see-h").evaluate("it => it.scrollIntoView()")
             page.wait_for_timeout(150)
             fits(page, check, f"{scheme}, {width}")
-            if scheme == "dark" or width == "narrow":
-                picture(page, pictures, f"{width}-{scheme}.png")
     page.emulate_media(color_scheme="light")
     page.set_viewport_size(WIDE)
 
@@ -301,7 +299,7 @@ def main():
             page = watched(context, check, re.search("//(.*?)/", server.url)[1])
             kept = walk(page, server, check, folder, pictures)
             keyboard(page, check)
-            looks(page, check, pictures)
+            looks(page, check)
             report(context, check, kept)
             run = [program, "discover", "model.toml", *INPUTS, "--out", "found.html", "--quiet"]
             subprocess.run(run, cwd=folder, check=True, capture_output=True)

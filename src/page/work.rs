@@ -12,7 +12,7 @@ use drivescope_recording::Recording;
 
 use super::bench::{GivenDrive, State};
 use super::fresh::{Drawn, Fresh};
-use super::job::Progress;
+use super::job::{Cancelled, Progress};
 use crate::drive_text::with_effects;
 use crate::evidence::Gathered;
 use crate::failure::told;
@@ -83,9 +83,11 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
         (recordings, state.drive.clone(), files(&state))
     };
     progress.doing("reading the recordings")?;
+    // Whoever removed the last one began anew.
+    let (first, recording) = recordings.first().ok_or(Cancelled)?;
     let given = match given {
         Some(given) => given,
-        None => first_drive(&recordings[0].1)?,
+        None => first_drive(recording)?,
     };
     let fixes: Vec<_> = {
         let state = progress.bench.state();
@@ -119,7 +121,7 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
     let name = quoted(&given.name);
     let fit = format!("drivescope fit {name} {} -o {}", basis.files, file_of(0));
     let command = match given.made {
-        true => format!("drivescope init {} -o {name}\n{fit}", quoted(&recordings[0].0)),
+        true => format!("drivescope init {} -o {name}\n{fit}", quoted(first)),
         false => fit,
     };
     let text =

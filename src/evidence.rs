@@ -9,7 +9,7 @@ use drivescope_plant::drive::Drive;
 
 use crate::commands::RecordingOptions;
 use crate::failure::told;
-use crate::read_evidence::{KnownNoise, given_noise, read_evidence};
+use crate::read_evidence::{KnownNoise, ReadEvidence, given_noise, read_evidence};
 use crate::session::Session;
 
 /// Share of a single recording that is held out.
@@ -48,14 +48,6 @@ pub(crate) struct Gathered {
     pub(crate) doubts: Vec<String>,
 }
 
-impl Gathered {
-    /// Names of the files that are fitted to.
-    pub(crate) fn files(&self) -> String {
-        let names: Vec<_> = self.estimation.recordings.iter().map(|it| it.name.as_str()).collect();
-        names.join(", ")
-    }
-}
-
 impl EvidenceOptions {
     /// Reads and splits the recordings; says what was assumed and what is doubtful.
     ///
@@ -64,7 +56,16 @@ impl EvidenceOptions {
     pub(crate) fn gather(&self, drive: &Drive, session: &Session) -> miette::Result<Gathered> {
         let given = given_noise(drive, self.noise.as_deref())?;
         let read = |files: &[PathBuf]| read_evidence(drive, files, &given, &self.reading, session);
-        let (first, second) = (read(&self.recordings)?, read(&self.validate)?);
+        Gathered::of(read(&self.recordings)?, read(&self.validate)?)
+    }
+}
+
+impl Gathered {
+    /// Of what was read to fit to and to judge by; holds out where nothing is to judge by.
+    ///
+    /// # Errors
+    /// A single recording that is too short to be parted.
+    pub(crate) fn of(first: ReadEvidence, second: ReadEvidence) -> miette::Result<Self> {
         let mut estimation = first.evidence.recordings;
         let mut validation = second.evidence.recordings;
         // The noise is known best over the whole of a recording.
@@ -75,13 +76,19 @@ impl EvidenceOptions {
         let mut known = noises.iter().map(sds);
         let estimation_noise = known.by_ref().take(estimation.len()).collect();
         let validation_noise = known.collect();
-        Ok(Gathered {
+        Ok(Self {
             estimation: Evidence { recordings: estimation, noise: estimation_noise },
             validation: Evidence { recordings: validation, noise: validation_noise },
             noise: noises,
             split,
             doubts: first.doubts.into_iter().chain(second.doubts).collect(),
         })
+    }
+
+    /// Names of the files that are fitted to.
+    pub(crate) fn files(&self) -> String {
+        let names: Vec<_> = self.estimation.recordings.iter().map(|it| it.name.as_str()).collect();
+        names.join(", ")
     }
 }
 

@@ -59,6 +59,15 @@ pub(crate) enum Failure {
         /// Why not.
         source: io::Error,
     },
+    /// Nobody can listen at that port.
+    #[error("port {port} of this machine cannot be served: {source}")]
+    #[diagnostic(help("choose another --port, or leave it out for any that is free"))]
+    Serve {
+        /// The port.
+        port: u16,
+        /// Why not.
+        source: io::Error,
+    },
     /// A file cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use drivescope_discovery::{Evidence, Measured, NoiseSource, doubts, noise};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::units::name_for_motion;
+use drivescope_recording::Recording;
 use serde::Serialize;
 
 use crate::commands::RecordingOptions;
@@ -25,7 +26,7 @@ pub(crate) struct KnownNoise {
 }
 
 /// Recordings with what was found out about them.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct ReadEvidence {
     /// The recordings.
     pub(crate) evidence: Evidence,
@@ -46,10 +47,28 @@ pub(crate) fn read_evidence(
     reading: &RecordingOptions,
     session: &Session,
 ) -> miette::Result<ReadEvidence> {
-    let mut read = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
+    let mut recordings = Vec::new();
     for (file, name) in files.iter().zip(short_names(files)) {
-        let (recording, _) = reading.read(file, session)?;
-        let measured = Measured { name, ..Measured::new(drive, &recording).map_err(told)? };
+        recordings.push((name, reading.read(file, session)?.0));
+    }
+    let read = evidence_of(drive, &recordings, given)?;
+    read.doubts.iter().for_each(|doubt| session.remark(doubt));
+    Ok(read)
+}
+
+/// Recordings, each with its name, as evidence on a drive.
+///
+/// # Errors
+/// A recording that cannot be used with that drive.
+pub(crate) fn evidence_of(
+    drive: &Drive,
+    recordings: &[(String, Recording)],
+    given: &[(String, f64)],
+) -> miette::Result<ReadEvidence> {
+    let mut read = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
+    for (name, recording) in recordings {
+        let name = name.clone();
+        let measured = Measured { name, ..Measured::new(drive, recording).map_err(told)? };
         read.doubts.extend(doubts(drive, &measured).map_err(told)?.iter().map(ToString::to_string));
         let found = noise(drive, &measured, given);
         let known = measured.outputs.iter().zip(&found).map(|(channel, noise)| KnownNoise {
@@ -62,7 +81,6 @@ pub(crate) fn read_evidence(
         read.evidence.noise.push(found.iter().map(|noise| noise.sd).collect());
         read.evidence.recordings.push(measured);
     }
-    read.doubts.iter().for_each(|doubt| session.remark(doubt));
     Ok(read)
 }
 

@@ -39,7 +39,8 @@ pub use discover::{
 pub use doubt::{Doubt, doubts};
 pub use error::Error;
 pub use estimate::{
-    Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Options, evaluate, fit, with_own,
+    Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Options, Seen, evaluate, fit,
+    fit_seen, with_own,
 };
 pub use force::{USUAL_BAND_HZ, relative_force_error};
 pub use measured::{Channel, Measured, Output};

@@ -96,6 +96,13 @@ impl Unit {
     }
 }
 
+impl Quantity {
+    /// The units that a column of this quantity may be in, as they are spelt first.
+    pub fn units(self) -> impl Iterator<Item = &'static str> {
+        TABLE.iter().filter(move |row| row.1 == self).map(|row| row.0[0])
+    }
+}
+
 /// Every text known for units of the given quantities (the first spelling of each), for messages.
 pub(crate) fn known(quantities: &[Quantity]) -> String {
     let rows = TABLE.iter().filter(|row| quantities.contains(&row.1));
@@ -176,6 +183,12 @@ mod tests {
             let expected: f64 = text.parse().unwrap();
             assert_eq!(Unit::parse("ms").unwrap().to_si(f64::from(k)), expected);
         }
+    }
+
+    #[test]
+    fn a_quantity_knows_its_units_by_first_spellings() {
+        let units: Vec<_> = Quantity::AngularSpeed.units().collect();
+        assert_eq!(units, ["rad/s", "rpm", "krpm", "deg/s", "rev/s"]);
     }
 
     #[test]

@@ -27,6 +27,9 @@ pub(crate) struct Add {
     /// Drive file to write (.toml): the given one with the effect, its comments kept.
     #[arg(short, long, value_name = "DRIVE")]
     output: PathBuf,
+    /// Report to write (.html): the ladder, parameters, and where the model fails then.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     evidence: EvidenceOptions,
 }
@@ -43,6 +46,7 @@ impl Run for Add {
             given: &self.drive,
             base: &base,
             output: Some(&self.output),
+            report: self.out.as_ref(),
             evidence: &self.evidence,
         };
         search.run(session, |base, estimation, validation, watch| {

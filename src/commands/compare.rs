@@ -17,7 +17,7 @@ use serde_json::Value;
 
 use super::{RecordingOptions, Run};
 use crate::failure::{Ending, told};
-use crate::read_evidence::{KnownNoise, ReadEvidence, given_noise, read_evidence};
+use crate::read_evidence::{ReadEvidence, given_noise, read_evidence};
 use crate::report::compare::{self as page, compare_html};
 use crate::session::Session;
 use crate::{drive_source, output};
@@ -141,18 +141,9 @@ impl Run for Compare {
             seed: session.seed,
         };
         if let Some(out) = &self.out {
-            let name = |it: &KnownNoise| {
-                let source = format!("{:?}", it.source).to_lowercase();
-                (it.name.to_owned(), format!("{:.3e} {}", it.sd, it.unit), source)
-            };
-            let about = page::Setting {
-                drive: drive.name.clone(),
-                noise: noise[0].iter().map(name).collect(),
-                validation_error,
-                times: evidence.recordings.iter().map(|it| (it.start_s, it.period_s)).collect(),
-                doubts: doubts.clone(),
-                seed: session.seed,
-            };
+            let seed = session.seed;
+            let about =
+                page::Setting::new(&drive, &evidence, &noise[0], validation_error, &doubts, seed);
             let html = compare_html(&compared, &about);
             output::write_file(out, |file| file.write_all(html.as_bytes()))?;
         }

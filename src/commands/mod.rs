@@ -14,6 +14,7 @@ mod fmu;
 mod init;
 mod recording_options;
 mod schema;
+mod serve;
 mod shell;
 mod simulate;
 mod study;
@@ -65,6 +66,7 @@ commands! {
     Fmu: fmu::Fmu,
     Cosim: cosim::Cosim,
     Effects: effects::Effects,
+    Serve: serve::Serve,
     Schema: schema::Schema,
     Completions: shell::Completions,
     Man: shell::Man,

@@ -79,7 +79,10 @@ impl Run for Study {
         let torque = self.torque.into();
         let options = StudyOptions { drive, seed: session.seed, torque, beta: self.beta };
         let bar = session.progress(1, "training and designing the diagnoser");
-        let outcome = study(&options, (&closed, &open), &|step| show(&bar, step));
+        let outcome = study(&options, (&closed, &open), &|step| {
+            show(&bar, step);
+            false
+        });
         bar.finish_and_clear();
         interrupt::check()?;
         let outcome = outcome.map_err(told)?;

@@ -4,9 +4,10 @@
 //! runs (its content security policy forbids both). [`plot`] draws; [`study_html`] says what a study found.
 
 pub(crate) mod compare;
-mod page;
+pub(crate) mod discover;
+pub(crate) mod page;
 pub mod plot;
-mod study;
+pub(crate) mod study;
 #[cfg(test)]
 pub(crate) mod testing;
 pub(crate) mod words;

@@ -8,8 +8,13 @@ use super::plot::STYLE;
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
                       base-uri 'none'; form-action 'none'";
 
+/// The style of reports.
+pub(crate) fn style() -> String {
+    [include_str!("page.css"), STYLE].concat()
+}
+
 /// A whole page.
-pub(super) fn page(title: &str, body: &Markup) -> String {
+pub(crate) fn page(title: &str, body: &Markup) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -19,7 +24,7 @@ pub(super) fn page(title: &str, body: &Markup) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (title) }
-                style { (PreEscaped(include_str!("page.css"))) (PreEscaped(STYLE)) }
+                style { (PreEscaped(style())) }
             }
             body { (body) }
         }
@@ -28,7 +33,7 @@ pub(super) fn page(title: &str, body: &Markup) -> String {
 }
 
 /// A section with a heading that links to itself.
-pub(super) fn section(id: &str, title: &str, body: &Markup) -> Markup {
+pub(crate) fn section(id: &str, title: &str, body: &Markup) -> Markup {
     html! {
         section id=(id) aria-labelledby={ (id) "-h" } {
             h2 id={ (id) "-h" } { a href={ "#" (id) } { (title) } }
@@ -38,7 +43,7 @@ pub(super) fn section(id: &str, title: &str, body: &Markup) -> Markup {
 }
 
 /// A table that scrolls by itself where the page is narrow, by keyboard too.
-pub(super) fn table(caption: &str, head: &Markup, body: &Markup) -> Markup {
+pub(crate) fn table(caption: &str, head: &Markup, body: &Markup) -> Markup {
     html! {
         div.scroll role="region" tabindex="0" aria-label=(caption) {
             table {
@@ -51,7 +56,7 @@ pub(super) fn table(caption: &str, head: &Markup, body: &Markup) -> Markup {
 }
 
 /// A picture with what to see in it; on a narrow page it scrolls by itself.
-pub(super) fn figure(id: &str, svg: String, name: &str, caption: &Markup) -> Markup {
+pub(crate) fn figure(id: &str, svg: String, name: &str, caption: &Markup) -> Markup {
     html! {
         figure id=(id) {
             div.scroll role="region" tabindex="0" aria-label=(name) { (PreEscaped(svg)) }
@@ -61,7 +66,7 @@ pub(super) fn figure(id: &str, svg: String, name: &str, caption: &Markup) -> Mar
 }
 
 /// With a minus sign instead of a hyphen before digits.
-pub(super) fn minus(text: &str) -> String {
+pub(crate) fn minus(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut before = ' ';
     for (at, c) in text.char_indices() {
@@ -76,7 +81,7 @@ pub(super) fn minus(text: &str) -> String {
 
 /// Text with its symbols typeset: `r_td` as r with a lowered td. A symbol is one letter,
 /// an underscore and what follows it of letters and digits.
-pub(super) fn math(text: &str) -> Markup {
+pub(crate) fn math(text: &str) -> Markup {
     let mut out = String::new();
     // Up to here the text has been written.
     let mut written = 0;
@@ -103,7 +108,7 @@ pub(super) fn math(text: &str) -> Markup {
 }
 
 /// The paper's label with raised and lowered digits: `f_1^2` as f₁².
-pub(super) fn label(label: &str) -> String {
+pub(crate) fn label(label: &str) -> String {
     const LOWERED: [char; 10] = ['₀', '₁', '₂', '₃', '₄', '₅', '₆', '₇', '₈', '₉'];
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let mut out = String::with_capacity(label.len());

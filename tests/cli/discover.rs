@@ -152,3 +152,28 @@ fn one_effect_is_added_or_refused_in_words() {
     let axis = ["add", "emps", "brush_drop", "one.csv", "-o", "no.toml"];
     assert!(!refused(here, &axis).is_empty());
 }
+
+#[test]
+fn the_report_shows_what_is_missing_and_how_the_error_fell() {
+    let here = folder();
+    let here = here.path();
+    truth(here, "[[effect]]\nkind = \"quadratic_drag\"\nc = 4e-7");
+    record(here, "one.csv", INPUT, "3");
+    record(here, "two.csv", OTHER, "4");
+    let run = ["base.toml", "one.csv", "--validate", "two.csv", "--out", "report.html"];
+    done(here, &[&["discover"], &run[..]].concat());
+    let text = std::fs::read_to_string(here.join("report.html")).expect("it was written");
+    let page = scraper::Html::parse_document(&text);
+    assert!(page.errors.is_empty(), "{:?}", page.errors);
+    let count = |selector: &str| {
+        page.select(&scraper::Selector::parse(selector).expect("a selector")).count()
+    };
+    assert_eq!(count("script, [src], link"), 0);
+    assert_eq!(count("#ladder tbody tr"), 2);
+    assert_eq!(count("#missing .card[data-effect=quadratic_drag] svg.plot"), 1);
+    assert!(count("#parameters tbody tr") >= 7);
+    assert!(count("#recordings svg.plot") == 1 && count("#curves svg.plot") > 3);
+    done(here, &[&["add"], &run[..1], &["stribeck"], &run[1..], &["-o", "b.toml"]].concat());
+    let text = std::fs::read_to_string(here.join("report.html")).expect("it was written");
+    assert!(!text.contains("id=\"missing\""), "nobody was asked what is missing");
+}

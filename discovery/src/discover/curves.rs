@@ -209,21 +209,21 @@ pub(crate) fn curves(
     all
 }
 
-/// Responses to the hats of every curve.
+/// Responses to the hats of a curve.
+pub(crate) fn response(at: &At<'_>, runs: &[Trajectory], curve: &Curve) -> DMatrix<f64> {
+    at.responses(runs, |recording| {
+        curve.forcings(at.drive, &at.evidence.recordings[recording], &runs[recording])
+    })
+}
+
+/// Responses to the hats of every curve; nothing if it was stopped before all were known.
 pub(crate) fn responses(
     at: &At<'_>,
     runs: &[Trajectory],
     curves: &[Curve],
     stopped: &(dyn Fn() -> bool + Sync),
-) -> Vec<DMatrix<f64>> {
-    let of = |curve: &Curve| {
-        if stopped() {
-            return DMatrix::zeros(0, 0);
-        }
-        at.responses(runs, |recording| {
-            curve.forcings(at.drive, &at.evidence.recordings[recording], &runs[recording])
-        })
-    };
+) -> Option<Vec<DMatrix<f64>>> {
+    let of = |curve: &Curve| (!stopped()).then(|| response(at, runs, curve));
     curves.par_iter().map(of).collect()
 }
 

@@ -37,6 +37,7 @@ pub fn discover(
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
+    let seen = |error| seen_by(watch, error);
     let first = model.fitted.squares.sum;
     let (floor, validation_floor) =
         (floor(estimation, found.observer), floor(validation, found.observer));
@@ -60,7 +61,7 @@ pub fn discover(
             validation_floor,
             named: &found.named.clone(),
         };
-        let outcome = if round == 0 {
+        let outcome = if round == 0 && watch.compares() {
             let (outcome, fails) = rayon::join(|| turn.run(), || fails(&model, estimation));
             found.fails = fails;
             outcome
@@ -94,7 +95,7 @@ pub fn discover(
             found.named.push(kind.clone());
         }
         let named = judged.swap_remove(best).model;
-        model = named.polished(estimation, validation).unwrap_or(named);
+        model = named.polished(estimation, validation, &seen).unwrap_or(named);
         found.climb(Some(kind), &model, watch);
     }
     found.drive = unfrozen(model.fitted.drive, drive);
@@ -116,6 +117,7 @@ pub fn add(
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
     let (model, mut found) = begin(drive, estimation, validation, watch)?;
+    let seen = |error| seen_by(watch, error);
     let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
     let floor = floor(estimation, found.observer);
     let scales = Scales::of(&model.fitted.drive, estimation);
@@ -127,7 +129,7 @@ pub fn add(
             left.addable(floor).and_then(|best| Some((best, effect(&model.fitted.drive, best)?)));
         let (best, effect) = best.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
         found.learned = Some(LearnedCurve::of(best, left.excess(floor)));
-        with_learned(&model, effect, estimation, validation)?
+        with_learned(&model, effect, estimation, validation, &seen)?
     } else {
         let Some(entry) = Entry::find(kind) else {
             return Err(cannot("the library has no effect of that name".to_owned()));
@@ -143,7 +145,8 @@ pub fn add(
         if best.is_imitated() {
             return Err(cannot(imitated(&chosen[0]).reason));
         }
-        refit(&model, &chosen[0], best, estimation, validation)?.polished(estimation, validation)?
+        refit(&model, &chosen[0], best, estimation, validation, &seen)?
+            .polished(estimation, validation, &seen)?
     };
     found.named.push(kind.to_owned());
     found.verdict = Verdict::Named;
@@ -199,9 +202,11 @@ fn begin(
     let setting = Setting::new(drive, observer);
     watch.step(&Step::Doing("fitting the base drive"));
     let options = Options { starts: STARTS, ..Options::default() };
-    let model = Model::fit(drive, estimation, validation, setting, &options)?;
+    let seen = |error| seen_by(watch, error);
+    let model = Model::fit(drive, estimation, validation, setting, &options, &seen)?;
     let mut found = Discovery {
         drive: model.fitted.drive.clone(),
+        parameters: Vec::new(),
         ladder: Vec::new(),
         verdict: Verdict::None,
         named: Vec::new(),
@@ -215,6 +220,12 @@ fn begin(
     };
     found.climb(None, &model, watch);
     Ok((model, found))
+}
+
+/// Tells the error of a step of a fit; whether the fit is to end.
+fn seen_by(watch: &dyn Watch, error: f64) -> bool {
+    watch.step(&Step::Fitting(error));
+    watch.stopped()
 }
 
 /// Where the base fails; nothing where its recordings cannot be compared together.
@@ -266,6 +277,7 @@ impl Discovery {
         };
         watch.step(&Step::Rung(&rung));
         self.ladder.push(rung);
+        self.parameters = model.fitted.parameters.clone();
     }
 }
 

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::columns::{Columns, Place};
-use super::curves::{Curve, curves, responses};
+use super::curves::{Curve, curves, response, responses};
 use super::gates;
 use super::projection::{Explained, Projection};
 use super::refit::{p_value, squared};
@@ -67,7 +67,11 @@ impl Left {
         let (at, base, runs) = (&sight.at, sight.columns(), sight.runs());
         let periods: Vec<f64> = at.evidence.recordings.iter().map(|one| one.period_s).collect();
         let all = curves(at.drive, scales, &periods, runs);
-        let responses = responses(at, runs, &all, stopped);
+        // What was stopped compares with no curve.
+        let (all, responses) = match responses(at, runs, &all, stopped) {
+            Some(responses) => (all, responses),
+            None => (Vec::new(), Vec::new()),
+        };
         let plain = Projection::new(base.columns.clone(), &base.residual);
         let raw: Vec<Explained> =
             responses.par_iter().map(|columns| plain.explain(columns)).collect();
@@ -185,9 +189,8 @@ impl<'a> Other<'a> {
         values: &DVector<f64>,
         shift: &[f64],
     ) -> f64 {
-        let curve = std::slice::from_ref(curve);
-        let response = responses(&self.sight.at, self.sight.runs(), curve, &|| false);
-        let columns = whitener.filtered(&self.sight.columns().places, &response[0]);
+        let response = response(&self.sight.at, self.sight.runs(), curve);
+        let columns = whitener.filtered(&self.sight.columns().places, &response);
         let mut after = DVector::from_column_slice(&self.white);
         after -= columns.tr_mul(values);
         after -= self.base.tr_mul(&DVector::from_column_slice(shift));

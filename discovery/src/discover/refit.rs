@@ -10,7 +10,7 @@ use super::screen::{Screened, finer};
 use super::sight::Sight;
 use crate::case::Setting;
 use crate::error::Error;
-use crate::estimate::{Evaluated, Evidence, Fitted, Options, evaluate, fit};
+use crate::estimate::{Evaluated, Evidence, Fitted, Options, Seen, evaluate, fit_seen};
 
 /// A drive with its fit, on the recordings it was fitted to and on others.
 #[derive(Debug, Clone)]
@@ -31,8 +31,9 @@ impl Model {
         validation: &Evidence,
         setting: Setting,
         options: &Options,
+        seen: Seen<'_>,
     ) -> Result<Self, Error> {
-        let fitted = fit(drive, estimation, &setting, options)?;
+        let fitted = fit_seen(drive, estimation, &setting, options, seen)?;
         let validation = evaluate(&fitted.drive, validation, &setting, true)?;
         Ok(Self { fitted, setting, validation })
     }
@@ -42,8 +43,10 @@ impl Model {
         &self,
         estimation: &Evidence,
         validation: &Evidence,
+        seen: Seen<'_>,
     ) -> Result<Self, Error> {
-        Self::fit(&self.fitted.drive, estimation, validation, self.setting, &Options::NEAR)
+        let options = &Options::NEAR;
+        Self::fit(&self.fitted.drive, estimation, validation, self.setting, options, seen)
     }
 
     /// At the recordings it was fitted to.
@@ -82,6 +85,7 @@ pub(crate) fn refit(
     screened: &Screened,
     estimation: &Evidence,
     validation: &Evidence,
+    seen: Seen<'_>,
 ) -> Result<Model, Error> {
     let variant = &candidate.variants[screened.variant];
     let mut drive = candidate.added(&base.fitted.drive, variant);
@@ -91,7 +95,7 @@ pub(crate) fn refit(
     }
     let setting = finer(&base.setting, &drive);
     let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
-    Model::fit(&drive, estimation, validation, setting, &options)
+    Model::fit(&drive, estimation, validation, setting, &options, seen)
 }
 
 /// The drive with a learned curve, fitted again but for the values of those names.
@@ -100,13 +104,14 @@ pub(crate) fn with_learned(
     (effect, kept): (EffectData, Vec<String>),
     estimation: &Evidence,
     validation: &Evidence,
+    seen: Seen<'_>,
 ) -> Result<Model, Error> {
     let mut drive = base.fitted.drive.clone();
     drive.effects.push(effect);
     let setting = finer(&base.setting, &drive);
     let fixed = drive.fixed.clone();
     drive.fixed.extend(kept);
-    let mut model = Model::fit(&drive, estimation, validation, setting, &Options::NEAR)?;
+    let mut model = Model::fit(&drive, estimation, validation, setting, &Options::NEAR, seen)?;
     model.fitted.drive.fixed = fixed;
     Ok(model)
 }

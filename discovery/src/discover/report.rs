@@ -9,6 +9,7 @@ use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
 use super::learned::LearnedCurve;
 use crate::compare::Finding;
+use crate::estimate::Estimate;
 use crate::observer::Observer;
 
 /// What the loop says while it runs.
@@ -18,12 +19,19 @@ pub enum Step<'a> {
     Rung(&'a Rung),
     /// What is being done.
     Doing(&'static str),
+    /// The error that a step of a fit came to, in units of the noise.
+    Fitting(f64),
 }
 
 /// Who watches the loop.
 pub trait Watch: Sync {
     /// Something happened.
     fn step(&self, _step: &Step<'_>) {}
+
+    /// Whether [`Discovery::fails`] is wanted: the comparison of the base costs time and memory.
+    fn compares(&self) -> bool {
+        true
+    }
 
     /// Whether the loop is to end.
     fn stopped(&self) -> bool {
@@ -98,6 +106,8 @@ pub enum Verdict {
 pub struct Discovery {
     /// The drive with everything that was named in it, fitted.
     pub drive: Drive,
+    /// Its parameters with their standard errors.
+    pub parameters: Vec<Estimate>,
     /// Errors of the base and after each addition.
     pub ladder: Vec<Rung>,
     /// The answer.

@@ -182,7 +182,8 @@ impl Round<'_> {
         let fit = |one: &Screened| {
             let candidate = &self.all[one.candidate];
             // One that diverges is out; the rest goes on.
-            let model = refit(self.model, candidate, one, self.estimation, self.validation);
+            let seen = |_| self.watch.stopped();
+            let model = refit(self.model, candidate, one, self.estimation, self.validation, &seen);
             Some((one.candidate, model.ok()?))
         };
         let mut models: Vec<(usize, Model)> = Vec::new();

@@ -33,6 +33,9 @@ use solved::{Solved, started};
 use starts::search;
 use unknowns::{Unknown, Unknowns, Which, set};
 
+/// Who sees a search: told the error, in units of the noise, after every step; true ends it.
+pub type Seen<'a> = &'a (dyn Fn(f64) -> bool + Sync);
+
 /// The usual [`Options::worth_a_step`]: the parameters are then within a few per cent of a standard
 /// error of the minimum.
 const WORTH_A_STEP: f64 = 1e-3;
@@ -69,6 +72,21 @@ pub fn fit(
     setting: &Setting,
     options: &Options,
 ) -> Result<Fitted, Error> {
+    fit_seen(base, evidence, setting, options, &|_| false)
+}
+
+/// As [`fit`], with somebody who sees the error fall and may end the search: the fit then is where
+/// it came to.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_seen(
+    base: &Drive,
+    evidence: &Evidence,
+    setting: &Setting,
+    options: &Options,
+    seen: Seen<'_>,
+) -> Result<Fitted, Error> {
     let base = &tied(base);
     let mut kept: Vec<NotIdentifiable> = Vec::new();
     let mut from = base.clone();
@@ -80,11 +98,11 @@ pub fn fit(
         let problem = Problem { base: &from, evidence, setting, unknowns };
         // Once what cannot be told is out, the search goes on from where it was.
         let found = if tried == 0 {
-            let (found, count) = search(&problem, options)?;
+            let (found, count) = search(&problem, options, seen)?;
             tried = count;
             found
         } else {
-            search(&problem, &Options { starts: 1, ..*options })?.0
+            search(&problem, &Options { starts: 1, ..*options }, seen)?.0
         };
         let more = not_identifiable(&problem, &found, base);
         if more.is_empty() {
@@ -114,7 +132,7 @@ pub fn evaluate(
     let which = if own { Which::Own } else { Which::StartsOnly };
     let unknowns = Unknowns::new(drive, evidence, guesses(drive, evidence, setting), which);
     let problem = Problem { base: drive, evidence, setting, unknowns };
-    let (found, _) = search(&problem, &Options::NEAR)?;
+    let (found, _) = search(&problem, &Options::NEAR, &|_| false)?;
     let has_own = problem.unknowns.all.iter().any(|it| matches!(it, Unknown::Own { .. }));
     let recordings = if has_own {
         Solved::new(&problem, &found).recordings(drive)

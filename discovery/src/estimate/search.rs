@@ -29,12 +29,14 @@ pub(crate) struct Found {
 }
 
 /// Searches the minimum nearest to `start`, which lies within the bounds. The sum of squares never
-/// rises; a start where it is not finite is returned as it is, with [`Stop::NoDescent`].
+/// rises; a start where it is not finite is returned as it is, with [`Stop::NoDescent`]. `seen` is
+/// told the sum after every step; where it answers true the search ends with [`Stop::StepLimit`].
 pub(crate) fn minimise_within(
     problem: &impl Residuals,
     start: &[f64],
     reaches: &[Reach],
     limits: Limits,
+    seen: &dyn Fn(f64) -> bool,
 ) -> Found {
     let mut p = start.to_vec();
     let mut at = problem.linearise(&p);
@@ -51,7 +53,7 @@ pub(crate) fn minimise_within(
         if free.is_empty() {
             break Stop::Converged;
         }
-        if steps == limits.steps {
+        if seen(at.sse) || steps == limits.steps {
             break Stop::StepLimit;
         }
         steps += 1;
@@ -166,7 +168,7 @@ mod tests {
 
     fn found(start: [f64; 2], bounds: [(f64, f64); 2]) -> Vec<f64> {
         let reach = |(low, high)| Reach { low, high, longest: 2.0 };
-        let minimum = minimise_within(&Valley, &start, &bounds.map(reach), LIMITS);
+        let minimum = minimise_within(&Valley, &start, &bounds.map(reach), LIMITS, &|_| false);
         assert_eq!(minimum.stop, Stop::Converged, "{minimum:?}");
         minimum.coordinates
     }
@@ -210,6 +212,7 @@ mod tests {
             &[1.0],
             &[Reach { low: 0.0, high: 2.0, longest: 1.0 }],
             LIMITS,
+            &|_| false,
         );
         assert_eq!((minimum.stop, minimum.coordinates), (Stop::NoDescent, vec![1.0]));
     }

@@ -1,14 +1,16 @@
 //! The search from several starts: the drive's own values, and points drawn around them.
 
+use std::cell::Cell;
+
 use drivescope_numerics::{Limits, Residuals};
 use rand::SeedableRng;
 use rand::distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
-use super::Options;
 use super::problem::Problem;
 use super::search::{Found, minimise_within};
 use super::unknowns::{Unknown, Unknowns};
+use super::{Options, Seen};
 use crate::error::Error;
 
 /// Steps of a search.
@@ -21,12 +23,22 @@ const LOOKED_AT: usize = 8;
 const AROUND: f64 = 3.0;
 
 /// The best minimum from up to that many starts, and how many were tried.
-pub(super) fn search(problem: &Problem<'_>, options: &Options) -> Result<(Found, usize), Error> {
+pub(super) fn search(
+    problem: &Problem<'_>,
+    options: &Options,
+    seen: Seen<'_>,
+) -> Result<(Found, usize), Error> {
     let reaches = problem.unknowns.reaches();
     let values = problem.evidence.values() as f64;
+    let least = Cell::new(f64::INFINITY);
+    // Of several starts the best error so far is what falls.
+    let told = |sse: f64| {
+        least.set(least.get().min(sse));
+        seen((least.get() / values).sqrt())
+    };
     let limits = Limits { steps: STEPS, relative_decrease: options.worth_a_step / values };
     let mut random = Pcg64::seed_from_u64(options.seed);
-    let mut best = minimise_within(problem, &problem.unknowns.guess, &reaches, limits);
+    let mut best = minimise_within(problem, &problem.unknowns.guess, &reaches, limits, &told);
     let mut tried = 1;
     let floors = problem.evidence.recordings.iter().map(|it| problem.setting.observer.floor(it));
     let floor = AT_THE_FLOOR * floors.fold(1.0, f64::max);
@@ -35,7 +47,7 @@ pub(super) fn search(problem: &Problem<'_>, options: &Options) -> Result<(Found,
             (0..LOOKED_AT).map(|_| around(&problem.unknowns, &mut random)).collect();
         let looked = drawn.into_iter().map(|point| (problem.sse(&point), point));
         let Some((_, start)) = looked.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        let found = minimise_within(problem, &start, &reaches, limits);
+        let found = minimise_within(problem, &start, &reaches, limits, &told);
         if found.at.sse < best.at.sse || !best.at.sse.is_finite() {
             best = found;
         }

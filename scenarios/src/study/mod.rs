@@ -81,6 +81,9 @@ pub enum StudyError {
     /// A rate cannot be stated.
     #[error(transparent)]
     Span(#[from] SpanError),
+    /// Whoever watched it ended it.
+    #[error("the study was stopped")]
+    Stopped,
 }
 
 /// What a study is asked.
@@ -132,27 +135,28 @@ pub enum Progress {
     Isolation,
 }
 
-/// Runs the study through the two FMUs of the drive, closed and open loop.
+/// Runs the study through the two FMUs of the drive, closed and open loop; it ends where
+/// `progress` answers true.
 ///
 /// # Errors
 /// [`StudyError`], which says what did not suit.
 pub fn study(
     options: &StudyOptions,
     (closed, open): (&Path, &Path),
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: &(dyn Fn(Progress) -> bool + Sync),
 ) -> Result<Study, StudyError> {
     let experiment = Experiment::new(options.drive.clone(), options.seed)?;
     let (closed, open) = (Fmu::open(closed)?, Fmu::open(open)?);
-    progress(Progress::Training);
+    let told = |step| if progress(step) { Err(StudyError::Stopped) } else { Ok(()) };
+    told(Progress::Training)?;
     let designed = design(&experiment, (&closed, &open), options.beta)?;
 
     let runs = plan();
-    progress(Progress::Judging(runs.len()));
+    told(Progress::Judging(runs.len()))?;
     let judge = || -> Result<Vec<Judged>, StudyError> {
         let judged = runs.into_par_iter().map(|run| {
-            let judged = judge_run(&experiment, &closed, &designed, run);
-            progress(Progress::Judged);
-            judged
+            let judged = judge_run(&experiment, &closed, &designed, run)?;
+            told(Progress::Judged).map(|()| judged)
         });
         judged.collect()
     };
@@ -161,7 +165,7 @@ pub fn study(
     };
     let (judged, sizes) = rayon::join(judge, sizes);
     let judged = judged?;
-    progress(Progress::Isolation);
+    told(Progress::Isolation)?;
     let mut study = summary::summarise(options, &experiment, &designed, judged, sizes?)?;
     let inputs = experiment.slow_reversals(SLOW_SAMPLES);
     let signals = cosimulated::closed_loop(&closed, &inputs, None::<&mut Watch>)?;

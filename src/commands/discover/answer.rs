@@ -9,13 +9,10 @@ use drivescope_discovery::{
     Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung, Verdict,
 };
 use drivescope_plant::drive::Drive;
-use drivescope_plant::file::Change;
 use serde::Serialize;
 
 use super::watch::line;
-use crate::drive_source;
 use crate::evidence::Gathered;
-use crate::failure::told;
 
 /// Errors of a drive.
 #[derive(Debug, Clone, Serialize)]
@@ -193,29 +190,4 @@ fn ranked(one: &Ranked) -> String {
         one.p_value,
         100.0 * one.excess_removed
     )
-}
-
-/// The text of the given drive file with the effects and the values of the found drive.
-pub(super) fn with_effects(
-    given: &str,
-    base: &Drive,
-    found: &Drive,
-    gathered: &Gathered,
-) -> miette::Result<String> {
-    let text = drive_source::text(given)? + &found.effects_to_toml(base.effects.len());
-    let from = gathered.files();
-    let fitted = found.fitted();
-    let tied = found.motor.tie_k;
-    let all = found.parameters();
-    let changes: Vec<Change> = all
-        .iter()
-        .filter(|it| fitted.iter().any(|other| other.name == it.name) || (tied && it.name == "K_m"))
-        .map(|it| Change {
-            name: it.name.clone(),
-            value: it.value,
-            origin: format!("fitted: {from}, by discovery"),
-        })
-        .collect();
-    let (text, _) = Drive::edited(&text, given, &changes).map_err(told)?;
-    Ok(text)
 }

@@ -1,6 +1,7 @@
 //! `discover`: which physical effect the model lacks; found, added, and the error falls.
 
 mod answer;
+mod report;
 mod watch;
 
 use std::io::Write as _;
@@ -12,13 +13,15 @@ use drivescope_plant::drive::Drive;
 
 use super::Run;
 use crate::drive_source;
+use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, told};
 use crate::interrupt;
 use crate::output;
 use crate::session::Session;
 
-use answer::{Answer, with_effects};
+use answer::Answer;
+use report::report;
 use watch::Watching;
 
 /// Find what a drive's model lacks, add it, and print the error before and after.
@@ -29,6 +32,9 @@ pub(crate) struct Discover {
     /// Drive file to write (.toml): the given one with what was found, its comments kept.
     #[arg(short, long, value_name = "DRIVE")]
     output: Option<PathBuf>,
+    /// Report to write (.html): what is missing, the ladder, parameters, and what is left.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     evidence: EvidenceOptions,
 }
@@ -39,6 +45,7 @@ impl Run for Discover {
             given: &self.drive,
             base: &drive_source::drive(&self.drive)?,
             output: self.output.as_ref(),
+            report: self.out.as_ref(),
             evidence: &self.evidence,
         };
         search.run(session, discover)
@@ -53,6 +60,8 @@ pub(super) struct Search<'a> {
     pub(super) base: &'a Drive,
     /// Drive file to write.
     pub(super) output: Option<&'a PathBuf>,
+    /// Report to write.
+    pub(super) report: Option<&'a PathBuf>,
     /// The recordings.
     pub(super) evidence: &'a EvidenceOptions,
 }
@@ -64,7 +73,7 @@ impl Search<'_> {
         session: &Session,
         find: impl FnOnce(&Drive, &Evidence, &Evidence, &dyn Watch) -> Result<Discovery, Error>,
     ) -> miette::Result<Ending> {
-        session.check_writable(&self.output.into_iter().collect::<Vec<_>>())?;
+        session.check_writable(&self.output.into_iter().chain(self.report).collect::<Vec<_>>())?;
         let gathered = self.evidence.gather(self.base, session)?;
         let watching = Watching::new(session);
         let found = find(self.base, &gathered.estimation, &gathered.validation, &watching);
@@ -73,8 +82,17 @@ impl Search<'_> {
         interrupt::check()?;
         let found = found.map_err(told)?;
         if let Some(path) = self.output {
-            let text = with_effects(self.given, self.base, &found.drive, &gathered)?;
+            let text = with_effects(
+                (self.given, &drive_source::text(self.given)?),
+                self.base,
+                &found.drive,
+                &gathered,
+            )?;
             output::write_file(path, |out| out.write_all(text.as_bytes()))?;
+        }
+        if let Some(path) = self.report {
+            let html = report(self.base, &found, &gathered, session.seed)?;
+            output::write_file(path, |out| out.write_all(html.as_bytes()))?;
         }
         let answer = Answer::new(self.base, self.output.cloned(), &gathered, &found, session.seed);
         session.answer(&answer.text(), &answer)?;

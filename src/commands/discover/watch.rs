@@ -27,6 +27,7 @@ impl Watch for Watching<'_> {
     fn step(&self, step: &Step<'_>) {
         match step {
             Step::Doing(what) => self.bar.set_message(*what),
+            Step::Fitting(_) => {}
             Step::Rung(rung) => self.bar.suspend(|| self.session.remark(line(rung))),
         }
     }

@@ -1,13 +1,16 @@
 //! The report of a comparison: the verdict, where the model fails, and what that rests on.
 
-mod pictures;
-mod tables;
+pub(crate) mod pictures;
+pub(crate) mod tables;
 
+use drivescope_discovery::Evidence;
 use drivescope_discovery::compare::Comparison;
+use drivescope_plant::drive::Drive;
 use maud::{Markup, html};
 
 use super::page::{figure, page, section};
 use super::words::number;
+use crate::read_evidence::KnownNoise;
 
 /// What a report of a comparison tells beside the comparison itself.
 #[derive(Debug, Clone)]
@@ -24,6 +27,31 @@ pub(crate) struct Setting {
     pub(crate) doubts: Vec<String>,
     /// Seed.
     pub(crate) seed: u64,
+}
+
+impl Setting {
+    /// Of a drive on recordings, with the noise of the first one's outputs.
+    pub(crate) fn new(
+        drive: &Drive,
+        evidence: &Evidence,
+        noise: &[KnownNoise],
+        validation_error: Option<f64>,
+        doubts: &[String],
+        seed: u64,
+    ) -> Self {
+        let known = |it: &KnownNoise| {
+            let source = format!("{:?}", it.source).to_lowercase();
+            (it.name.to_owned(), format!("{:.3e} {}", it.sd, it.unit), source)
+        };
+        Self {
+            drive: drive.name.clone(),
+            noise: noise.iter().map(known).collect(),
+            validation_error,
+            times: evidence.recordings.iter().map(|it| (it.start_s, it.period_s)).collect(),
+            doubts: doubts.to_vec(),
+            seed,
+        }
+    }
 }
 
 /// What is to be seen first.
@@ -69,28 +97,35 @@ pub(crate) fn remark(compared: &Comparison) -> String {
 /// One self-contained HTML page.
 pub(crate) fn compare_html(compared: &Comparison, setting: &Setting) -> String {
     let title = format!("Model against measurement: {}", setting.drive);
-    let body = html! {
+    let whole = html! {
         a.skip href="#main" { "Skip to the findings" }
         header {
             h1 { (title) }
             p.about { "A drive's model compared with recordings of the drive." }
         }
         main #main {
-            p.verdict { (verdict(compared)) }
-            p.second { (remark(compared)) }
-            (tables::tiles(compared, setting))
-            (findings(compared))
-            (curves(compared))
-            (recordings(compared, setting))
-            (section("residual", "Is the residual white", &tables::residuals(compared)))
-            (section("setting", "What this rests on", &tables::setting(compared, setting)))
+            (body(compared, setting))
         }
         footer {
             "drivescope compare, seed " (setting.seed) ". The same files and seed give the same \
              figures."
         }
     };
-    page(&title, &body)
+    page(&title, &whole)
+}
+
+/// The findings and what they rest on, as sections.
+pub(crate) fn body(compared: &Comparison, setting: &Setting) -> Markup {
+    html! {
+        p.verdict { (verdict(compared)) }
+        p.second { (remark(compared)) }
+        (tables::tiles(compared, setting))
+        (findings(compared))
+        (curves(compared))
+        (recordings(compared, setting))
+        (section("residual", "Is the residual white", &tables::residuals(compared)))
+        (section("setting", "What this rests on", &tables::setting(compared, setting)))
+    }
 }
 
 fn findings(compared: &Comparison) -> Markup {

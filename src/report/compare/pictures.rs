@@ -58,8 +58,13 @@ pub(super) fn recording(
     }
 }
 
-/// What is missing over a variable.
+/// What is missing over a variable, as the figure of that number.
 pub(super) fn curve(it: &Curve, place: usize) -> Figure {
+    curve_at(it, &format!("curve-{place}"), CURVE)
+}
+
+/// The same under that name, unique on its page, and of that height in pixels.
+pub(crate) fn curve_at(it: &Curve, id: &str, height: f64) -> Figure {
     let points = it.x.iter().zip(&it.value).map(|(x, y)| (*x, *y)).collect();
     let ends = it.lower.iter().zip(&it.upper);
     let band = it.x.iter().zip(ends).map(|(x, (low, high))| (*x, *low, *high)).collect();
@@ -76,19 +81,19 @@ pub(super) fn curve(it: &Curve, place: usize) -> Figure {
         (_, balance) => balance,
     };
     Figure {
-        id: format!("curve-{place}-plot"),
+        id: format!("{id}-plot"),
         title: it.words.to_owned(),
         description: caption(it),
         x: Axis::new(label, &it.x_unit),
         spans: Vec::new(),
         markers: Vec::new(),
         panels: vec![Panel {
-            height: CURVE,
+            height,
             y: Axis::new(format!("missing {quantity}"), &it.unit),
             layers: vec![
                 Layer::Band { label: "95 %".to_owned(), points: band, ink: Ink::Blue },
                 Layer::Level { label: String::new(), y: 0.0, ink: Ink::Text, dash: Dash::Dashed },
-                line("missing", points, Ink::Blue),
+                line("", points, Ink::Blue),
             ],
             strip: None,
         }],
@@ -96,7 +101,7 @@ pub(super) fn curve(it: &Curve, place: usize) -> Figure {
 }
 
 /// What a curve says.
-pub(super) fn caption(it: &Curve) -> String {
+pub(crate) fn caption(it: &Curve) -> String {
     let outside = it.lower.iter().zip(&it.upper).filter(|(low, high)| **low > 0.0 || **high < 0.0);
     let count = outside.count();
     let largest = it.value.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -113,7 +118,7 @@ pub(super) fn caption(it: &Curve) -> String {
 }
 
 /// The residual's correlation with itself and with the input, of every output.
-pub(super) fn correlations(it: &RecordingComparison, place: usize) -> Figure {
+pub(crate) fn correlations(it: &RecordingComparison, place: usize) -> Figure {
     let panel = |name: String, of: &Correlation| {
         let points = of.lags.iter().zip(&of.values).map(|(x, y)| (*x, *y)).collect();
         let band = of.lags.iter().zip(&of.bands).map(|(x, band)| (*x, -band, *band)).collect();

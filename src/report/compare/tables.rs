@@ -8,7 +8,7 @@ use crate::report::page::{minus, table};
 use crate::report::words::{number, p_value, percent};
 
 /// The figures that matter most.
-pub(super) fn tiles(compared: &Comparison, setting: &Setting) -> Markup {
+pub(crate) fn tiles(compared: &Comparison, setting: &Setting) -> Markup {
     html! {
         dl.tiles {
             div {
@@ -42,7 +42,7 @@ fn fit(value: Option<f64>) -> String {
 }
 
 /// The variables over which the model fails.
-pub(super) fn findings(compared: &Comparison) -> Markup {
+pub(crate) fn findings(compared: &Comparison) -> Markup {
     let about = html! {
         p.note {
             (compared.tested) " possible laws over speed, its sign, current, angle, time, \
@@ -82,7 +82,7 @@ pub(super) fn findings(compared: &Comparison) -> Markup {
 }
 
 /// Every output of every recording, and whether its residual is white.
-pub(super) fn residuals(compared: &Comparison) -> Markup {
+pub(crate) fn residuals(compared: &Comparison) -> Markup {
     let head = html! {
         tr {
             th.name scope="col" { "Recording" }
@@ -140,7 +140,7 @@ pub(super) fn residuals(compared: &Comparison) -> Markup {
 }
 
 /// Noise, observer, doubts.
-pub(super) fn setting(compared: &Comparison, setting: &Setting) -> Markup {
+pub(crate) fn setting(compared: &Comparison, setting: &Setting) -> Markup {
     html! {
         dl.facts {
             div {

@@ -72,6 +72,11 @@ impl Scale {
         self.to.0 + share * (self.to.1 - self.to.0)
     }
 
+    /// The pixel at which the axis ends.
+    pub fn end(&self) -> f64 {
+        self.to.1
+    }
+
     /// Whether the axis shows this value.
     pub fn shows(&self, value: f64) -> bool {
         self.from.0 <= value && value <= self.from.1

@@ -16,7 +16,7 @@ use std::fmt::Write;
 use super::axis::{Scale, span};
 use super::decimate::{Point, envelope, extremes};
 use super::figure::{Figure, Layer, Panel};
-use super::frame::{INNER, LEFT, RIGHT, STRIP, TEXT, heading, marks};
+use super::frame::{LEFT, RIGHT, STRIP, TEXT, heading, marks};
 use super::ink::Ink;
 use super::path::{area, polyline};
 use super::write::{WIDTH, plot, put, px, text, width};
@@ -33,16 +33,22 @@ const TICK_X: f64 = 90.0;
 const TICK_Y: f64 = 34.0;
 
 impl Figure {
-    /// The figure as an SVG element.
+    /// The figure as an SVG element over the width of a page.
     pub fn svg(&self) -> String {
+        self.svg_of(WIDTH)
+    }
+
+    /// The figure as an SVG element of that many pixels in width, which scale with its place.
+    pub fn svg_of(&self, width: f64) -> String {
+        let inner = width - LEFT - RIGHT;
         let range = self.x.range.unwrap_or_else(|| self.places());
-        let x = Scale::new(range, (0.0, INNER));
-        let ticks = x.ticks((INNER / TICK_X) as usize);
+        let x = Scale::new(range, (0.0, inner));
+        let ticks = x.ticks((inner / TICK_X) as usize);
         let mut out = String::new();
         let mut top = 0.0;
         for (place, panel) in self.panels.iter().enumerate() {
             top += HEADING;
-            heading(&mut out, panel, top);
+            heading(&mut out, panel, top, width);
             self.panel(&mut out, panel, top, (&x, range), &ticks, place == 0);
             top += panel.height;
             if let Some(strip) = &panel.strip {
@@ -54,8 +60,8 @@ impl Figure {
         for (value, label) in &ticks {
             text(&mut out, LEFT + x.at(*value), top + TEXT, "middle", "quiet", label);
         }
-        text(&mut out, WIDTH - RIGHT, top + 2.4 * TEXT, "end", "quiet", &self.x.heading());
-        plot(&self.id, &self.title, &self.description, top + FOOT, &out)
+        text(&mut out, width - RIGHT, top + 2.4 * TEXT, "end", "quiet", &self.x.heading());
+        plot(&self.id, &self.title, &self.description, (width, top + FOOT), &out)
     }
 
     /// The ends of x where none are given: those of the data, without a margin.
@@ -79,7 +85,7 @@ impl Figure {
         x_ticks: &[(f64, String)],
         first: bool,
     ) {
-        let height = panel.height;
+        let (height, inner) = (panel.height, x.end());
         let ends = panel
             .y
             .range
@@ -87,9 +93,9 @@ impl Figure {
         let labelled = first && !(self.spans.is_empty() && self.markers.is_empty());
         let y = Scale::new(ends, (height, if labelled { LABELS } else { 0.0 }));
         let y_ticks = y_ticks(&y, height);
-        put!(out, r#"<svg x="{LEFT}" y="{top}" width="{INNER}" height="{height}">"#);
+        put!(out, r#"<svg x="{LEFT}" y="{top}" width="{inner}" height="{height}">"#);
         for shaded in &self.spans {
-            let (from, to) = (x.at(shaded.from).max(0.0), x.at(shaded.to).min(INNER));
+            let (from, to) = (x.at(shaded.from).max(0.0), x.at(shaded.to).min(x.end()));
             if from < to {
                 put!(
                     out,
@@ -101,7 +107,7 @@ impl Figure {
         }
         let mut grid = String::new();
         for (value, _) in &y_ticks {
-            put!(grid, "M0 {}h{INNER}", px(y.at(*value)));
+            put!(grid, "M0 {}h{inner}", px(y.at(*value)));
         }
         for (value, _) in x_ticks {
             put!(grid, "M{} {height}v-4", px(x.at(*value)));
@@ -119,7 +125,7 @@ impl Figure {
         }
         put!(out, "</svg>");
         let bottom = top + height;
-        put!(out, r#"<path class="frame" d="M{LEFT} {top}V{bottom}h{INNER}"/>"#);
+        put!(out, r#"<path class="frame" d="M{LEFT} {top}V{bottom}h{inner}"/>"#);
         for (value, label) in &y_ticks {
             text(out, LEFT - 6.0, top + y.at(*value) + 4.0, "end", "quiet", label);
         }
@@ -128,12 +134,12 @@ impl Figure {
     /// What spans and markers say, at the upper edge of the first panel.
     fn labels(&self, out: &mut String, x: &Scale) {
         for shaded in self.spans.iter().filter(|span| x.at(span.to) > 0.0) {
-            let right = x.at(shaded.to).min(INNER) - 6.0;
+            let right = x.at(shaded.to).min(x.end()) - 6.0;
             text(out, right, TEXT + 2.0, "end", "quiet", &shaded.label);
         }
         for marker in self.markers.iter().filter(|marker| x.shows(marker.x)) {
             let at = x.at(marker.x);
-            let fits = at + 6.0 + width(&marker.label) < INNER;
+            let fits = at + 6.0 + width(&marker.label) < x.end();
             let (at, anchor) = if fits { (at + 6.0, "start") } else { (at - 6.0, "end") };
             let class = format!("inked {}", marker.ink.class());
             text(out, at, TEXT + 2.0, anchor, &class, &marker.label);
@@ -169,7 +175,8 @@ fn draw(out: &mut String, layer: &Layer, x: &Scale, y: &Scale) {
         Layer::Cloud { name, points, ink, below } => cloud(out, (name, *below), points, *ink, x, y),
         Layer::Level { y: at, ink, dash, .. } if at.is_finite() => {
             let (ink, dash) = (ink.class(), dash.class());
-            put!(out, r#"<path class="level {ink} {dash}" d="M0 {}h{INNER}"/>"#, px(y.at(*at)));
+            let (at, end) = (px(y.at(*at)), x.end());
+            put!(out, r#"<path class="level {ink} {dash}" d="M0 {at}h{end}"/>"#);
         }
         Layer::Level { .. } => {}
     }

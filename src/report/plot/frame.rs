@@ -4,13 +4,11 @@ use std::fmt::Write;
 
 use super::axis::Scale;
 use super::figure::{Layer, Panel, Strip};
-use super::write::{WIDTH, put, px, text, width};
+use super::write::{put, px, text, width};
 
 /// Left and right of the plotting areas.
 pub(super) const LEFT: f64 = 58.0;
 pub(super) const RIGHT: f64 = 20.0;
-/// Width of the plotting areas.
-pub(super) const INNER: f64 = WIDTH - LEFT - RIGHT;
 /// Height of a strip.
 pub(super) const STRIP: f64 = 16.0;
 /// Height of a text line.
@@ -18,12 +16,12 @@ pub(super) const TEXT: f64 = 12.0;
 /// Least width of a mark in a strip that is still seen.
 const LEAST_MARK: f64 = 0.8;
 
-/// Name of the y axis at the left, the legend at the right.
-pub(super) fn heading(out: &mut String, panel: &Panel, top: f64) {
+/// Name of the y axis at the left, the legend at the right of a plot of that width.
+pub(super) fn heading(out: &mut String, panel: &Panel, top: f64, whole: f64) {
     const SAMPLE: f64 = 22.0;
     let base = top - 7.0;
     text(out, LEFT, base, "start", "heading", &panel.y.heading());
-    let mut right = WIDTH - RIGHT;
+    let mut right = whole - RIGHT;
     for layer in panel.layers.iter().rev().filter(|layer| !layer.label().is_empty()) {
         let label = layer.label();
         let left = right - width(label);
@@ -56,7 +54,7 @@ pub(super) fn marks(out: &mut String, strip: &Strip, top: f64, x: &Scale) {
     let mut path = String::new();
     let mut reached = f64::NEG_INFINITY;
     for (from, to) in strip.runs() {
-        let (from, to) = (x.at(from).max(0.0), x.at(to).min(INNER));
+        let (from, to) = (x.at(from).max(0.0), x.at(to).min(x.end()));
         // Marks narrower than a mark can be share one.
         if from >= to || to <= reached {
             continue;

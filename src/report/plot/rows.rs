@@ -131,7 +131,7 @@ impl Rows {
         put!(out, r#"<path class="frame" d="M{left} {HEADING}V{bottom}h{inner}"/>"#);
         let base = bottom + 2.6 * TEXT;
         text(&mut out, left + inner, base, "end", "quiet", &self.axis.heading());
-        plot(&self.id, &self.title, &self.description, bottom + FOOT, &out)
+        plot(&self.id, &self.title, &self.description, (WIDTH, bottom + FOOT), &out)
     }
 
     /// The ends of the axis for the values, with 0 where there are bars.

@@ -55,11 +55,18 @@ pub(super) fn text(out: &mut String, x: f64, y: f64, anchor: &str, class: &str, 
     );
 }
 
-/// The whole plot around its content.
-pub(super) fn plot(id: &str, title: &str, description: &str, height: f64, content: &str) -> String {
+/// The whole plot, of that width and height, around its content.
+pub(super) fn plot(
+    id: &str,
+    title: &str,
+    description: &str,
+    (width, height): (f64, f64),
+    content: &str,
+) -> String {
     let id = escaped(id);
+    let class = if width < WIDTH { "plot narrow" } else { "plot" };
     format!(
-        r#"<svg class="plot" viewBox="0 0 {WIDTH} {}" role="img" aria-labelledby="{id}-t" aria-describedby="{id}-d"><title id="{id}-t">{}</title><desc id="{id}-d">{}</desc>{content}</svg>"#,
+        r#"<svg class="{class}" viewBox="0 0 {width} {}" role="img" aria-labelledby="{id}-t" aria-describedby="{id}-d"><title id="{id}-t">{}</title><desc id="{id}-d">{}</desc>{content}</svg>"#,
         px(height),
         escaped(title),
         escaped(description),
@@ -72,7 +79,7 @@ mod tests {
 
     #[test]
     fn names_cannot_leave_their_place() {
-        let svg = plot("a", "</title><script>", "\"&\u{1}", 10.0, "");
+        let svg = plot("a", "</title><script>", "\"&\u{1}", (WIDTH, 10.0), "");
         assert!(svg.contains("&lt;/title&gt;&lt;script&gt;"));
         assert!(svg.contains("&quot;&amp;\u{fffd}"));
     }

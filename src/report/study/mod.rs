@@ -15,6 +15,8 @@ mod trace;
 use drivescope_scenarios::results::{Pictures, StudyResults};
 use maud::html;
 
+pub(crate) use picture::run;
+
 use super::page::page;
 
 /// What the figures are set beside.

@@ -43,7 +43,8 @@ pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
     )
 }
 
-fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Markup {
+/// One run: what failed, its traces, their numbers.
+pub(crate) fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Markup {
     let id = id(place);
     let shown = shown(study, picture);
     html! {

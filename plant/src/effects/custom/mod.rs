@@ -121,6 +121,24 @@ impl Law {
         self.target
     }
 
+    /// What it gives at one place, for its coefficients in their order: `[i, omega, theta, u, t]`,
+    /// SI.
+    pub fn at(&self, parameters: &[f64], [i, omega, theta, u, time]: [f64; 5]) -> f64 {
+        let motor = Motor { r: 0.0, l: 0.0, k_e: 0.0, k_m: 0.0, j: 0.0, b_m: 0.0, friction: 0.0 };
+        let at = Views {
+            motors: &Motors::splat(motor),
+            i: &[i],
+            omega: &[omega],
+            theta: &[theta],
+            direction: &[omega.signum()],
+            u: &[u],
+            load: &[0.0],
+            time,
+        };
+        let parameters: Vec<[f64; 1]> = parameters.iter().map(|value| [*value]).collect();
+        self.form.run::<f64, 1>(&parameters, &at)[0]
+    }
+
     /// Whether the law distorts what a sensor shows.
     pub fn senses(&self) -> bool {
         matches!(self.target, Target::Omega | Target::Current)
@@ -172,5 +190,13 @@ mod tests {
         assert_eq!((ramp.at(0.25), ramp.at(2.0)), (2.5, 5.0));
         let error = Expression::parse("omega + 1").expect_err("there is no drive");
         assert_eq!(error.at(), 0);
+    }
+
+    #[test]
+    fn a_law_has_a_value_at_a_place() {
+        let names = ["c".to_owned(), "d".to_owned()];
+        let law = Law::parse(Target::Torque, "-c * omega * abs(omega) + d * i + theta", &names);
+        let value = law.expect("it is right").at(&[2.0, 10.0], [0.5, -3.0, 0.25, 0.0, 0.0]);
+        assert_eq!(value, 18.0 + 5.0 + 0.25);
     }
 }

@@ -1,0 +1,65 @@
+//! The report of a discovery: the drive compared before and after.
+
+use drivescope_discovery::compare::{Comparison, Options as CompareOptions, compare};
+use drivescope_discovery::{Discovery, Options, Setting, fit};
+use drivescope_plant::drive::Drive;
+
+use crate::evidence::Gathered;
+use crate::failure::told;
+use crate::report::compare::Setting as About;
+use crate::report::discover::{Found, Missing, Step, discover_html};
+
+/// One self-contained page.
+///
+/// # Errors
+/// Recordings that cannot be compared together.
+pub(super) fn report(
+    base: &Drive,
+    found: &Discovery,
+    gathered: &Gathered,
+    seed: u64,
+) -> miette::Result<String> {
+    let Gathered { estimation, noise, doubts, .. } = gathered;
+    let compared = |drive: &Drive| -> miette::Result<Comparison> {
+        let setting = Setting::new(drive, found.observer);
+        let options = CompareOptions { curves: true, seed };
+        compare(drive, estimation, &setting, &options).map_err(told)
+    };
+    let after = compared(&found.drive)?;
+    let before = match found.ladder.len() {
+        1 => None,
+        _ => {
+            // The cards speak of the base as it was fitted, before anything was added.
+            let setting = Setting::new(base, found.observer);
+            let fitted = fit(base, estimation, &setting, &Options::default()).map_err(told)?;
+            Some(compared(&fitted.drive)?)
+        }
+    };
+    let steps: Vec<Step> = found
+        .ladder
+        .iter()
+        .enumerate()
+        .map(|(depth, rung)| Step {
+            label: rung
+                .added
+                .as_ref()
+                .map_or("the base, fitted".to_owned(), |it| format!("+ {}", it.replace('_', " "))),
+            error: rung.error,
+            validation_error: rung.validation_error,
+            depth,
+        })
+        .collect();
+    let judged = found.ladder.last().map(|rung| rung.validation_error);
+    let about = About::new(&found.drive, estimation, &noise[0], judged, doubts, seed);
+    // Where the user chose the effect, nobody was asked what is missing.
+    let asked = !found.ranking.is_empty() || found.named.is_empty();
+    let missing = Missing::of(found);
+    Ok(discover_html(&Found {
+        compared: &after,
+        setting: &about,
+        before: before.as_ref().unwrap_or(&after),
+        missing: asked.then_some(&missing),
+        steps: &steps,
+        parameters: &found.parameters,
+    }))
+}

@@ -1,0 +1,44 @@
+// The faults view: what the server drew of a study, and the traces of a run on a click.
+
+export class Faults {
+  constructor(place, tell) {
+    this.place = place;
+    this.tell = tell;
+    this.version = 0;
+    this.shown = false;
+    place.addEventListener("click", (event) => this.clicked(event));
+    place.addEventListener("change", (event) => {
+      if (event.target.id === "study-file" && event.target.files.length) this.file(event.target.files[0]);
+    });
+  }
+
+  async post(url, body) {
+    const answer = await fetch(url, { method: "POST", body, headers: typeof body === "string" ? { "content-type": "application/json" } : {} });
+    if (!answer.ok) this.tell((await answer.json().catch(() => ({}))).problem ?? `the server answered ${answer.status}`);
+  }
+
+  file(file) { return this.post("/study/file", file); }
+
+  async clicked(event) {
+    const button = event.target.closest("button");
+    if (!button) return;
+    if (button.dataset.study) await this.post("/study", JSON.stringify({ do: button.dataset.study }));
+    if (button.dataset.run) {
+      const answer = await fetch(`/study/trace?run=${encodeURIComponent(button.dataset.run)}`);
+      const said = await answer.json();
+      const place = this.place.querySelector("#trace");
+      if (answer.ok) { place.innerHTML = said.html; place.scrollIntoView({ block: "nearest" }); }
+      else this.tell(said.problem);
+    }
+  }
+
+  // Draws again if something changed.
+  async update(version) {
+    if (!this.shown || version === this.version) return;
+    const answer = await fetch("/study");
+    if (!answer.ok) return;
+    const said = await answer.json();
+    this.version = said.version;
+    this.place.innerHTML = said.html;
+  }
+}

@@ -1,0 +1,168 @@
+//! What the page asks a session to do.
+
+use std::sync::Arc;
+
+use drivescope_plant::drive::Drive;
+use drivescope_plant::file::Change;
+use serde::Deserialize;
+
+use super::bench::{Bench, words};
+use super::example::Example;
+use super::law::TypedLaw;
+use super::rung::Rung;
+use super::work;
+use crate::failure::{Failure, told};
+
+/// A command, as the page sends it.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case")]
+pub(super) enum Command {
+    /// Take an example in place of what there is.
+    Example {
+        /// Its name.
+        id: String,
+    },
+    /// Take a column as a signal in a unit.
+    Column {
+        /// The recording.
+        recording: usize,
+        /// Its column.
+        column: String,
+        /// The signal.
+        signal: String,
+        /// The unit.
+        unit: String,
+    },
+    /// Drop a recording.
+    Remove {
+        /// Which.
+        recording: usize,
+    },
+    /// Ask what the drive of a rung lacks.
+    Learn {
+        /// Which.
+        rung: usize,
+    },
+    /// Add an effect of the library, or `learned`.
+    Add {
+        /// To which rung.
+        rung: usize,
+        /// The effect.
+        effect: String,
+    },
+    /// Add a typed law.
+    Law {
+        /// To which rung.
+        rung: usize,
+        /// The law.
+        law: TypedLaw,
+    },
+    /// Set a parameter, nothing fitted.
+    Set {
+        /// Of which rung.
+        rung: usize,
+        /// The parameter.
+        name: String,
+        /// Its value, SI.
+        value: f64,
+    },
+    /// Fit the drive of a rung again.
+    Fit {
+        /// Which.
+        rung: usize,
+    },
+    /// End what is being done.
+    Cancel,
+}
+
+impl Command {
+    /// Does it, or begins to.
+    ///
+    /// # Errors
+    /// Why it cannot be done, in words.
+    pub(super) fn run(self, bench: &Arc<Bench>) -> Result<(), String> {
+        let said = |error: Failure| words(&error.into());
+        match self {
+            Self::Cancel => {
+                bench.cancel();
+                Ok(())
+            }
+            Self::Example { id } => {
+                let example = Example::find(&id).map_err(said)?;
+                let (recordings, drive) = example.recorded().map_err(|error| words(&error))?;
+                bench.change(|state| {
+                    state.recordings = recordings;
+                    state.drive = Some(drive);
+                });
+                bench.analyse();
+                Ok(())
+            }
+            Self::Column { recording, column, signal, unit } => {
+                bench.change(|state| {
+                    let taken = state.recordings.get_mut(recording);
+                    let taken =
+                        taken.ok_or_else(|| format!("there is no recording {recording}"))?;
+                    taken.map(&column, &signal, &unit)
+                })?;
+                bench.analyse();
+                Ok(())
+            }
+            Self::Remove { recording } => {
+                bench.change(|state| {
+                    if recording < state.recordings.len() {
+                        state.recordings.remove(recording);
+                    }
+                });
+                bench.analyse();
+                Ok(())
+            }
+            Self::Learn { rung } => {
+                bench.state().rung(rung).map_err(said)?;
+                bench.start("Learning", move |progress| work::learn(progress, rung)).map_err(said)
+            }
+            Self::Add { rung, effect } => {
+                bench.state().rung(rung).map_err(said)?;
+                let title = format!("Adding {}", effect.replace('_', " "));
+                bench
+                    .start(&title, move |progress| work::extend(progress, rung, &effect))
+                    .map_err(said)
+            }
+            Self::Law { rung, law } => {
+                let on = bench.state().rung(rung).map_err(said)?;
+                let law = law.understood(&on.compared.curves).map_err(|wrong| wrong.words)?;
+                let step = law.added(&on).map_err(said)?;
+                bench
+                    .start("Adding a law", move |progress| work::refit(progress, rung, step))
+                    .map_err(said)
+            }
+            Self::Set { rung, name, value } => {
+                let on = bench.state().rung(rung).map_err(said)?;
+                let step = with_value(&on, &name, value)?;
+                bench
+                    .start("Setting a value", move |progress| work::judge(progress, rung, step))
+                    .map_err(said)
+            }
+            Self::Fit { rung } => {
+                let on = bench.state().rung(rung).map_err(said)?;
+                let step = ("fitted again".to_owned(), on.text.clone());
+                bench
+                    .start("Fitting", move |progress| work::refit(progress, rung, step))
+                    .map_err(said)
+            }
+        }
+    }
+}
+
+/// What is done, and the drive file of the rung with that value in it.
+fn with_value(rung: &Rung, name: &str, value: f64) -> Result<(String, String), String> {
+    let mut drive = rung.drive.clone();
+    drive.set(name, value).map_err(|error| error.to_string())?;
+    let change = Change { name: name.to_owned(), value, origin: "set by hand".to_owned() };
+    let mut changes = vec![change.clone()];
+    if drive.motor.tie_k && name == "K_e" {
+        changes.push(Change { name: "K_m".to_owned(), ..change });
+    }
+    let (text, _) = Drive::edited(&rung.text, "the drive", &changes)
+        .map_err(|error| told(error).to_string())?;
+    Ok((format!("{name} = {value} by hand"), text))
+}

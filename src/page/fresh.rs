@@ -1,0 +1,93 @@
+//! A new rung: judged on every recording, and compared.
+
+use drivescope_discovery::compare::{Options, compare};
+use drivescope_discovery::{
+    Discovery, Estimate, Evidence, Fitted, NotIdentifiable, Setting, evaluate,
+};
+use drivescope_plant::drive::Drive;
+
+use super::job::Progress;
+use super::rung::Rung;
+use super::work::Basis;
+use crate::evidence::Gathered;
+use crate::failure::told;
+use crate::report::compare::Setting as About;
+
+/// A drive with what an estimate says of it.
+pub(super) struct Drawn {
+    /// The drive.
+    pub(super) drive: Drive,
+    /// Its parameters.
+    pub(super) parameters: Vec<Estimate>,
+    /// What the recordings do not tell.
+    pub(super) not_identifiable: Vec<NotIdentifiable>,
+}
+
+impl From<Fitted> for Drawn {
+    fn from(fitted: Fitted) -> Self {
+        let Fitted { drive, parameters, not_identifiable, .. } = fitted;
+        Self { drive, parameters, not_identifiable }
+    }
+}
+
+impl From<Discovery> for Drawn {
+    fn from(found: Discovery) -> Self {
+        let Discovery { drive, parameters, .. } = found;
+        Self { drive, parameters, not_identifiable: Vec::new() }
+    }
+}
+
+/// What is known of a rung before it is judged.
+pub(super) struct Fresh {
+    /// The rung that it is made from.
+    pub(super) parent: Option<usize>,
+    /// What is done.
+    pub(super) label: String,
+    /// The command line that does the same.
+    pub(super) command: String,
+    /// The drive file.
+    pub(super) text: String,
+}
+
+impl Fresh {
+    /// The rung, judged and compared.
+    ///
+    /// # Errors
+    /// The user cancelled it, or the model overflows.
+    pub(super) fn rung(
+        self,
+        drawn: Drawn,
+        setting: Setting,
+        basis: &Basis,
+        progress: &Progress,
+    ) -> miette::Result<Rung> {
+        let Drawn { drive, parameters, not_identifiable } = drawn;
+        progress.doing("looking where the model fails")?;
+        let error = |evidence: &Evidence| {
+            let judged = evaluate(&drive, evidence, &setting, true).map_err(told)?;
+            Ok::<_, miette::Report>(judged.squares.error())
+        };
+        let (estimation, validation) = (&basis.gathered.estimation, &basis.gathered.validation);
+        let (error, validation_error) = (error(estimation)?, error(validation)?);
+        let options = Options { curves: true, seed: basis.seed };
+        let compared = compare(&drive, &basis.whole, &setting, &options).map_err(told)?;
+        let Gathered { noise, doubts, .. } = &*basis.gathered;
+        let judged = Some(validation_error);
+        let about = About::new(&drive, &basis.whole, &noise[0], judged, doubts, basis.seed);
+        let Self { parent, label, command, text } = self;
+        Ok(Rung {
+            parent,
+            label,
+            command,
+            drive,
+            text,
+            setting,
+            parameters,
+            not_identifiable,
+            error,
+            validation_error,
+            compared,
+            about,
+        })
+    }
+}

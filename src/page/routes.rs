@@ -1,0 +1,245 @@
+//! What is answered at which address.
+
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
+
+use axum::body::Body;
+use axum::extract::{Path, Query, State as From};
+use axum::http::{StatusCode, header};
+use axum::middleware;
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use serde::Deserialize;
+use serde_json::json;
+
+use super::answer::{Answer, Refusal, refused};
+use super::bench::Bench;
+use super::command::Command;
+use super::law::TypedLaw;
+use super::recordings::Taken;
+use super::show::{View, pieces, within};
+use super::signals::{MOST_POINTS, Wanted, signals};
+use super::site::Site;
+use super::{assets, download, events, guard, shell, study_routes, upload, window};
+
+/// Everything behind the guard.
+pub(super) fn router(site: Arc<Site>) -> Router {
+    Router::new()
+        .route("/", get(open))
+        .route("/assets/{name}", get(assets::asset))
+        .route("/b/{id}/", get(page))
+        .route("/b/{id}/events", get(events::events))
+        .route("/b/{id}/pieces", get(show))
+        .route("/b/{id}/signals", get(numbers))
+        .route("/b/{id}/within", get(brushed))
+        .route("/b/{id}/do", post(command))
+        .route("/b/{id}/law", post(check))
+        .route("/b/{id}/file", post(take))
+        .route("/b/{id}/take/{what}", get(give))
+        .route("/study", get(study_routes::view).post(study_routes::command))
+        .route("/study/file", post(study_routes::file))
+        .route("/study/trace", get(study_routes::trace))
+        .fallback(|| async { (StatusCode::NOT_FOUND, "there is nothing here\n") })
+        .layer(middleware::from_fn_with_state(Arc::clone(&site), guard::guard))
+        .with_state(site)
+}
+
+/// The session of that name.
+pub(super) fn bench(site: &Site, id: &str) -> Answer<Arc<Bench>> {
+    let gone = "this session is over: open a new one at the root of this server";
+    site.bench(id).ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, gone))
+}
+
+/// A new session, or the one of the command line.
+async fn open(From(site): From<Arc<Site>>) -> Response {
+    let headers = [(header::LOCATION, format!("/b/{}/", site.opened()))];
+    (StatusCode::SEE_OTHER, headers).into_response()
+}
+
+async fn page(From(site): From<Arc<Site>>, Path(id): Path<String>) -> Answer<Response> {
+    let bench = bench(&site, &id)?;
+    let html = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
+    Ok((html, shell::page(&bench.id, site.most_bytes)).into_response())
+}
+
+#[derive(Debug, Deserialize)]
+struct Looked {
+    #[serde(default)]
+    rung: usize,
+    #[serde(default)]
+    recording: usize,
+    ghost: Option<usize>,
+    from: Option<f64>,
+    to: Option<f64>,
+    points: Option<usize>,
+    fmi: Option<u8>,
+}
+
+impl Looked {
+    fn window(&self) -> Option<(f64, f64)> {
+        self.from.zip(self.to).filter(|(from, to)| from.is_finite() && to.is_finite() && from < to)
+    }
+}
+
+async fn show(
+    From(site): From<Arc<Site>>,
+    Path(id): Path<String>,
+    Query(looked): Query<Looked>,
+) -> Answer<Response> {
+    let bench = bench(&site, &id)?;
+    let version = *bench.changes.borrow();
+    let state = bench.state();
+    let view = View { rung: looked.rung, recording: looked.recording };
+    let recordings = state.recordings.iter().map(|it| &it.name).collect::<Vec<_>>();
+    let rungs = state.rungs.iter().map(|it| &it.label).collect::<Vec<_>>();
+    let rung = state.rungs.get(looked.rung);
+    let spans =
+        rung.and_then(|it| it.compared.recordings.get(looked.recording)).map(|it| &it.spans);
+    let answer = json!({
+        "version": version,
+        "beginning": state.beginnings,
+        "pieces": pieces(&state, view),
+        "recordings": recordings,
+        "rungs": rungs,
+        "spans": spans,
+    });
+    Ok(Json(answer).into_response())
+}
+
+async fn numbers(
+    From(site): From<Arc<Site>>,
+    Path(id): Path<String>,
+    Query(looked): Query<Looked>,
+) -> Answer<Response> {
+    let bench = bench(&site, &id)?;
+    let wanted = Wanted {
+        recording: looked.recording,
+        rung: looked.rung,
+        ghost: looked.ghost,
+        window: looked.window(),
+        points: looked.points.unwrap_or(MOST_POINTS),
+    };
+    let bytes = signals(&bench.state(), &wanted)?;
+    Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
+}
+
+/// Where the model fails within a window; a window that was asked for later overtakes it.
+async fn brushed(
+    From(site): From<Arc<Site>>,
+    Path(id): Path<String>,
+    Query(looked): Query<Looked>,
+) -> Answer<Response> {
+    let bench = bench(&site, &id)?;
+    let span = looked.window().ok_or_else(|| refused("a window has a beginning and an end"))?;
+    let (rung, whole) = {
+        let state = bench.state();
+        let rung = state.rung(looked.rung)?;
+        (rung, state.whole.clone().ok_or_else(|| refused("nothing was analysed"))?)
+    };
+    let seed = site.seed;
+    let mine = bench.looks.fetch_add(1, Ordering::Relaxed) + 1;
+    let compared = off_the_loop(move || {
+        let _alone = bench.looking.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_last = bench.looks.load(Ordering::Relaxed) == mine;
+        is_last.then(|| window::compared(&rung, &whole, looked.recording, span, seed))
+    });
+    let overtaken = || Refusal::new(StatusCode::CONFLICT, "another window was asked for");
+    let compared = compared.await?.ok_or_else(overtaken)?;
+    let compared = compared?;
+    Ok(Json(json!({ "html": within(&compared, span) })).into_response())
+}
+
+async fn command(
+    From(site): From<Arc<Site>>,
+    Path(id): Path<String>,
+    Json(command): Json<Command>,
+) -> Answer<StatusCode> {
+    let bench = bench(&site, &id)?;
+    off_the_loop(move || command.run(&bench)).await?.map_err(refused)?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Whether a typed law is right, and what it looks like.
+async fn check(
+    From(site): From<Arc<Site>>,
+    Path(id): Path<String>,
+    Query(looked): Query<Looked>,
+    Json(law): Json<TypedLaw>,
+) -> Answer<Response> {
+    let bench = bench(&site, &id)?;
+    let rung = bench.state().rung(looked.rung)?;
+    let curves = &rung.compared.curves;
+    Ok(match law.understood(curves) {
+        Ok(law) => Json(json!({ "html": law.preview(curves).into_string() })).into_response(),
+        Err(wrong) => Json(json!({ "wrong": wrong })).into_response(),
+    })
+}
+
+#[derive(Debug, Deserialize)]
+struct Named {
+    name: String,
+    /// Whether another file follows, before which nothing is to be analysed.
+    #[serde(default)]
+    more: bool,
+}
+
+/// A recording or a drive file, whatever its name says.
+async fn take(
+    From(site): From<Arc<Site>>,
+    Path(id): Path<String>,
+    Query(Named { name, more }): Query<Named>,
+    body: Body,
+) -> Answer<StatusCode> {
+    let bench = bench(&site, &id)?;
+    let name = upload::shown(&name);
+    if name.to_lowercase().ends_with(".toml") {
+        let text = upload::text(body, None).await?;
+        bench.take_drive(&name, &text)?;
+    } else {
+        let path = upload::recording(&site, &name, body).await?;
+        let taken = off_the_loop(move || Taken::uploaded(name, path)).await?.map_err(refused)?;
+        bench.change(|state| {
+            // The same file again replaces what was there; an example makes room.
+            state.recordings.retain(|it| it.name != taken.name && it.report.is_some());
+            state.recordings.push(taken);
+        });
+    }
+    if !more {
+        bench.analyse();
+    }
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// What the user takes along.
+async fn give(
+    From(site): From<Arc<Site>>,
+    Path((id, what)): Path<(String, String)>,
+    Query(looked): Query<Looked>,
+) -> Answer<Response> {
+    let bench = bench(&site, &id)?;
+    let number = looked.rung;
+    let rung = bench.state().rung(number)?;
+    match (what.as_str(), looked.fmi) {
+        ("drive.toml", _) => {
+            let text = Ok(rung.text.clone().into_bytes());
+            Ok(download::file("application/toml", &super::work::file_of(number), text))
+        }
+        ("drive.fmu", Some(fmi @ (2 | 3))) => {
+            let fmu = off_the_loop(move || download::fmu(&site, &rung, fmi)).await?;
+            Ok(download::file("application/octet-stream", &format!("drive_fmi{fmi}.fmu"), fmu))
+        }
+        ("report.html", _) => {
+            let report = download::report(&bench.state(), number);
+            let report = report.map(String::into_bytes).map_err(Into::into);
+            Ok(download::file("text/html; charset=utf-8", "report.html", report))
+        }
+        _ => Err(Refusal::new(StatusCode::NOT_FOUND, "there is nothing here")),
+    }
+}
+
+/// Work that would keep other requests waiting, on a thread of its own.
+async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Answer<T> {
+    let ended = tokio::task::spawn_blocking(work).await;
+    ended.map_err(|_| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, "an internal error"))
+}

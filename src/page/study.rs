@@ -1,0 +1,189 @@
+//! The study behind the faults view: run from the page, or a `study.json` that was dropped.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use drivescope_fmu::description::Version;
+use drivescope_scenarios::results::{Pictures, StudyResults, TorqueReading};
+use drivescope_scenarios::study::{Progress, StudyError, StudyOptions, study};
+use serde::Serialize;
+use serde_json::Value;
+use tokio::sync::watch;
+
+use super::bench::words;
+use super::site::Site;
+use crate::failure::{Failure, told};
+use crate::{drive_source, fmu_file};
+
+/// The drive that is studied, and the bands' confidence level: those of the command.
+const DRIVE: &str = "dr300";
+const BETA: f64 = 0.05;
+
+/// A running study.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Running {
+    /// What it does now.
+    pub(super) doing: &'static str,
+    /// Runs judged.
+    pub(super) done: usize,
+    /// Runs to judge; 0 while that is not known.
+    pub(super) of: usize,
+    #[serde(skip)]
+    cancelled: Arc<AtomicBool>,
+}
+
+/// What the faults view shows.
+#[derive(Debug, Default)]
+pub(super) struct Shown {
+    /// The results, as `study.json` holds them: the view draws whatever is there.
+    pub(super) results: Option<Arc<Value>>,
+    /// The traces, where the study ran here.
+    pub(super) traces: Option<Arc<(StudyResults, Vec<Pictures>)>>,
+    /// What is running.
+    pub(super) running: Option<Running>,
+    /// What went wrong last.
+    pub(super) problem: Option<String>,
+}
+
+/// The study of a server.
+#[derive(Debug)]
+pub(super) struct FaultStudy {
+    shown: Mutex<Shown>,
+    /// Counts the changes.
+    pub(super) changes: watch::Sender<u64>,
+}
+
+impl Default for FaultStudy {
+    fn default() -> Self {
+        Self { shown: Mutex::default(), changes: watch::Sender::new(1) }
+    }
+}
+
+impl FaultStudy {
+    /// What is shown, to look at.
+    pub(super) fn shown(&self) -> MutexGuard<'_, Shown> {
+        self.shown.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn change(&self, change: impl FnOnce(&mut Shown)) {
+        change(&mut self.shown());
+        self.changes.send_modify(|count| *count += 1);
+    }
+
+    /// Shows the results of a file.
+    ///
+    /// # Errors
+    /// It is no JSON, or no study.
+    pub(super) fn take(&self, text: &str) -> Result<(), String> {
+        let results: Value =
+            serde_json::from_str(text).map_err(|error| format!("it is no JSON: {error}"))?;
+        if !results.get("detection").is_some_and(Value::is_array) {
+            return Err("it has no `detection`: give the study.json of drivescope study".to_owned());
+        }
+        self.change(|shown| {
+            shown.results = Some(Arc::new(results));
+            (shown.traces, shown.problem) = (None, None);
+        });
+        Ok(())
+    }
+
+    /// Ends what is running.
+    pub(super) fn cancel(&self) {
+        self.change(|shown| {
+            if let Some(running) = shown.running.take() {
+                running.cancelled.store(true, Ordering::Relaxed);
+            }
+        });
+    }
+
+    /// Begins a study.
+    ///
+    /// # Errors
+    /// One is running.
+    pub(super) fn start(site: &Arc<Site>) -> Result<(), String> {
+        let cancelled = Arc::new(AtomicBool::new(false));
+        let mut begun = false;
+        site.study.change(|shown| {
+            if shown.running.is_none() {
+                begun = true;
+                let (doing, cancelled) = ("writing the drive as an FMU", Arc::clone(&cancelled));
+                shown.running = Some(Running { doing, done: 0, of: 0, cancelled });
+                shown.problem = None;
+            }
+        });
+        if !begun {
+            return Err("a study is running".to_owned());
+        }
+        let site = Arc::clone(site);
+        std::thread::spawn(move || {
+            let done = run(&site, &cancelled);
+            if cancelled.load(Ordering::Relaxed) {
+                return;
+            }
+            site.study.change(|shown| {
+                shown.running = None;
+                match done {
+                    Ok((results, traces)) => {
+                        shown.results = Some(Arc::new(results));
+                        shown.traces = Some(Arc::new(traces));
+                    }
+                    Err(error) => shown.problem = Some(words(&error)),
+                }
+            });
+        });
+        Ok(())
+    }
+}
+
+type Traces = (StudyResults, Vec<Pictures>);
+
+fn run(site: &Site, cancelled: &AtomicBool) -> miette::Result<(Value, Traces)> {
+    let drive = drive_source::drive(DRIVE)?;
+    let folder = site.folder.path();
+    let unwritable = |source| Failure::Write { path: folder.to_owned(), source };
+    let own = tempfile::Builder::new().tempdir_in(folder).map_err(unwritable)?;
+    let (closed, open) = (own.path().join("closed.fmu"), own.path().join("open.fmu"));
+    fmu_file::write(&drive, false, Version::Two, &closed)?;
+    fmu_file::write(&drive, true, Version::Two, &open)?;
+    let options =
+        StudyOptions { drive, seed: site.seed, torque: TorqueReading::ALL[0], beta: BETA };
+    let progress = |step| {
+        site.study.change(|shown| {
+            if let Some(running) = &mut shown.running {
+                tell(running, step);
+            }
+        });
+        cancelled.load(Ordering::Relaxed)
+    };
+    let outcome =
+        study(&options, (&closed, &open), &progress).map_err(|error: StudyError| told(error))?;
+    let results = serde_json::to_value(&outcome.results)
+        .map_err(|error| Failure::Print { source: error.into() })?;
+    Ok((results, (outcome.results, outcome.pictures)))
+}
+
+fn tell(running: &mut Running, step: Progress) {
+    match step {
+        Progress::Training => running.doing = "training and designing the diagnoser",
+        Progress::Judging(runs) => {
+            running.of = runs;
+            running.doing = "judging faulty and healthy runs";
+        }
+        Progress::Judged => running.done += 1,
+        Progress::Isolation => running.doing = "training classifiers",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_study_is_shown() {
+        let study = FaultStudy::default();
+        assert!(study.take("{").is_err_and(|it| it.contains("JSON")));
+        assert!(study.take("{}").is_err_and(|it| it.contains("detection")));
+        study.take(r#"{"detection": []}"#).expect("it is one");
+        assert!(study.shown().results.is_some());
+    }
+}

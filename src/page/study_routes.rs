@@ -1,0 +1,71 @@
+//! What is answered of the faults view.
+
+use std::sync::Arc;
+
+use axum::Json;
+use axum::body::Body;
+use axum::extract::{Query, State as From};
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use serde_json::json;
+
+use super::answer::{Answer, refused};
+use super::site::Site;
+use super::study::FaultStudy;
+use super::{faults, upload};
+
+/// Greatest size of a study.json, bytes.
+const MOST_STUDY: usize = 20_000_000;
+
+/// The faults view.
+pub(super) async fn view(From(site): From<Arc<Site>>) -> Json<serde_json::Value> {
+    let version = *site.study.changes.borrow();
+    Json(json!({ "version": version, "html": faults::view(&site.study.shown()) }))
+}
+
+/// What the page asks.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case")]
+pub(super) enum StudyCommand {
+    /// Begin.
+    Start,
+    /// End what is running.
+    Cancel,
+}
+
+/// Begins or ends a study.
+pub(super) async fn command(
+    From(site): From<Arc<Site>>,
+    Json(command): Json<StudyCommand>,
+) -> Answer<StatusCode> {
+    match command {
+        StudyCommand::Start => FaultStudy::start(&site).map_err(refused)?,
+        StudyCommand::Cancel => site.study.cancel(),
+    }
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Takes the results of a file.
+pub(super) async fn file(From(site): From<Arc<Site>>, body: Body) -> Answer<StatusCode> {
+    let text = upload::text(body, Some(MOST_STUDY)).await;
+    site.study.take(&text?).map_err(refused)?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Which run.
+#[derive(Debug, Deserialize)]
+pub(super) struct Run {
+    run: usize,
+}
+
+/// The traces of a run.
+pub(super) async fn trace(
+    From(site): From<Arc<Site>>,
+    Query(Run { run }): Query<Run>,
+) -> Answer<Response> {
+    let traces = site.study.shown().traces.clone();
+    let html = traces.and_then(|traces| faults::trace(&traces, run));
+    let html = html.ok_or_else(|| refused("these results hold no traces of that run"))?;
+    Ok(Json(json!({ "html": html })).into_response())
+}

@@ -1,0 +1,277 @@
+//! The long work of a session: analyse, learn, add, fit again. Each runs on copies and answers with
+//! what changes in the state.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use drivescope_discovery::{
+    Estimate, Evidence, Observer, Options, Setting, add, discover, fit_seen,
+};
+use drivescope_plant::drive::Drive;
+use drivescope_recording::Recording;
+
+use super::bench::{GivenDrive, State};
+use super::fresh::{Drawn, Fresh};
+use super::job::{Cancelled, Progress};
+use crate::drive_text::with_effects;
+use crate::evidence::Gathered;
+use crate::failure::told;
+use crate::first_drive::FirstDrive;
+use crate::read_evidence::{ReadEvidence, evidence_of, given_noise};
+use crate::report::discover::Missing;
+
+/// Time that the browser has the processors for itself to draw what was found, before they search.
+const FIRST_LOOK: Duration = Duration::from_millis(250);
+/// A name for the drive that is made from a recording.
+const FIRST: &str = "first.toml";
+
+/// What work rests on: copies that nobody changes.
+#[derive(Debug, Clone)]
+pub(super) struct Basis {
+    /// The recordings, parted.
+    pub(super) gathered: Arc<Gathered>,
+    /// The recordings, whole.
+    pub(super) whole: Arc<Evidence>,
+    /// How the recordings are named on a command line.
+    pub(super) files: String,
+    /// Seed.
+    pub(super) seed: u64,
+}
+
+impl Basis {
+    /// Of a session whose recordings were analysed.
+    pub(super) fn of(progress: &Progress) -> miette::Result<Self> {
+        let state = progress.bench.state();
+        let missing = || miette::Report::msg("analyse a recording first");
+        Ok(Self {
+            gathered: state.gathered.clone().ok_or_else(missing)?,
+            whole: state.whole.clone().ok_or_else(missing)?,
+            files: files(&state),
+            seed: progress.bench.seed,
+        })
+    }
+}
+
+/// The recordings as a command line names them.
+fn files(state: &State) -> String {
+    let names = state.recordings.iter().map(|it| quoted(&it.name));
+    let columns = state.recordings.iter().map(super::recordings::Taken::columns_option);
+    let option = columns.filter(|it| !it.is_empty()).map(|it| format!("--columns {}", quoted(&it)));
+    names.chain(option.take(1)).collect::<Vec<_>>().join(" ")
+}
+
+/// A word of a command line.
+pub(super) fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-/=:,".contains(c);
+    if !word.is_empty() && word.chars().all(plain) && !word.starts_with('-') {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+/// The file that holds the drive of a rung, on command lines.
+pub(super) fn file_of(rung: usize) -> String {
+    format!("step-{rung}.toml")
+}
+
+/// Reads the recordings as evidence, fits the drive, looks where it fails, and asks what it lacks.
+pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut State) + use<>> {
+    let (recordings, given, files) = {
+        let state = progress.bench.state();
+        let of = |it: &super::recordings::Taken| (it.name.clone(), Arc::clone(&it.recording));
+        let recordings: Vec<(String, Arc<Recording>)> = state.recordings.iter().map(of).collect();
+        (recordings, state.drive.clone(), files(&state))
+    };
+    progress.doing("reading the recordings")?;
+    // Whoever removed the last one began anew.
+    let (first, recording) = recordings.first().ok_or(Cancelled)?;
+    let given = match given {
+        Some(given) => given,
+        None => first_drive(recording)?,
+    };
+    let fixes: Vec<_> = {
+        let state = progress.bench.state();
+        let each = state.recordings.iter().enumerate();
+        each.flat_map(|(k, it)| it.fixes(k, &given.drive)).collect()
+    };
+    progress.bench.hand_in(progress.number, |state| {
+        state.fixes = fixes;
+        state.drive = Some(given.clone());
+    });
+    let noise = given_noise(&given.drive, None)?;
+    let named: Vec<(String, Recording)> =
+        recordings.iter().map(|(name, it)| (name.clone(), Recording::clone(it))).collect();
+    let read = evidence_of(&given.drive, &named, &noise)?;
+    drop(named);
+    let none = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
+    let basis = Basis {
+        whole: Arc::new(read.evidence.clone()),
+        gathered: Arc::new(Gathered::of(read, none)?),
+        files,
+        seed: progress.bench.seed,
+    };
+    let Gathered { estimation, .. } = &*basis.gathered;
+    let observer = Observer::choose(&given.drive, &estimation.recordings, &estimation.noise);
+    let setting = Setting::new(&given.drive, observer);
+    progress.doing("fitting the drive")?;
+    let options = Options { seed: basis.seed, ..Options::default() };
+    let fitted =
+        fit_seen(&given.drive, estimation, &setting, &options, &|error| progress.fitting(error))
+            .map_err(told)?;
+    let name = quoted(&given.name);
+    let fit = format!("drivescope fit {name} {} -o {}", basis.files, file_of(0));
+    let command = match given.made {
+        true => format!("drivescope init {} -o {name}\n{fit}", quoted(first)),
+        false => fit,
+    };
+    let text =
+        with_effects((&given.name, &given.text), &given.drive, &fitted.drive, &basis.gathered)?;
+    let step = Fresh { parent: None, label: "the base, fitted".to_owned(), command, text };
+    let rung = Arc::new(step.rung(fitted.into(), setting, &basis, progress)?);
+    let drive = rung.drive.clone();
+    progress.bench.hand_in(progress.number, |state| {
+        (state.gathered, state.whole) = (Some(basis.gathered.clone()), Some(basis.whole.clone()));
+        state.rungs = vec![rung];
+    });
+    let missing = lacking(&drive, &basis, progress)?;
+    Ok(move |state: &mut State| {
+        state.missing.insert(0, Arc::new(missing));
+    })
+}
+
+/// The first drive that a recording tells.
+fn first_drive(recording: &Recording) -> miette::Result<GivenDrive> {
+    let (text, drive) = FirstDrive::of(recording, None)?.file(FIRST)?;
+    Ok(GivenDrive { name: FIRST.to_owned(), text, drive, made: true })
+}
+
+/// What a drive lacks.
+fn lacking(drive: &Drive, basis: &Basis, progress: &Progress) -> miette::Result<Missing> {
+    progress.doing("asking what is missing")?;
+    std::thread::sleep(FIRST_LOOK);
+    let Gathered { estimation, validation, .. } = &*basis.gathered;
+    let found = discover(drive, estimation, validation, progress).map_err(told)?;
+    progress.doing("done")?;
+    Ok(Missing::of(&found))
+}
+
+/// Asks what the drive of a rung lacks.
+pub(super) fn learn(
+    progress: &Progress,
+    number: usize,
+) -> miette::Result<impl FnOnce(&mut State) + use<>> {
+    let basis = Basis::of(progress)?;
+    let rung = progress.bench.state().rung(number)?;
+    let missing = lacking(&rung.drive, &basis, progress)?;
+    Ok(move |state: &mut State| {
+        state.missing.insert(number, Arc::new(missing));
+    })
+}
+
+/// Adds an effect to the drive of a rung: a new rung, and what it lacks then.
+pub(super) fn extend(
+    progress: &Progress,
+    number: usize,
+    effect: &str,
+) -> miette::Result<impl FnOnce(&mut State) + use<>> {
+    let basis = Basis::of(progress)?;
+    let rung = progress.bench.state().rung(number)?;
+    let Gathered { estimation, validation, .. } = &*basis.gathered;
+    let found = add(&rung.drive, effect, estimation, validation, progress).map_err(told)?;
+    progress.doing("comparing")?;
+    let name = file_of(number);
+    let text = with_effects((&name, &rung.text), &rung.drive, &found.drive, &basis.gathered)?;
+    let next = progress.bench.state().rungs.len();
+    let command =
+        format!("drivescope add {name} {} {} -o {}", quoted(effect), basis.files, file_of(next));
+    let label = format!("+ {}", effect.replace('_', " "));
+    let step = Fresh { parent: Some(number), label, command, text };
+    let setting = Setting::new(&found.drive, rung.setting.observer);
+    finish(step, found.into(), setting, &basis, progress)
+}
+
+/// Fits a drive that people changed: a typed law added, or a value set.
+pub(super) fn refit(
+    progress: &Progress,
+    number: usize,
+    (label, text): (String, String),
+) -> miette::Result<impl FnOnce(&mut State) + use<>> {
+    let basis = Basis::of(progress)?;
+    let rung = progress.bench.state().rung(number)?;
+    let next = progress.bench.state().rungs.len();
+    let name = file_of(number);
+    let drive = Drive::parse(&text, &name).map_err(told)?;
+    let setting = Setting::new(&drive, rung.setting.observer);
+    progress.doing("fitting")?;
+    let options = Options { seed: basis.seed, ..Options::default() };
+    let seen = |error| progress.fitting(error);
+    let fitted =
+        fit_seen(&drive, &basis.gathered.estimation, &setting, &options, &seen).map_err(told)?;
+    let command = format!("drivescope fit {name} {} -o {}", basis.files, file_of(next));
+    let text = with_effects((&name, &text), &drive, &fitted.drive, &basis.gathered)?;
+    let step = Fresh { parent: Some(number), label, command, text };
+    finish(step, fitted.into(), setting, &basis, progress)
+}
+
+/// Judges a drive with a value that people set, nothing fitted.
+pub(super) fn judge(
+    progress: &Progress,
+    number: usize,
+    (label, text): (String, String),
+) -> miette::Result<impl FnOnce(&mut State) + use<>> {
+    let basis = Basis::of(progress)?;
+    let rung = progress.bench.state().rung(number)?;
+    let drive = Drive::parse(&text, &file_of(number)).map_err(told)?;
+    let setting = Setting::new(&drive, rung.setting.observer);
+    let parameters = drive.fitted().into_iter().map(|it| {
+        let old = rung.parameters.iter().find(|other| other.name == it.name);
+        Estimate {
+            before: old.map_or(it.value, |old| old.value),
+            name: it.name,
+            value: it.value,
+            std_error: f64::NAN,
+            unit: it.unit,
+            at_bound: false,
+        }
+    });
+    let parameters = parameters.collect();
+    let command = format!("drivescope compare {} {}", file_of(number), basis.files);
+    let step = Fresh { parent: Some(number), label, command, text };
+    let drawn = Drawn { drive, parameters, not_identifiable: Vec::new() };
+    finish(step, drawn, setting, &basis, progress)
+}
+
+/// Hands in a new rung and asks what it lacks.
+fn finish(
+    step: Fresh,
+    drawn: Drawn,
+    setting: Setting,
+    basis: &Basis,
+    progress: &Progress,
+) -> miette::Result<impl FnOnce(&mut State) + use<>> {
+    let rung = Arc::new(step.rung(drawn, setting, basis, progress)?);
+    let drive = rung.drive.clone();
+    let mut number = 0;
+    progress.bench.hand_in(progress.number, |state| {
+        number = state.rungs.len();
+        state.rungs.push(rung);
+    });
+    let missing = lacking(&drive, basis, progress)?;
+    Ok(move |state: &mut State| {
+        state.missing.insert(number, Arc::new(missing));
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_a_command_line_stay_words() {
+        assert_eq!(quoted("one.csv"), "one.csv");
+        assert_eq!(quoted("my bench.csv"), "'my bench.csv'");
+        assert_eq!(quoted("it's;rm"), r"'it'\''s;rm'");
+        assert_eq!(quoted("-o"), "'-o'");
+        assert_eq!(quoted(""), "''");
+    }
+}

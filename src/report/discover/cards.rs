@@ -1,0 +1,217 @@
+//! Cards of missing effects: name, law, the curve that convicts, what speaks for it and against.
+
+use drivescope_discovery::compare::Curve;
+use drivescope_discovery::{LearnedCurve, Ranked, Verdict};
+use drivescope_plant::effects::info::Info;
+use drivescope_plant::effects::registry::Entry;
+use maud::{Markup, PreEscaped, html};
+
+use super::Missing;
+use crate::report::compare::pictures;
+use crate::report::page::minus;
+use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel};
+use crate::report::words::{number, p_value, percent};
+
+/// Width and height of a card's picture, pixels.
+const WIDTH: f64 = 400.0;
+const HEIGHT: f64 = 120.0;
+
+/// The cards, best first, then the honest ones; `action` is what may be done about an effect.
+pub(crate) fn cards(
+    missing: &Missing,
+    curves: &[Curve],
+    action: &dyn Fn(&str) -> Markup,
+) -> Markup {
+    html! {
+        p.verdict { (words(missing)) }
+        div.cards {
+            @if missing.verdict == Verdict::None { (nothing()) }
+            @if let Some(learned) = &missing.learned { (unknown(learned, action)) }
+            @else if missing.verdict == Verdict::Unknown { (without_curve()) }
+            @for (place, one) in missing.ranking.iter().enumerate() {
+                (card(missing, one, place, curves, action))
+            }
+        }
+    }
+}
+
+/// The answer in a sentence.
+fn words(missing: &Missing) -> String {
+    let named: Vec<String> = missing
+        .ranking
+        .iter()
+        .filter(|one| one.refused.is_none())
+        .map(|one| name(&one.effect))
+        .collect();
+    match missing.verdict {
+        Verdict::Named => format!("Missing: {}.", named.join(", ")),
+        Verdict::None => "Nothing is missing that these recordings could show.".to_owned(),
+        Verdict::Unknown => "Something is missing, and no effect of the library is it.".to_owned(),
+    }
+}
+
+/// An identifier for people.
+fn name(effect: &str) -> String {
+    effect.replace('_', " ")
+}
+
+fn nothing() -> Markup {
+    html! {
+        article.card.honest aria-label="nothing is missing" {
+            h3 { "Nothing" }
+            p {
+                "No effect of the library lowers the error by more than chance would. If something \
+                 is missing, these recordings do not excite it."
+            }
+        }
+    }
+}
+
+fn without_curve() -> Markup {
+    html! {
+        article.card.honest aria-label="something unknown" {
+            h3 { "Unknown" }
+            p { "No curve over a single variable describes what is missing." }
+        }
+    }
+}
+
+fn unknown(learned: &LearnedCurve, action: &dyn Fn(&str) -> Markup) -> Markup {
+    let balance = format!("{:?}", learned.balance).to_lowercase();
+    let times = learned.times.map_or(String::new(), |times| format!(", times {times}"));
+    html! {
+        article.card.honest aria-label="something unknown, as a curve" {
+            h3 { "Unknown" }
+            p {
+                "A curve over " (learned.over) (times) " in the " (balance) " removes "
+                (percent(learned.excess_removed, 0)) " % of the error above the noise."
+            }
+            (PreEscaped(learned_figure(learned, &balance).svg_of(WIDTH)))
+            (numbers("Data of this curve", (learned.over, "lost"), learned.knots.iter().zip(&learned.values)))
+            @if let Some(formula) = &learned.formula {
+                p { "It is nearly " code data-law=(formula) data-target=(balance) { (balance) " = " (formula) } }
+            }
+            (action("learned"))
+        }
+    }
+}
+
+fn learned_figure(learned: &LearnedCurve, balance: &str) -> Figure {
+    let points = learned.knots.iter().zip(&learned.values).map(|(x, y)| (*x, -y)).collect();
+    Figure {
+        id: "learned-plot".to_owned(),
+        title: format!("What is missing over {}", learned.over),
+        description: format!("A learned curve in the {balance} over {}", learned.over),
+        x: Axis::new(learned.over, ""),
+        spans: Vec::new(),
+        markers: Vec::new(),
+        panels: vec![Panel {
+            height: HEIGHT,
+            y: Axis::new(format!("missing {balance}"), "SI"),
+            layers: vec![
+                zero(),
+                Layer::Line { label: String::new(), points, ink: Ink::Blue, dash: Dash::Solid },
+            ],
+            strip: None,
+        }],
+    }
+}
+
+fn zero() -> Layer {
+    Layer::Level { label: String::new(), y: 0.0, ink: Ink::Text, dash: Dash::Dashed }
+}
+
+fn card(
+    missing: &Missing,
+    one: &Ranked,
+    place: usize,
+    curves: &[Curve],
+    action: &dyn Fn(&str) -> Markup,
+) -> Markup {
+    let info = Entry::find(&one.effect).map(|entry| entry.info);
+    let evidence = info.and_then(|info| convicting(info, curves));
+    html! {
+        article.card data-effect=(one.effect) data-refused[one.refused.is_some()]
+            aria-label=(name(&one.effect)) {
+            h3 { span.rank { (place + 1) } " " (name(&one.effect)) }
+            @match &one.refused {
+                None => p.mark.good { "passes every test" },
+                Some(why) => p.mark { "not named: " (why) },
+            }
+            @if let Some(info) = info {
+                p { code { (info.law) } }
+                p.note { "Without it: " (info.fingerprint) }
+            }
+            @if let Some((at, curve)) = evidence {
+                (PreEscaped(pictures::curve_at(curve, &format!("card-{place}-{at}"), HEIGHT).svg_of(WIDTH)))
+                p.note { (pictures::caption(curve)) }
+            }
+            dl.facts {
+                div { dt { "Share of the error" } dd { (percent(one.excess_removed, 1)) " % of what is above the noise" } }
+                div { dt { "By chance" } dd { "p = " (minus(&p_value(one.p_value))) ", BIC gain " (minus(&number(one.delta_bic))) } }
+                @if let Some(shape) = one.shape {
+                    div { dt { "Shape" } dd { (percent(shape, 0)) " % of what any curve removes" } }
+                }
+                @for (parameter, value) in &one.parameters {
+                    div {
+                        dt { code { (parameter) } }
+                        dd { (minus(&number(value.value))) " \u{b1} " (minus(&number(value.std_error))) " " (unit(&one.effect, parameter)) }
+                    }
+                }
+                @if !one.confusion_set.is_empty() {
+                    div {
+                        dt { "Could also be" }
+                        dd { (one.confusion_set.iter().map(|it| name(it)).collect::<Vec<_>>().join(", ")) }
+                    }
+                }
+                @if let Some(next) = missing.next.as_ref().filter(|it| it.separates.contains(&one.effect)) {
+                    div { dt { "To tell them apart" } dd { "record " (next.description) } }
+                }
+            }
+            (action(&one.effect))
+        }
+    }
+}
+
+/// The unit of an effect's parameter for a rotary drive, as the library lists it.
+fn unit(effect: &str, parameter: &str) -> &'static str {
+    let key = parameter.rsplit('.').next().unwrap_or(parameter);
+    let entry = Entry::find(effect);
+    let known = entry.and_then(|entry| entry.parameters.iter().find(|it| it.name == key));
+    known.map_or("", |it| if it.unit == "1" { "" } else { it.unit })
+}
+
+/// The curve that shows an effect best: over the variable over which a model without it fails
+/// most tellingly, of those that were drawn.
+fn convicting<'a>(info: &Info, curves: &'a [Curve]) -> Option<(usize, &'a Curve)> {
+    // The curve over the speed shows both directions.
+    let drawn =
+        |variable: &str| if variable == "omega_sign" { "omega" } else { variable }.to_owned();
+    info.fails_over.iter().find_map(|variable| {
+        let wanted = drawn(variable.name());
+        curves.iter().enumerate().find(|(_, curve)| curve.variable == wanted)
+    })
+}
+
+/// Numbers behind a picture.
+fn numbers<'a>(
+    title: &str,
+    (x, y): (&str, &str),
+    pairs: impl Iterator<Item = (&'a f64, &'a f64)>,
+) -> Markup {
+    html! {
+        details {
+            summary { (title) }
+            div.scroll role="region" tabindex="0" aria-label=(title) {
+                table {
+                    thead { tr { th scope="col" { (x) } th scope="col" { (y) } } }
+                    tbody {
+                        @for (x, y) in pairs {
+                            tr { td { (minus(&number(*x))) } td { (minus(&number(*y))) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! What a discovery found, as a page shows it and a report keeps it: cards of missing effects, the
+//! ladder of errors, parameters.
+
+mod cards;
+mod ladder;
+mod parameters;
+
+use drivescope_discovery::compare::Comparison;
+use drivescope_discovery::{Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, Verdict};
+use maud::html;
+
+pub(crate) use cards::cards;
+pub(crate) use ladder::{Step, ladder};
+pub(crate) use parameters::parameters;
+
+use super::compare::{self, Setting};
+use super::page::{page, section};
+
+/// What was found to be missing, without what it was found with.
+#[derive(Debug, Clone)]
+pub(crate) struct Missing {
+    /// The answer.
+    pub(crate) verdict: Verdict,
+    /// Candidates, best first.
+    pub(crate) ranking: Vec<Ranked>,
+    /// The curve that describes what nobody knows.
+    pub(crate) learned: Option<LearnedCurve>,
+    /// What to record to tell apart what these recordings do not.
+    pub(crate) next: Option<NextExperiment>,
+}
+
+impl Missing {
+    /// Of a discovery.
+    pub(crate) fn of(found: &Discovery) -> Self {
+        let mut ranking = found.ranking.clone();
+        // What may be named stands before what was refused, however much that explains.
+        ranking.sort_by_key(|one| one.refused.is_some());
+        Self {
+            verdict: found.verdict,
+            ranking,
+            learned: found.learned.clone(),
+            next: found.next_experiment.clone(),
+        }
+    }
+}
+
+/// What a report of a discovery holds beside what is missing.
+pub(crate) struct Found<'a> {
+    /// The drive at the end, compared.
+    pub(crate) compared: &'a Comparison,
+    /// What the comparison rests on.
+    pub(crate) setting: &'a Setting,
+    /// The drive that the cards speak of, compared: before anything was added.
+    pub(crate) before: &'a Comparison,
+    /// What was missing in it, if that was asked.
+    pub(crate) missing: Option<&'a Missing>,
+    /// The ladder.
+    pub(crate) steps: &'a [Step],
+    /// Parameters of the drive at the end.
+    pub(crate) parameters: &'a [Estimate],
+}
+
+/// One self-contained HTML page.
+pub(crate) fn discover_html(found: &Found<'_>) -> String {
+    let title = format!("What the model lacks: {}", found.setting.drive);
+    let none = |_: &str| html! {};
+    let body = html! {
+        a.skip href="#main" { "Skip to the findings" }
+        header {
+            h1 { (title) }
+            p.about { "A drive's model compared with recordings of the drive, and what it lacks." }
+        }
+        main #main {
+            @if let Some(missing) = found.missing {
+                (section("missing", "What is missing", &cards(missing, &found.before.curves, &none)))
+            }
+            (section("ladder", "The error, step by step", &ladder(found.steps, &|_| html! {})))
+            (section("parameters", "Parameters", &parameters(found.parameters, &|it| {
+                html! { (super::words::number(it.value)) }
+            })))
+            (section("after", "The model at the end", &compare::body(found.compared, found.setting)))
+        }
+        footer {
+            "drivescope discover, seed " (found.setting.seed) ". The same files and seed give the \
+             same figures."
+        }
+    };
+    page(&title, &body)
+}

@@ -1,0 +1,318 @@
+"""Drives the local page in headless chromium as a user would, and checks what comes of it.
+
+    python tools/check_page.py PROGRAM [PICTURES]
+
+PROGRAM is the built drivescope. Into the folder PICTURES, if it is given, go the screenshots that
+the README shows. The browser is DRIVESCOPE_CHROMIUM, or `chromium`. Exit status 1 if something is
+wrong; figures are printed with their limits.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import fmpy
+from playwright.sync_api import expect, sync_playwright
+
+EXAMPLE = Path(__file__).parent.parent / "docs" / "worked-example"
+INPUTS = {
+    "one.csv": ("8 * sin(2 * t) + 5 * sin(7 * t) + 4 * sign(sin(11 * t))", 3),
+    "two.csv": ("9 * sin(1.7 * t) + 6 * sign(sin(9 * t))", 4),
+}
+HIDDEN = "cogging"
+FLOOR = 1.0
+NEAR_THE_FLOOR = 1.1
+# A recording of 1e5 samples: how long it may take to see it, and the memory of the server.
+SAMPLES_S = 100
+FIRST_VIEW_MS = 300
+DRAWN_MS = 150
+MEMORY_MB = 300
+PATIENCE_MS = 90_000
+WIDE = {"width": 1280, "height": 900}
+NARROW = {"width": 400, "height": 860}
+
+
+class Check:
+    """What was found wrong, and the figures."""
+
+    def __init__(self):
+        self.wrong = []
+
+    def that(self, holds, words):
+        if not holds:
+            self.wrong.append(words)
+            print(f"page: WRONG: {words}")
+
+    def figure(self, name, value, limit, unit):
+        print(f"page: {name}: {value:.0f} {unit} (at most {limit})")
+        self.that(value <= limit, f"{name} is {value:.0f} {unit}, more than {limit}")
+
+
+class Server:
+    """A running `drivescope serve`."""
+
+    def __init__(self, program, folder, *arguments):
+        command = [program, "serve", "--quiet", *arguments]
+        self.process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True)
+        self.url = self.process.stdout.readline().strip()
+
+    def memory_mb(self):
+        status = Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1000
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(timeout=10)
+
+
+def simulate(program, folder, name, drive, text, seed, duration=5):
+    command = [program, "simulate", drive, "--input", text, "--period", "0.001", "--quiet"]
+    command += ["--duration", str(duration), "--seed", str(seed), "-o", name]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+
+
+def watched(context, check, host):
+    """A page whose console must stay silent, and that loads nothing from outside."""
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE_MS)
+    page.on("console", lambda it: check.that(False, f"the console says {it.text}"))
+    page.on("pageerror", lambda it: check.that(False, f"a script fails: {it}"))
+
+    def asked(request):
+        own = request.url.startswith((f"http://{host}", "blob:", "data:", "file://"))
+        check.that(own, f"it loads {request.url}")
+
+    page.on("request", asked)
+    return page
+
+
+def fits(page, check, words):
+    """Nothing leaves the page sideways."""
+    over = page.evaluate("document.documentElement.scrollWidth - innerWidth")
+    check.that(over <= 0, f"{words}: it is {over} px wider than the window")
+
+
+def at_rest(page):
+    expect(page.locator("#status")).to_be_hidden(timeout=PATIENCE_MS)
+
+
+def errors(page, step):
+    cells = page.locator(f"#ladder tr[data-step='{step}'] td").all_inner_texts()
+    return float(cells[0]), float(cells[1])
+
+
+def save(page, words, folder):
+    with page.expect_download() as download:
+        page.get_by_role("link", name=words, exact=True).click()
+    path = Path(folder) / download.value.suggested_filename
+    download.value.save_as(path)
+    return path
+
+
+def picture(page, pictures, name):
+    if pictures:
+        page.screenshot(path=pictures / name)
+
+
+def walk(page, server, check, folder, pictures):
+    """Drop, see, learn, add, take along."""
+    page.goto(server.url)
+    page.locator("#file").set_input_files([Path(folder) / name for name in ("model.toml", *INPUTS)])
+    page.locator("#see").wait_for()
+    at_rest(page)
+    check.that(page.locator("#spans li").count() > 0, "no failing span is shown")
+    first = page.locator(".card").first
+    check.that(first.get_attribute("data-effect") == HIDDEN, "the right card is not the first")
+    before = errors(page, 0)
+    page.locator("#see").scroll_into_view_if_needed()
+    page.locator("#see-h").evaluate("it => it.scrollIntoView()")
+    picture(page, pictures, "see.png")
+    page.locator("#learn-h").evaluate("it => it.scrollIntoView()")
+    picture(page, pictures, "learn.png")
+    # A span is brushed by a click, and everything follows; the address holds it.
+    page.locator("#spans button").first.click()
+    page.locator("#within section").wait_for()
+    check.that("from=" in page.url, "the address does not hold the window")
+    page.reload()
+    page.locator("#within section").wait_for()
+    check.that(page.locator(".card").count() > 0, "the state is lost on reload")
+    page.locator("#zoom-out").click()
+    # A law of one's own, wrong and right.
+    page.get_by_text("A law of your own").click()
+    page.locator("#law [name=text]").fill("-c * omega * abs(speed)")
+    expect(page.locator("#law-said")).to_contain_text("`speed` is unknown")
+    page.locator("#law [name=text]").fill("-c * omega * abs(omega)")
+    expect(page.locator("#law-said")).to_contain_text("Understood")
+    # A second tab of the same session sees what the first one does.
+    tab = watched(page.context, check, re.search("//(.*?)/", page.url)[1])
+    tab.goto(page.url)
+    tab.locator("#ladder tr[data-step='0']").wait_for()
+    # One click, and the error falls.
+    page.locator(".card .add").first.click()
+    page.locator("#ladder tr[data-step='1']").wait_for()
+    at_rest(page)
+    after = errors(page, 1)
+    floor = NEAR_THE_FLOOR * FLOOR
+    check.that(max(after) < floor < before[1], f"the error falls from {before} to {after} only")
+    check.that("step=1" in page.url, "the page does not go to the new step")
+    tab.locator("#ladder tr[data-step='1']").wait_for()
+    check.that("step=1" not in tab.url, "the other tab is taken along")
+    tab.close()
+    page.locator("#add-h").evaluate("it => it.scrollIntoView()")
+    picture(page, pictures, "add.png")
+    for fmi in (2, 3):
+        fmu = save(page, f"FMU, FMI {fmi}.0", folder)
+        result = fmpy.simulate_fmu(str(fmu), stop_time=0.1, timeout=60)
+        check.that(len(result) > 1, f"fmpy does not run {fmu.name}")
+    text = save(page, "Drive file", folder).read_text()
+    check.that(HIDDEN in text, "the drive file does not have the effect")
+    return save(page, "Report", folder)
+
+
+def keyboard(page, check):
+    """What can be done by mouse can be reached without."""
+    page.evaluate("document.activeElement.blur(); scrollTo(0, 0)")
+    reached = set()
+    for _ in range(90):
+        page.keyboard.press("Tab")
+        reached.add(
+            page.evaluate("(it => it.dataset.do || it.id || it.className)(document.activeElement)")
+        )
+    for wanted in ("file", "example", "recording", "ghost", "from", "to"):
+        check.that(wanted in reached, f"`{wanted}` is not reached by keyboard")
+    unnamed = page.evaluate(
+        """[...document.querySelectorAll('svg.plot, .uplot')].filter(it =>
+            !it.querySelector('title') && !it.getAttribute('aria-label')).length"""
+    )
+    check.that(unnamed == 0, f"{unnamed} pictures have no text in their place")
+
+
+def wrong_unit(page, server, check, folder):
+    """A speed in rpm under a header of rad/s is seen at once and corrected by a click."""
+    lines = (Path(folder) / "one.csv").read_text().splitlines()
+    head = lines[0].split(",")
+    omega = head.index("omega [rad/s]")
+    kept = [head.index(name) for name in ("time [s]", "u [V]", "i [A]", "omega [rad/s]")]
+    rows = [",".join(head[k] for k in kept)]
+    for line in lines[1:]:
+        cells = line.split(",")
+        cells[omega] = repr(float(cells[omega]) * 9.549296585513721)
+        rows.append(",".join(cells[k] for k in kept))
+    path = Path(folder) / "rpm.csv"
+    path.write_text("\n".join(rows) + "\n")
+    page.goto(re.sub(r"/\?.*", "/", server.url))
+    page.locator("#file").set_input_files([Path(folder) / "model.toml", path])
+    offer = page.locator(".offer button").first
+    expect(offer).to_have_text("Take omega as rpm")
+    offer.click()
+    page.locator("#see").wait_for()
+    check.that(page.locator(".offer").count() == 0, "the offer stays after the correction")
+
+
+def large(page, server, check, folder):
+    """1e5 samples: how soon they are seen, and the memory that it takes."""
+    page.goto(re.sub(r"/\?.*", "/", server.url))
+    page.locator("#file").set_input_files([Path(folder) / "model.toml", Path(folder) / "long.csv"])
+    page.locator("#see").wait_for()
+    expect(page.locator("body")).to_have_attribute("data-first-view-ms", re.compile("."))
+    data = page.evaluate("({...document.body.dataset})")
+    check.figure("first view of 1e5 samples", float(data["firstViewMs"]), FIRST_VIEW_MS, "ms")
+    page.locator("[data-do=cancel]").click()
+    at_rest(page)
+    drawn = page.evaluate(
+        """async () => {
+            const { dataset } = document.body;
+            delete dataset.drawnMs;
+            const again = new Event('change', { bubbles: true });
+            document.getElementById('recording').dispatchEvent(again);
+            while (!dataset.drawnMs) await new Promise(requestAnimationFrame);
+            return Number(dataset.drawnMs);
+        }"""
+    )
+    check.figure("drawing 1e5 points of every signal", drawn, DRAWN_MS, "ms")
+    check.figure("memory of the server", server.memory_mb(), MEMORY_MB, "MB")
+
+
+def report(context, check, path):
+    """The same frozen in a file: of the page, and of the command line."""
+    page = watched(context, check, "nowhere")
+    page.goto(path.as_uri())
+    check.that(page.locator("svg.plot").count() > 5, "the report shows few plots")
+    check.that(page.locator(".card").first.get_attribute("data-effect") == HIDDEN, "report's card")
+    fits(page, check, "report")
+    size = path.stat().st_size
+    check.figure("report of the loop", size / 1e6, 3, "MB")
+    page.close()
+
+
+def looks(page, check):
+    """Narrow and wide, dark and light: nothing leaves the page."""
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        for size, width in ((WIDE, "wide"), (NARROW, "narrow")):
+            page.set_viewport_size(size)
+            page.locator("#see-h").evaluate("it => it.scrollIntoView()")
+            page.wait_for_timeout(150)
+            fits(page, check, f"{scheme}, {width}")
+    page.emulate_media(color_scheme="light")
+    page.set_viewport_size(WIDE)
+
+
+def faults(page, server, check, pictures):
+    """The study from the page: live progress, the matrix, a trace on a click."""
+    page.goto(re.sub(r"/\?.*", "/", server.url))
+    page.get_by_role("button", name="Faults").click()
+    page.get_by_role("button", name="Run the study").click()
+    page.locator("#study progress").wait_for()
+    page.locator("table.matrix").wait_for()
+    check.that(page.locator("table.matrix tbody tr").count() == 12, "the matrix has not 12 faults")
+    page.locator("table.matrix button").first.click()
+    page.locator("#trace svg").first.wait_for()
+    check.that(page.locator("table.heat").count() > 0, "no isolation matrix is shown")
+    fits(page, check, "faults")
+    page.locator("#matrix-h").evaluate("it => it.scrollIntoView()")
+    picture(page, pictures, "faults.png")
+
+
+def main():
+    program = str(Path(sys.argv[1]).resolve())
+    pictures = Path(sys.argv[2]) if len(sys.argv) > 2 else None
+    check = Check()
+    browser_path = shutil.which(os.environ.get("DRIVESCOPE_CHROMIUM", "chromium"))
+    flags = ["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        shutil.copy(EXAMPLE / "model.toml", folder)
+        for name, (text, seed) in INPUTS.items():
+            simulate(program, folder, name, EXAMPLE / "machine.toml", text, seed)
+        text = INPUTS["one.csv"][0]
+        simulate(program, folder, "long.csv", EXAMPLE / "machine.toml", text, 5, SAMPLES_S)
+        browser = playwright.chromium.launch(executable_path=browser_path, args=flags)
+        context = browser.new_context(viewport=WIDE, accept_downloads=True, reduced_motion="reduce")
+        with Server(program, folder) as server:
+            page = watched(context, check, re.search("//(.*?)/", server.url)[1])
+            kept = walk(page, server, check, folder, pictures)
+            keyboard(page, check)
+            looks(page, check)
+            report(context, check, kept)
+            run = [program, "discover", "model.toml", *INPUTS, "--out", "found.html", "--quiet"]
+            subprocess.run(run, cwd=folder, check=True, capture_output=True)
+            report(context, check, Path(folder) / "found.html")
+            wrong_unit(page, server, check, folder)
+            large(page, server, check, folder)
+            faults(page, server, check, pictures)
+            # Before the server: the page would say that it is gone.
+            page.close()
+        browser.close()
+    print(f"page: {len(check.wrong)} problems")
+    sys.exit(1 if check.wrong else 0)
+
+
+if __name__ == "__main__":
+    main()

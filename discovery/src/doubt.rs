@@ -43,6 +43,21 @@ pub enum Doubt {
         /// Time in which the drive's speed settles, s.
         time_s: f64,
     },
+    /// The validation recordings are explained much better by parameters of their own.
+    OtherMachine {
+        /// Their error in units of the noise, with the parameters of the other recordings.
+        error: f64,
+        /// With their own.
+        own_error: f64,
+        /// The parameter that differs most beyond chance.
+        parameter: String,
+        /// Its value in the other recordings.
+        here: f64,
+        /// In these.
+        there: f64,
+        /// Its unit.
+        unit: String,
+    },
 }
 
 impl fmt::Display for Doubt {
@@ -58,6 +73,13 @@ impl fmt::Display for Doubt {
                 f,
                 "{recording}: {duration_s:.3} s are shorter than the {time_s:.3} s in which the \
                  speed settles: friction and inertia can hardly be told apart; record for longer"
+            ),
+            Self::OtherMachine { error, own_error, parameter, here, there, unit } => write!(
+                f,
+                "the validation recordings look like another machine's, or another state of it: \
+                 their error is {error:.2} with these parameters and {own_error:.2} with their \
+                 own, {parameter} {here:.4e} against {there:.4e} {unit}; validate on the machine \
+                 that was fitted, or mark what may differ with [fit] per_recording"
             ),
         }
     }

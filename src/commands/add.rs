@@ -43,6 +43,7 @@ impl Run for Add {
             return Err(Failure::UnknownEffect { id, known }.into());
         }
         let search = Search {
+            named_are: "added",
             given: &self.drive,
             base: &base,
             output: Some(&self.output),

@@ -143,7 +143,11 @@ fn one_effect_is_added_or_refused_in_words() {
         ["add", "base.toml", effect, "one.csv", "--validate", "two.csv", "-o", "added.toml"]
     };
     let ran = done(here, &add("brush_drop"));
-    assert!(ran.out.contains("+ brush_drop"), "{}", ran.out);
+    assert!(
+        ran.out.contains("+ brush_drop") && ran.out.contains("added: brush_drop"),
+        "{}",
+        ran.out
+    );
     let text = std::fs::read_to_string(here.join("added.toml")).expect("it was written");
     assert!(text.contains("kind = \"brush_drop\""), "{text}");
     let other = ["add", "base.toml", "cheese", "one.csv", "-o", "no.toml"];
@@ -151,6 +155,26 @@ fn one_effect_is_added_or_refused_in_words() {
     assert!(error.contains("cheese") && error.contains("cogging"), "{error}");
     let axis = ["add", "emps", "brush_drop", "one.csv", "-o", "no.toml"];
     assert!(!refused(here, &axis).is_empty());
+}
+
+#[test]
+fn validation_data_of_another_machine_are_said() {
+    let here = folder();
+    let here = here.path();
+    truth(here, "");
+    record(here, "one.csv", INPUT, "3");
+    record(here, "two.csv", OTHER, "4");
+    let text = std::fs::read_to_string(here.join("truth.toml")).expect("it was written");
+    put(here, "truth.toml", text.replace("J = 8.2e-5", "J = 12.2e-5"));
+    record(here, "strange.csv", OTHER, "5");
+    let doubts = |validation| {
+        let run = ["discover", "base.toml", "one.csv", "--validate", validation, "--json", "-"];
+        let told = done(here, &run).json();
+        told["doubts"].as_array().expect("a list").iter().map(Value::to_string).collect::<String>()
+    };
+    assert!(!doubts("two.csv").contains("another machine"));
+    let told = doubts("strange.csv");
+    assert!(told.contains("another machine") && told.contains("J "), "{told}");
 }
 
 #[test]

@@ -11,7 +11,6 @@ use std::f64::consts::TAU;
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::effects::law::Variable;
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use super::columns::At;
 use super::ripple::Trajectory;
@@ -214,17 +213,6 @@ pub(crate) fn response(at: &At<'_>, runs: &[Trajectory], curve: &Curve) -> DMatr
     at.responses(runs, |recording| {
         curve.forcings(at.drive, &at.evidence.recordings[recording], &runs[recording])
     })
-}
-
-/// Responses to the hats of every curve; nothing if it was stopped before all were known.
-pub(crate) fn responses(
-    at: &At<'_>,
-    runs: &[Trajectory],
-    curves: &[Curve],
-    stopped: &(dyn Fn() -> bool + Sync),
-) -> Option<Vec<DMatrix<f64>>> {
-    let of = |curve: &Curve| (!stopped()).then(|| response(at, runs, curve));
-    curves.par_iter().map(of).collect()
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::gates;
 use super::judge::Judged;
 use super::learned::{LearnedCurve, effect};
 use super::left::Left;
+use super::other_machine;
 use super::refit::{Model, refit, with_learned};
 use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
 use super::round::{Outcome, Round};
@@ -216,6 +217,7 @@ fn begin(
         not_judged: Vec::new(),
         learned: None,
         next_experiment: None,
+        doubts: other_machine::doubt(&model, validation).into_iter().collect(),
         observer,
     };
     found.climb(None, &model, watch);

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::columns::{Columns, Place};
-use super::curves::{Curve, curves, response, responses};
+use super::curves::{Curve, curves, response};
 use super::gates;
 use super::projection::{Explained, Projection};
 use super::refit::{p_value, squared};
@@ -67,25 +67,24 @@ impl Left {
         let (at, base, runs) = (&sight.at, sight.columns(), sight.runs());
         let periods: Vec<f64> = at.evidence.recordings.iter().map(|one| one.period_s).collect();
         let all = curves(at.drive, scales, &periods, runs);
-        // What was stopped compares with no curve.
-        let (all, responses) = match responses(at, runs, &all, stopped) {
-            Some(responses) => (all, responses),
-            None => (Vec::new(), Vec::new()),
-        };
         let plain = Projection::new(base.columns.clone(), &base.residual);
-        let raw: Vec<Explained> =
-            responses.par_iter().map(|columns| plain.explain(columns)).collect();
+        // Responses are made twice rather than kept: all of a long recording fill the memory.
+        let explained =
+            |curve: &Curve| (!stopped()).then(|| plain.explain(&response(at, runs, curve)));
+        // What was stopped compares with no curve.
+        let raw: Option<Vec<Explained>> = all.par_iter().map(explained).collect();
+        let (all, raw) = raw.map_or_else(Default::default, |raw| (all, raw));
         let best = (0..all.len()).max_by(|a, b| raw[*a].gain.total_cmp(&raw[*b].gain));
         let after = best.map(|best| {
-            let change = plain.change(&responses[best], &raw[best].coefficients);
+            let change = plain.change(&response(at, runs, &all[best]), &raw[best].coefficients);
             (plain.residual() - change).as_slice().to_vec()
         });
         let whitener = Whitener::of(&base.places, after.as_ref().unwrap_or(&base.residual));
         let white = whitener.applied(&base.places, &base.residual);
         let projection = Projection::new(whitener.filtered(&base.places, &base.columns), &white);
         let other = LazyLock::new(|| Other::new(validation, &whitener));
-        let rests = all.into_par_iter().zip(&responses).zip(&raw).map(|((curve, columns), raw)| {
-            let columns = whitener.filtered(&base.places, columns);
+        let rests = all.into_par_iter().zip(&raw).map(|(curve, raw)| {
+            let columns = whitener.filtered(&base.places, &response(at, runs, &curve));
             let explained = projection.explain(&columns);
             let before = projection.residual().as_slice();
             let after =

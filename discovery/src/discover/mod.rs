@@ -19,6 +19,7 @@ mod judge;
 mod ladder;
 mod learned;
 mod left;
+mod other_machine;
 mod phase;
 mod projection;
 mod refined;

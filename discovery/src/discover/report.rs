@@ -9,6 +9,7 @@ use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
 use super::learned::LearnedCurve;
 use crate::compare::Finding;
+use crate::doubt::Doubt;
 use crate::estimate::Estimate;
 use crate::observer::Observer;
 
@@ -126,6 +127,8 @@ pub struct Discovery {
     pub learned: Option<LearnedCurve>,
     /// What to record to tell apart what these recordings do not.
     pub next_experiment: Option<NextExperiment>,
+    /// Doubts about the recordings that only the fit raises.
+    pub doubts: Vec<Doubt>,
     /// The observer.
     pub observer: Observer,
 }

@@ -57,6 +57,12 @@ pub(super) struct Answer {
     observer_hz: f64,
     split: String,
     doubts: Vec<String>,
+    /// Doubts that the readers of the recordings have not been told yet.
+    #[serde(skip)]
+    new_doubts: Vec<String>,
+    /// What the effects in `named` are: missing, or added as the user wished.
+    #[serde(skip)]
+    named_are: &'static str,
     seed: u64,
 }
 
@@ -66,8 +72,10 @@ impl Answer {
         output: Option<PathBuf>,
         gathered: &Gathered,
         found: &Discovery,
+        named_are: &'static str,
         seed: u64,
     ) -> Self {
+        let new_doubts: Vec<String> = found.doubts.iter().map(ToString::to_string).collect();
         let first = &gathered.noise[0];
         let given = first.iter().all(|it| it.source == NoiseSource::Given);
         let source = if given { NoiseSource::Given } else { NoiseSource::Estimated };
@@ -89,7 +97,9 @@ impl Answer {
             next_experiment: found.next_experiment.clone(),
             observer_hz: found.observer.hz,
             split: gathered.split.clone(),
-            doubts: gathered.doubts.clone(),
+            doubts: gathered.doubts.iter().chain(&new_doubts).cloned().collect(),
+            new_doubts,
+            named_are,
             seed,
         }
     }
@@ -103,6 +113,9 @@ impl Answer {
             0.0 => writeln!(text, "free run from u; errors in units of the noise, floor 1"),
             hz => writeln!(text, "observer of {hz} Hz, frozen; errors in units of the noise"),
         };
+        for doubt in &self.new_doubts {
+            let _ = writeln!(text, "{doubt}");
+        }
         for one in &self.fails {
             let share = 100.0 * one.share;
             let _ = writeln!(text, "fails over {}: {} ({share:.0} %)", one.variable, one.words);
@@ -142,7 +155,7 @@ impl Answer {
         match self.verdict {
             Verdict::Named => {
                 let sets: Vec<String> = self.named.iter().map(|id| self.with_set(id)).collect();
-                format!("missing: {}{left}\n", sets.join(", "))
+                format!("{}: {}{left}\n", self.named_are, sets.join(", "))
             }
             Verdict::None => "nothing is missing that these recordings could show\n".to_owned(),
             Verdict::Unknown => {

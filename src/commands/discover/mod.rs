@@ -42,6 +42,7 @@ pub(crate) struct Discover {
 impl Run for Discover {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let search = Search {
+            named_are: "missing",
             given: &self.drive,
             base: &drive_source::drive(&self.drive)?,
             output: self.output.as_ref(),
@@ -54,6 +55,8 @@ impl Run for Discover {
 
 /// Which drive, which recordings, and where what is found goes to: what `discover` and `add` share.
 pub(super) struct Search<'a> {
+    /// What the effects that are named are: missing, or added as the user wished.
+    pub(super) named_are: &'static str,
     /// The drive as the user named it.
     pub(super) given: &'a str,
     /// That drive.
@@ -94,7 +97,9 @@ impl Search<'_> {
             let html = report(self.base, &found, &gathered, session.seed)?;
             output::write_file(path, |out| out.write_all(html.as_bytes()))?;
         }
-        let answer = Answer::new(self.base, self.output.cloned(), &gathered, &found, session.seed);
+        let output = self.output.cloned();
+        let answer =
+            Answer::new(self.base, output, &gathered, &found, self.named_are, session.seed);
         session.answer(&answer.text(), &answer)?;
         Ok(Ending::Done)
     }

@@ -23,6 +23,9 @@ const MISTAKES: [(f64, &str); 3] = [
 /// Factor within which a ratio is one of these.
 const ALIKE: f64 = 2.0;
 
+/// Samples beyond which the work is one of minutes and gigabytes.
+const LONG: usize = 3_000_000;
+
 /// Why little may follow from a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -42,6 +45,15 @@ pub enum Doubt {
         duration_s: f64,
         /// Time in which the drive's speed settles, s.
         time_s: f64,
+    },
+    /// So many samples that the work takes minutes and gigabytes.
+    Long {
+        /// The recording.
+        recording: String,
+        /// Its samples.
+        samples: usize,
+        /// Its sampling time, s.
+        period_s: f64,
     },
     /// The validation recordings are explained much better by parameters of their own.
     OtherMachine {
@@ -74,6 +86,12 @@ impl fmt::Display for Doubt {
                 "{recording}: {duration_s:.3} s are shorter than the {time_s:.3} s in which the \
                  speed settles: friction and inertia can hardly be told apart; record for longer"
             ),
+            Self::Long { recording, samples, period_s } => write!(
+                f,
+                "{recording}: {samples} samples take minutes and gigabytes; record less, or take \
+                 fewer of them, as --resample {} would",
+                5.0 * period_s
+            ),
             Self::OtherMachine { error, own_error, parameter, here, there, unit } => write!(
                 f,
                 "the validation recordings look like another machine's, or another state of it: \
@@ -102,6 +120,10 @@ pub fn doubts(drive: &Drive, measured: &Measured) -> Result<Vec<Doubt>, Error> {
     let (duration_s, time_s) = (longest as f64 * measured.period_s, mechanical_time_s(drive));
     if duration_s < time_s {
         doubts.push(Doubt::Short { recording: recording(), duration_s, time_s });
+    }
+    if measured.len() > LONG {
+        let (samples, period_s) = (measured.len(), measured.period_s);
+        doubts.push(Doubt::Long { recording: recording(), samples, period_s });
     }
     Ok(doubts)
 }
@@ -172,5 +194,18 @@ mod tests {
         let Doubt::Short { duration_s, time_s, .. } = found[1] else { panic!("{found:?}") };
         assert!(duration_s == 0.05 && (0.06..0.08).contains(&time_s), "{found:?}");
         assert!(found.iter().all(|doubt| doubt.to_string().contains("record")));
+    }
+
+    #[test]
+    fn too_much_is_said() {
+        let drive = dr300();
+        let mut much = Measured::new(&drive, &bench(&drive, 3.0, 0.001)).expect("usable");
+        let n = LONG + 1;
+        much.u = much.u.iter().copied().cycle().take(n).collect();
+        much.outputs.iter_mut().for_each(|channel| channel.values = vec![0.0; n]);
+        much.pieces = vec![0..n];
+        let found = doubts(&drive, &much).expect("possible");
+        assert!(matches!(found[..], [Doubt::Long { samples, .. }] if samples == n), "{found:?}");
+        assert!(found[0].to_string().contains("--resample 0.005"), "{}", found[0]);
     }
 }

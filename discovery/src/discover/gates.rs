@@ -38,6 +38,13 @@ pub(crate) const BLOCK_S: f64 = 0.25;
 /// Least share of the excess that a curve over time must remove to count as something unknown:
 /// time does not repeat, so no other recording can confirm it, and a slow random load looks alike.
 pub(crate) const OVER_TIME: f64 = 0.7;
+/// Squared innovations on the validation data, to which nothing of it was fitted, beyond which a
+/// curve is no chance: a useless curve c takes away 2 c e - c^2 of innovations e, more than g with
+/// at most the probability of a normal value above the root of g. This is 7 standard deviations,
+/// and 3.5 of innovations whose variance is four times the supposed one.
+pub(crate) const REPEATS: f64 = 50.0;
+/// Share of all squared error that such a curve must remove too: the error falls by 2.5 %.
+pub(crate) const PLAINLY: f64 = 0.05;
 /// Least share of what the best curve removes that one must remove which the effect `learned` can
 /// hold, to be shown in its place.
 pub(crate) const ADDABLE: f64 = 0.8;

@@ -144,7 +144,11 @@ impl Left {
     /// before one that cannot and removes little more.
     pub(crate) fn unknown(&self, floor: f64) -> Option<&Rest> {
         let chance = |rest: &Rest| rest.p_value * self.rests.len() as f64;
-        let beyond = |rest: &&Rest| chance(rest) < gates::P_VALUE;
+        // Rich curves have hardly fewer hats than a short recording has blocks.
+        let plainly = |rest: &Rest| {
+            rest.validation_gain > gates::REPEATS && rest.removed > gates::PLAINLY * self.power
+        };
+        let beyond = |rest: &&Rest| chance(rest) < gates::P_VALUE || plainly(rest);
         let mut some: Vec<&Rest> = self.worthy(floor).filter(beyond).collect();
         some.sort_by(|a, b| b.removed.total_cmp(&a.removed));
         let best = *some.first()?;

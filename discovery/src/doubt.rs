@@ -203,7 +203,7 @@ mod tests {
         let n = LONG + 1;
         much.u = much.u.iter().copied().cycle().take(n).collect();
         much.outputs.iter_mut().for_each(|channel| channel.values = vec![0.0; n]);
-        much.pieces = vec![0..n];
+        much.pieces = std::iter::once(0..n).collect();
         let found = doubts(&drive, &much).expect("possible");
         assert!(matches!(found[..], [Doubt::Long { samples, .. }] if samples == n), "{found:?}");
         assert!(found[0].to_string().contains("--resample 0.005"), "{}", found[0]);

@@ -35,6 +35,18 @@ pub(crate) struct Forcing {
     pub(crate) voltage: Vec<f64>,
 }
 
+impl Forcing {
+    /// A torque alone.
+    pub(crate) fn torque(torque: Vec<f64>) -> Self {
+        Self { torque, voltage: Vec::new() }
+    }
+
+    /// A voltage alone.
+    pub(crate) fn voltage(voltage: Vec<f64>) -> Self {
+        Self { torque: Vec::new(), voltage }
+    }
+}
+
 /// The maps of one sample: derivatives by the states, then torque and voltage.
 #[derive(Debug, Clone, Copy)]
 struct Map {

@@ -132,7 +132,6 @@ impl Maker<'_> {
         }
         let gains = case.setting.observer.gains(measured).filter(|it| it.output == output)?;
         let factor = -self.scales.inertia * gains.speed / measured.period_s;
-        let torque = b.iter().map(|b| factor * b).collect();
-        Some(Forcing { torque, voltage: Vec::new() })
+        Some(Forcing::torque(b.iter().map(|b| factor * b).collect()))
     }
 }

@@ -28,12 +28,12 @@ pub(super) enum Series {
 impl Series {
     /// A torque alone, N m (N), positive forward.
     pub(super) fn torque(torque: Vec<f64>) -> Self {
-        Self::Balance(Forcing { torque, voltage: Vec::new() })
+        Self::Balance(Forcing::torque(torque))
     }
 
     /// A voltage alone, in the armature circuit, V (force-driven: added to u).
     pub(super) fn voltage(voltage: Vec<f64>) -> Self {
-        Self::Balance(Forcing { torque: Vec::new(), voltage })
+        Self::Balance(Forcing::voltage(voltage))
     }
 }
 

@@ -117,8 +117,8 @@ impl Curve {
         };
         let against = |hat: Vec<f64>| hat.iter().map(|value| -value).collect();
         let of = |hat: Vec<f64>| match self.balance {
-            Balance::Torque => Forcing { torque: against(hat), voltage: Vec::new() },
-            Balance::Voltage => Forcing { torque: Vec::new(), voltage: against(hat) },
+            Balance::Torque => Forcing::torque(against(hat)),
+            Balance::Voltage => Forcing::voltage(against(hat)),
             Balance::Flux => Forcing {
                 torque: times(&hat, &run.current, -drive.motor.k_m),
                 voltage: times(&hat, &run.speed, drive.motor.k_e.unwrap_or(0.0)),

@@ -69,9 +69,7 @@ pub(crate) fn forcings(kind: &str, n: f64, drive: &Drive, run: &Trajectory) -> V
         wave.iter().zip(with).map(|(wave, with)| factor * wave * with).collect()
     };
     let of = |wave: Vec<f64>| match drive.motor.k_e {
-        _ if kind == "cogging" => {
-            Forcing { torque: wave.iter().map(|wave| -wave).collect(), voltage: Vec::new() }
-        }
+        _ if kind == "cogging" => Forcing::torque(wave.iter().map(|wave| -wave).collect()),
         k_e => Forcing {
             torque: product(&wave, &run.current, drive.motor.k_m),
             voltage: k_e.map_or(Vec::new(), |k_e| product(&wave, &run.speed, -k_e)),

@@ -13,6 +13,7 @@ use drivescope_recording::Recording;
 use super::bench::{GivenDrive, State};
 use super::fresh::{Drawn, Fresh};
 use super::job::{Cancelled, Progress};
+use super::rung::Rung;
 use crate::drive_text::with_effects;
 use crate::evidence::Gathered;
 use crate::failure::told;
@@ -155,13 +156,17 @@ fn lacking(drive: &Drive, basis: &Basis, progress: &Progress) -> miette::Result<
     Ok(Missing::of(&found))
 }
 
+/// What a job at a rung works with.
+fn at(progress: &Progress, number: usize) -> miette::Result<(Basis, Arc<Rung>)> {
+    Ok((Basis::of(progress)?, progress.bench.state().rung(number)?))
+}
+
 /// Asks what the drive of a rung lacks.
 pub(super) fn learn(
     progress: &Progress,
     number: usize,
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let basis = Basis::of(progress)?;
-    let rung = progress.bench.state().rung(number)?;
+    let (basis, rung) = at(progress, number)?;
     let missing = lacking(&rung.drive, &basis, progress)?;
     Ok(move |state: &mut State| {
         state.missing.insert(number, Arc::new(missing));
@@ -174,8 +179,7 @@ pub(super) fn extend(
     number: usize,
     effect: &str,
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let basis = Basis::of(progress)?;
-    let rung = progress.bench.state().rung(number)?;
+    let (basis, rung) = at(progress, number)?;
     let Gathered { estimation, validation, .. } = &*basis.gathered;
     let found = add(&rung.drive, effect, estimation, validation, progress).map_err(told)?;
     progress.doing("comparing")?;
@@ -196,8 +200,7 @@ pub(super) fn refit(
     number: usize,
     (label, text): (String, String),
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let basis = Basis::of(progress)?;
-    let rung = progress.bench.state().rung(number)?;
+    let (basis, rung) = at(progress, number)?;
     let next = progress.bench.state().rungs.len();
     let name = file_of(number);
     let drive = Drive::parse(&text, &name).map_err(told)?;
@@ -219,8 +222,7 @@ pub(super) fn judge(
     number: usize,
     (label, text): (String, String),
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let basis = Basis::of(progress)?;
-    let rung = progress.bench.state().rung(number)?;
+    let (basis, rung) = at(progress, number)?;
     let drive = Drive::parse(&text, &file_of(number)).map_err(told)?;
     let setting = Setting::new(&drive, rung.setting.observer);
     let parameters = drive.fitted().into_iter().map(|it| {

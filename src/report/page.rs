@@ -13,8 +13,8 @@ pub(crate) fn style() -> String {
     [include_str!("page.css"), STYLE].concat()
 }
 
-/// A whole page.
-pub(crate) fn page(title: &str, body: &Markup) -> String {
+/// A whole report: what it is about below its title, its sections, and how it was made.
+pub(crate) fn page(title: &str, about: &Markup, sections: &Markup, made: &Markup) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -26,7 +26,15 @@ pub(crate) fn page(title: &str, body: &Markup) -> String {
                 title { (title) }
                 style { (PreEscaped(style())) }
             }
-            body { (body) }
+            body {
+                a.skip href="#main" { "Skip to the findings" }
+                header {
+                    h1 { (title) }
+                    p.about { (about) }
+                }
+                main #main { (sections) }
+                footer { (made) }
+            }
         }
     }
     .into_string()

@@ -97,21 +97,15 @@ pub(crate) fn remark(compared: &Comparison) -> String {
 /// One self-contained HTML page.
 pub(crate) fn compare_html(compared: &Comparison, setting: &Setting) -> String {
     let title = format!("Model against measurement: {}", setting.drive);
-    let whole = html! {
-        a.skip href="#main" { "Skip to the findings" }
-        header {
-            h1 { (title) }
-            p.about { "A drive's model compared with recordings of the drive." }
-        }
-        main #main {
-            (body(compared, setting))
-        }
-        footer {
-            "drivescope compare, seed " (setting.seed) ". The same files and seed give the same \
-             figures."
-        }
+    let about = html! { "A drive's model compared with recordings of the drive." };
+    let sections = html! {
+        (body(compared, setting))
     };
-    page(&title, &whole)
+    let made = html! {
+        "drivescope compare, seed " (setting.seed) ". The same files and seed give the same \
+         figures."
+    };
+    page(&title, &about, &sections, &made)
 }
 
 /// The findings and what they rest on, as sections.

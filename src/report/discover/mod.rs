@@ -64,26 +64,21 @@ pub(crate) struct Found<'a> {
 pub(crate) fn discover_html(found: &Found<'_>) -> String {
     let title = format!("What the model lacks: {}", found.setting.drive);
     let none = |_: &str| html! {};
-    let body = html! {
-        a.skip href="#main" { "Skip to the findings" }
-        header {
-            h1 { (title) }
-            p.about { "A drive's model compared with recordings of the drive, and what it lacks." }
+    let about =
+        html! { "A drive's model compared with recordings of the drive, and what it lacks." };
+    let sections = html! {
+        @if let Some(missing) = found.missing {
+            (section("missing", "What is missing", &cards(missing, &found.before.curves, &none)))
         }
-        main #main {
-            @if let Some(missing) = found.missing {
-                (section("missing", "What is missing", &cards(missing, &found.before.curves, &none)))
-            }
-            (section("ladder", "The error, step by step", &ladder(found.steps, &|_| html! {})))
-            (section("parameters", "Parameters", &parameters(found.parameters, &|it| {
-                html! { (super::words::number(it.value)) }
-            })))
-            (section("after", "The model at the end", &compare::body(found.compared, found.setting)))
-        }
-        footer {
-            "drivescope discover, seed " (found.setting.seed) ". The same files and seed give the \
-             same figures."
-        }
+        (section("ladder", "The error, step by step", &ladder(found.steps, &|_| html! {})))
+        (section("parameters", "Parameters", &parameters(found.parameters, &|it| {
+            html! { (super::words::number(it.value)) }
+        })))
+        (section("after", "The model at the end", &compare::body(found.compared, found.setting)))
     };
-    page(&title, &body)
+    let made = html! {
+        "drivescope discover, seed " (found.setting.seed) ". The same files and seed give the \
+         same figures."
+    };
+    page(&title, &about, &sections, &made)
 }

@@ -27,34 +27,28 @@ const PAPER: &str = "K. Patan, M. Witczak, J. Korbicz, Towards robustness in neu
 /// run in `pictures`. Names are escaped; what was not computed is said to be missing.
 pub fn study_html(study: &StudyResults, pictures: &[Pictures]) -> String {
     let title = format!("Fault study: {}", study.drive.name);
-    let body = html! {
-        a.skip href="#main" { "Skip to the findings" }
-        header {
-            h1 { (title) }
-            p.about { "Detection of faults from signals, beside the figures of " (PAPER) "." }
-        }
-        main #main {
-            (summary::headline(study))
-            (summary::contents(pictures))
-            (setting::section(study))
-            (detection::section(study, pictures))
-            (figures::section(study, pictures))
-            (picture::section(study, pictures))
-            (residual::section(study))
-            (models::section(study))
-            (isolation::section(study))
-            (identification::section(study))
-            (detection::levels(study))
-            (detection::readings(study))
-            (fmu::section(study))
-            (summary::reading(study))
-        }
-        footer {
-            "drivescope study, seed " (study.seed) ", drive file " code { (study.drive.digest) }
-            ". The same seed and drive file give the same figures. All numbers are in study.json."
-        }
+    let about = html! { "Detection of faults from signals, beside the figures of " (PAPER) "." };
+    let sections = html! {
+        (summary::headline(study))
+        (summary::contents(pictures))
+        (setting::section(study))
+        (detection::section(study, pictures))
+        (figures::section(study, pictures))
+        (picture::section(study, pictures))
+        (residual::section(study))
+        (models::section(study))
+        (isolation::section(study))
+        (identification::section(study))
+        (detection::levels(study))
+        (detection::readings(study))
+        (fmu::section(study))
+        (summary::reading(study))
     };
-    page(&title, &body)
+    let made = html! {
+        "drivescope study, seed " (study.seed) ", drive file " code { (study.drive.digest) }
+        ". The same seed and drive file give the same figures. All numbers are in study.json."
+    };
+    page(&title, &about, &sections, &made)
 }
 
 #[cfg(test)]

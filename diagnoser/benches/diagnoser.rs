@@ -192,6 +192,8 @@ fn gmdh(c: &mut Criterion) {
     bands.band(&[control[0]]);
     let values = bands.regressor().values.to_vec();
     let set = &robust.bounds[0].set;
+    // Short enough for as many samples as usual.
+    group.sample_size(100);
     group.bench_function("interval of 6 parameters by programs", |b| {
         let regressor = drivescope_diagnoser::Regressor { values: &values, errors: &[] };
         b.iter(|| set.interval_by_programs(black_box(regressor)));

@@ -25,18 +25,19 @@ fn options() -> SolveOptions {
 }
 
 /// max n . z over half-spaces; `None` if there is no maximum.
+///
+/// Solved through the dual, min h . lambda subject to sum_k lambda_k n_k = n and lambda >= 0: its
+/// basis has as many rows as there are parameters, the primal's one a half-space.
 pub(super) fn maximum(half_spaces: &[HalfSpace], normal: &[f64]) -> Option<f64> {
-    let mut problem = Problem::new(OptimizationDirection::Maximize);
-    let z: Vec<Variable> =
-        normal.iter().map(|n| problem.add_var(*n, (f64::NEG_INFINITY, f64::INFINITY))).collect();
-    for HalfSpace { normal, offset } in half_spaces {
-        let row = z.iter().copied().zip(normal.iter().copied());
-        problem.add_constraint(row, ComparisonOp::Le, *offset);
+    let mut dual = Problem::new(OptimizationDirection::Minimize);
+    let lambda: Vec<Variable> =
+        half_spaces.iter().map(|row| dual.add_var(row.offset, (0.0, f64::INFINITY))).collect();
+    for (j, n) in normal.iter().enumerate() {
+        let row = lambda.iter().zip(half_spaces).map(|(lambda, row)| (*lambda, row.normal[j]));
+        dual.add_constraint(row, ComparisonOp::Eq, *n);
     }
-    let solution = problem.solve_with(options()).ok()?.into_solution().ok()?;
-    // The value at the vertex, not the solver's running sum.
-    let at: Vec<f64> = z.iter().map(|z| solution.var_value(*z)).collect();
-    Some(product(normal, &at))
+    let solution = dual.solve_with(options()).ok()?.into_solution().ok()?;
+    Some(lambda.iter().zip(half_spaces).map(|(l, row)| solution.var_value(*l) * row.offset).sum())
 }
 
 /// The point z that lowers the largest violation of n_k . z <= h_k most, beside the half-spaces that

@@ -35,7 +35,7 @@ pub struct BandDesign {
     pub samples: usize,
     /// Ljung-Box test over 50 lags; `None` if there are not more samples than that.
     pub whiteness: Option<Whiteness>,
-    /// Omnibus test; `None` below 20 samples.
+    /// Omnibus test, the correlation over these lags allowed for; `None` below 20 samples.
     pub normality: Option<Normality>,
 }
 
@@ -51,13 +51,10 @@ impl BandDesign {
         healthy.require_variation()?;
         let left = &residual(error_model, healthy)[run_up..];
         let (mean, deviation) = mean_and_deviation(left);
-        Ok(Self {
-            deviation,
-            mean,
-            samples: left.len(),
-            whiteness: ljung_box(left, LAGS),
-            normality: omnibus_normality(left),
-        })
+        let whiteness = ljung_box(left, LAGS);
+        let correlation = whiteness.as_ref().map_or(&[][..], |white| &white.autocorrelation);
+        let normality = omnibus_normality(left, correlation);
+        Ok(Self { deviation, mean, samples: left.len(), whiteness, normality })
     }
 }
 

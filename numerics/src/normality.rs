@@ -4,12 +4,17 @@
 //! two degrees of freedom. Unlike the Jarque-Bera statistic, whose kurtosis part still misses
 //! its limit distribution at thousands of samples, both parts are corrected for the sample size.
 //! Sources: R. B. D'Agostino, Biometrika 57 (1970), 679-681 (skewness); F. J. Anscombe and
-//! W. J. Glynn, Biometrika 70 (1983), 227-234 (kurtosis). Samples are taken as independent.
+//! W. J. Glynn, Biometrika 70 (1983), 227-234 (kurtosis). Correlated samples tell less: sample
+//! skewness and kurtosis of a normal process vary as those of n / sum rho_j^3 and n / sum rho_j^4
+//! independent samples, sums over all lags of both signs (I. N. Lobato and C. Velasco, Econometric
+//! Theory 20 (2004), 671-689), and these numbers take the place of n.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Fewest samples for which the approximation of the kurtosis' distribution holds.
-const FEWEST: usize = 20;
+const FEWEST: f64 = 20.0;
+/// The sum of rho_j^3 is positive for every process; its estimate is kept from zero.
+const LEAST: f64 = 0.1;
 
 /// Outcome of the omnibus test.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,13 +29,19 @@ pub struct Normality {
     pub p_value: f64,
 }
 
-/// Tests whether values can be normally distributed. `None` below 20 values, or if they do not
-/// vary or are not finite.
-pub fn omnibus_normality(values: &[f64]) -> Option<Normality> {
-    if values.len() < FEWEST {
+/// Tests whether values can be normally distributed, given their autocorrelation at lags 1, 2, ...
+/// as far as it matters (none: independent). `None` below 20 values or what 20 independent ones
+/// would tell, or if they do not vary or are not finite.
+pub fn omnibus_normality(values: &[f64], autocorrelation: &[f64]) -> Option<Normality> {
+    let n = values.len() as f64;
+    let worth = |power: i32| {
+        let sum: f64 = autocorrelation.iter().map(|rho| rho.powi(power)).sum();
+        n / (1.0 + 2.0 * sum).max(LEAST)
+    };
+    let [n_skewness, n_kurtosis] = [worth(3), worth(4)];
+    if n_skewness.min(n_kurtosis) < FEWEST {
         return None;
     }
-    let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let moment = |power: i32| values.iter().map(|x| (x - mean).powi(power)).sum::<f64>() / n;
     let variance = moment(2);
@@ -39,7 +50,8 @@ pub fn omnibus_normality(values: &[f64]) -> Option<Normality> {
     }
     let skewness = moment(3) / variance.powf(1.5);
     let kurtosis = moment(4) / (variance * variance);
-    let statistic = skewness_score(skewness, n).powi(2) + kurtosis_score(kurtosis, n).powi(2);
+    let statistic =
+        skewness_score(skewness, n_skewness).powi(2) + kurtosis_score(kurtosis, n_kurtosis).powi(2);
     // The tail of a chi-square with two degrees of freedom is an exponential.
     let p_value = (-0.5 * statistic).exp();
     Some(Normality { skewness, excess_kurtosis: kurtosis - 3.0, statistic, p_value })
@@ -92,7 +104,7 @@ mod tests {
 
     #[test]
     fn equals_scipy() {
-        let outcome = omnibus_normality(&series()).unwrap();
+        let outcome = omnibus_normality(&series(), &[]).unwrap();
         assert!((outcome.statistic / STATISTIC - 1.0).abs() < REFERENCE, "{}", outcome.statistic);
         assert!((outcome.p_value / P_VALUE - 1.0).abs() < REFERENCE, "{}", outcome.p_value);
     }
@@ -109,14 +121,52 @@ mod tests {
         let n = 1000;
         let score = |k: usize| normal_quantile(2.0 * (k as f64 + 0.5) / (2.0 * n as f64));
         let symmetric: Vec<f64> = (0..n).flat_map(|k| [score(k), -score(k)]).collect();
-        assert!(omnibus_normality(&symmetric).unwrap().p_value > 0.5);
+        assert!(omnibus_normality(&symmetric, &[]).unwrap().p_value > 0.5);
         let uniform: Vec<f64> = (0..n).map(|k| k as f64).collect();
-        assert!(omnibus_normality(&uniform).unwrap().p_value < 1e-6);
+        assert!(omnibus_normality(&uniform, &[]).unwrap().p_value < 1e-6);
+    }
+
+    #[test]
+    fn correlation_alone_does_not_look_abnormal() {
+        // e(k) = 0.9 e(k-1) + w(k) with normal w: 400 series of 1000 values.
+        const SERIES: usize = 400;
+        let mut seed = 1_u64;
+        let mut normal = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let uniform = ((seed >> 11) as f64 + 0.5) / (1_u64 << 53) as f64;
+            if uniform < 0.5 {
+                -normal_quantile(2.0 * uniform)
+            } else {
+                normal_quantile(2.0 * (1.0 - uniform))
+            }
+        };
+        let mut refused = [0; 2];
+        for _ in 0..SERIES {
+            let mut e = 0.0;
+            let mut values = || {
+                e = 0.9 * e + normal();
+                e
+            };
+            for _ in 0..100 {
+                values();
+            }
+            let values: Vec<f64> = (0..1000).map(|_| values()).collect();
+            let whiteness = crate::ljung_box(&values, 50).unwrap();
+            for (refused, correlation) in
+                refused.iter_mut().zip([whiteness.autocorrelation.as_slice(), &[]])
+            {
+                let outcome = omnibus_normality(&values, correlation).unwrap();
+                *refused += usize::from(outcome.p_value < 0.05);
+            }
+        }
+        // 5 % of 400 are 20 +- 4.4; as independent, more than a quarter would be refused.
+        let [corrected, independent] = refused;
+        assert!((4..=36).contains(&corrected) && independent > SERIES / 4, "{refused:?}");
     }
 
     #[test]
     fn what_has_no_meaning_is_none() {
-        assert_eq!(omnibus_normality(&[1.0; 50]), None);
-        assert_eq!(omnibus_normality(&series()[..19]), None);
+        assert_eq!(omnibus_normality(&[1.0; 50], &[]), None);
+        assert_eq!(omnibus_normality(&series()[..19], &[]), None);
     }
 }

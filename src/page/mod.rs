@@ -22,6 +22,7 @@ mod fresh;
 mod guard;
 mod job;
 mod law;
+mod memory;
 mod recordings;
 mod routes;
 mod rung;
@@ -71,6 +72,7 @@ pub(crate) struct Served {
 /// # Errors
 /// A file to begin with that cannot be used, or a port that is taken.
 pub(crate) fn serve(served: &Served, session: &Session) -> miette::Result<()> {
+    memory::return_large_blocks();
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_io()

@@ -33,8 +33,8 @@ mod testing;
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{
-    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung, Step,
-    Unwatched, Verdict, Watch, add, bic_of, discover,
+    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung,
+    SecondOpinion, Step, Unwatched, Verdict, Watch, add, bic_of, discover,
 };
 pub use doubt::{Doubt, doubts};
 pub use error::Error;

@@ -4,7 +4,8 @@
 mod testing;
 
 use drivescope_discovery::{
-    Discovery, Error, Evidence, Measured, Step, Unwatched, Verdict, Watch, add, bic_of, discover,
+    Discovery, Error, Evidence, Measured, SecondOpinion, Step, Unwatched, Verdict, Watch, add,
+    bic_of, discover,
 };
 use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_plant::effects::registry::Entry;
@@ -73,6 +74,20 @@ fn a_hidden_effect_is_named_and_its_absence_too() {
     // The same without what was hidden: nothing is named.
     let answer = found(&base(), false, 1);
     assert_eq!((answer.verdict, answer.named.len()), (Verdict::None, 0), "{:?}", answer.ranking);
+    // Noise alone is no second opinion.
+    assert_eq!(answer.second_opinion, None);
+}
+
+#[test]
+fn the_inverse_form_is_a_second_opinion_where_an_effect_is_large() {
+    let answer = found(&with("brush_drop", &[0.8, 0.1]), false, 4);
+    assert_eq!(answer.named, ["brush_drop"]);
+    let second = answer.second_opinion.expect("the error is many times the noise");
+    assert_eq!((second.best.as_deref(), second.agrees), (Some("brush_drop"), true), "{second:?}");
+    assert!(second.noise_share < 0.1 && second.delta_bic > Some(10.0), "{second:?}");
+    assert!(second.words().ends_with("agrees: brush_drop explains most there too"));
+    let other = SecondOpinion { agrees: false, ..second };
+    assert!(other.words().ends_with("disagrees: there brush_drop explains most"));
 }
 
 #[test]

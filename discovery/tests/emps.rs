@@ -133,4 +133,7 @@ fn discovery_names_the_direction_of_friction_and_refuses_the_rest_in_words() {
     let ripple = found.ranking.iter().find(of_screw).expect("it is reported");
     let refused = ripple.refused.as_deref().unwrap_or_default();
     assert!(refused.contains("its phase changes from recording to recording"), "{ripple:?}");
+    // The observer and the inverse form agree.
+    let second = found.second_opinion.expect("the error is far above the noise");
+    assert_eq!((second.best.as_deref(), second.agrees), (Some("asymmetric_friction"), true));
 }

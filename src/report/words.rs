@@ -146,6 +146,12 @@ pub(crate) fn whiteness(p: f64) -> &'static str {
     }
 }
 
+/// The beginning of a sentence.
+pub(crate) fn capital(words: &str) -> String {
+    let mut chars = words.chars();
+    chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
+}
+
 /// What the normality test says of r - y_e.
 pub(crate) fn normality(p: f64) -> &'static str {
     if p.is_nan() {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::columns::{Columns, Place};
 use super::gates;
+use super::inverse::{ByInverse, Inverse};
 use super::left::{Rest, blocks};
 use super::refined::Refined;
 use super::refit::{Model, p_value, squared};
@@ -25,6 +26,8 @@ pub(crate) struct Judged {
     /// Squared error that goes, where it was judged by the errors as they are.
     pub(super) plain: Option<f64>,
     pub(super) shape: Option<f64>,
+    /// What the inverse form says of it, in the first round.
+    pub(super) by_inverse: Option<ByInverse>,
     /// What it changes in the innovations.
     pub(super) change: Vec<f64>,
     /// Why it is not named.
@@ -61,6 +64,8 @@ impl Round<'_> {
         let before = Refined::of(&self.sight, &self.validation_sight, &whitener);
         let hypotheses: usize = self.all.iter().map(|it| it.variants.len()).sum();
         let remembers = whitener.unforeseen() < gates::REMEMBERS;
+        let inverse = self.sight.inverse().filter(|_| self.named.is_empty());
+        let inverse = inverse.map(|inverse| (inverse, inverse.left_by(&self.sight)));
         let judge = |(candidate, model): (usize, Model)| {
             let sight = model.sight(self.estimation);
             let validation_sight = model.validation_sight(self.validation);
@@ -72,11 +77,21 @@ impl Round<'_> {
             let block = blocks(self.estimation, model.fitted.block_s);
             let values = after.estimation.len() as f64;
             let columns = sight.columns();
-            let chance = p_value(&columns.places, &before.estimation, &after.estimation, k, block);
+            let chance = p_value(&columns.places, &before.estimation, &after.estimation, k, &block);
             let plain = remembers.then(|| self.plain(&model, columns, k, hypotheses));
+            let by_inverse = inverse.as_ref().map(|(inverse, was)| {
+                let is = inverse.left_by(&sight);
+                let counted = counted(&columns.places, &block);
+                let chance = p_value(&columns.places, was, &is, k, &block);
+                ByInverse {
+                    delta_bic: Inverse::delta_bic(was, &is, counted, k),
+                    p_value: (chance * hypotheses as f64).min(1.0),
+                }
+            });
             let mut one = Judged {
                 candidate,
                 plain: None,
+                by_inverse,
                 of_law: self.all[candidate].entry.parameters.len(),
                 delta_bic: gain - k as f64 * values.ln(),
                 p_value: (chance * hypotheses as f64).min(1.0),

@@ -217,6 +217,7 @@ fn begin(
         not_judged: Vec::new(),
         learned: None,
         next_experiment: None,
+        second_opinion: None,
         doubts: other_machine::doubt(&model, validation).into_iter().collect(),
         observer,
     };
@@ -242,6 +243,7 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     let ranked = |one: &Judged| turn.ranked(one, outcome);
     if found.ladder.len() == 1 {
         found.ranking = outcome.judged.iter().map(ranked).collect();
+        found.second_opinion = turn.second_opinion(outcome, passed);
     } else {
         found.ranking.extend(passed.map(|best| ranked(&outcome.judged[best])));
     }

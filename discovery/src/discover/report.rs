@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
+use super::inverse::SecondOpinion;
 use super::learned::LearnedCurve;
 use crate::compare::Finding;
 use crate::doubt::Doubt;
@@ -127,6 +128,8 @@ pub struct Discovery {
     pub learned: Option<LearnedCurve>,
     /// What to record to tell apart what these recordings do not.
     pub next_experiment: Option<NextExperiment>,
+    /// What the inverse form says of the first round; nothing where noise covers it.
+    pub second_opinion: Option<SecondOpinion>,
     /// Doubts about the recordings that only the fit raises.
     pub doubts: Vec<Doubt>,
     /// The observer.

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::candidates::Candidate;
 use super::gates;
+use super::inverse::{ByInverse, SecondOpinion};
 use super::judge::Judged;
 use super::left::Left;
 use super::refit::{Model, refit, squared};
@@ -243,6 +244,33 @@ impl Round<'_> {
             .collect();
         set.dedup();
         set
+    }
+
+    /// What the inverse form says of the same candidates; `passed` is what the loop names.
+    pub(crate) fn second_opinion(
+        &self,
+        outcome: &Outcome,
+        passed: Option<usize>,
+    ) -> Option<SecondOpinion> {
+        let inverse = self.sight.inverse()?;
+        let gain = |one: &Judged| {
+            let passes =
+                |it: &ByInverse| it.delta_bic > gates::DELTA_BIC && it.p_value < gates::P_VALUE;
+            one.by_inverse.filter(passes).map(|it| it.delta_bic)
+        };
+        let all = outcome.judged.iter().filter_map(|one| Some((one, gain(one)?)));
+        let best = all.max_by(|a, b| a.1.total_cmp(&b.1));
+        let id = |one: &Judged| self.all[one.candidate].entry.info.id;
+        let agrees = match (best, passed.map(|named| &outcome.judged[named])) {
+            (None, None) => true,
+            (Some((best, _)), Some(named)) => {
+                id(best) == id(named)
+                    || self.confusion_set(named, outcome).iter().any(|it| it == id(best))
+            }
+            _ => false,
+        };
+        let best = best.map(|(one, gain)| (id(one).to_owned(), gain));
+        Some(inverse.opinion(best, agrees))
     }
 }
 

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use drivescope_discovery::compare::Finding;
 use drivescope_discovery::{
-    Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung, Verdict,
+    Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung, SecondOpinion,
+    Verdict,
 };
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
@@ -54,6 +55,7 @@ pub(super) struct Answer {
     not_judged: Vec<NotJudged>,
     learned: Option<LearnedCurve>,
     next_experiment: Option<NextExperiment>,
+    second_opinion: Option<SecondOpinion>,
     observer_hz: f64,
     split: String,
     doubts: Vec<String>,
@@ -95,6 +97,7 @@ impl Answer {
             not_judged: found.not_judged.clone(),
             learned: found.learned.clone(),
             next_experiment: found.next_experiment.clone(),
+            second_opinion: found.second_opinion.clone(),
             observer_hz: found.observer.hz,
             split: gathered.split.clone(),
             doubts: gathered.doubts.iter().chain(&new_doubts).cloned().collect(),
@@ -140,6 +143,9 @@ impl Answer {
                 next.separates.join(" and "),
                 next.description
             );
+        }
+        if let Some(second) = &self.second_opinion {
+            let _ = writeln!(text, "{}", second.words());
         }
         if let Some(path) = &self.output {
             let _ = writeln!(text, "written: {}", path.display());

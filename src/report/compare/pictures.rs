@@ -3,7 +3,7 @@
 use drivescope_discovery::compare::{Correlation, Curve, RecordingComparison};
 
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Span};
-use crate::report::words::number;
+use crate::report::words::{capital, number};
 
 /// Height of a panel of signals, of residuals, of a curve, of correlations.
 const SIGNAL: f64 = 130.0;
@@ -105,7 +105,7 @@ pub(crate) fn caption(it: &Curve) -> String {
     let outside = it.lower.iter().zip(&it.upper).filter(|(low, high)| **low > 0.0 || **high < 0.0);
     let count = outside.count();
     let largest = it.value.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let words = format!("{}{}", it.words[..1].to_uppercase(), &it.words[1..]);
+    let words = capital(it.words);
     match count {
         0 => format!("{words}: the band contains zero at every point."),
         _ => format!(

@@ -10,7 +10,7 @@ use super::Missing;
 use crate::report::compare::pictures;
 use crate::report::page::minus;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel};
-use crate::report::words::{number, p_value, percent};
+use crate::report::words::{capital, number, p_value, percent};
 
 /// Width and height of a card's picture, pixels.
 const WIDTH: f64 = 400.0;
@@ -24,6 +24,7 @@ pub(crate) fn cards(
 ) -> Markup {
     html! {
         p.verdict { (words(missing)) }
+        @if let Some(second) = &missing.second_opinion { p.second { (capital(&second.words())) "." } }
         div.cards {
             @if missing.verdict == Verdict::None { (nothing()) }
             @if let Some(learned) = &missing.learned { (unknown(learned, action)) }

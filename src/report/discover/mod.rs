@@ -6,7 +6,9 @@ mod ladder;
 mod parameters;
 
 use drivescope_discovery::compare::Comparison;
-use drivescope_discovery::{Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, Verdict};
+use drivescope_discovery::{
+    Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, SecondOpinion, Verdict,
+};
 use maud::html;
 
 pub(crate) use cards::cards;
@@ -27,6 +29,8 @@ pub(crate) struct Missing {
     pub(crate) learned: Option<LearnedCurve>,
     /// What to record to tell apart what these recordings do not.
     pub(crate) next: Option<NextExperiment>,
+    /// What the inverse form says of it.
+    pub(crate) second_opinion: Option<SecondOpinion>,
 }
 
 impl Missing {
@@ -40,6 +44,7 @@ impl Missing {
             ranking,
             learned: found.learned.clone(),
             next: found.next_experiment.clone(),
+            second_opinion: found.second_opinion.clone(),
         }
     }
 }

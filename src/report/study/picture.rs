@@ -7,7 +7,7 @@ use maud::{Markup, html};
 
 use super::trace::drawing;
 use crate::report::page::{self, figure, label, math, minus, table};
-use crate::report::words::{fault, number, percent};
+use crate::report::words::{capital, fault, number, percent};
 
 /// Rows of the data table of a run.
 const BLOCKS: usize = 20;
@@ -74,11 +74,6 @@ fn traces(study: &StudyResults, picture: &Pictures, shown: &Range<usize>, id: &s
             (data(study, picture, shown))
         }
     }
-}
-
-fn capital(name: &str) -> String {
-    let mut chars = name.chars();
-    chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
 }
 
 /// The fault's span and half of its length on both sides, as far as the run holds it.

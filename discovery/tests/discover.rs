@@ -4,10 +4,11 @@
 mod testing;
 
 use drivescope_discovery::{
-    Discovery, Error, Evidence, Measured, SecondOpinion, Step, Unwatched, Verdict, Watch, add,
-    bic_of, discover,
+    Discovery, Error, Evidence, Measured, Ranked, SecondOpinion, Step, Unwatched, Verdict, Watch,
+    add, bic_of, discover,
 };
-use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::drive::{Drive, EffectData, LawData};
+use drivescope_plant::effects::custom::Target;
 use drivescope_plant::effects::registry::Entry;
 use drivescope_recording::Recording;
 use testing::{dr300, driven, loaded, noisy, random_load};
@@ -88,6 +89,29 @@ fn the_inverse_form_is_a_second_opinion_where_an_effect_is_large() {
     assert!(second.words().ends_with("agrees: brush_drop explains most there too"));
     let other = SecondOpinion { agrees: false, ..second };
     assert!(other.words().ends_with("disagrees: there brush_drop explains most"));
+}
+
+#[test]
+fn a_law_that_only_resembles_what_is_missing_is_taken_back() {
+    // A brush drop beside a contact whose resistance grows with the current, which no law of the
+    // library has.
+    let mut truth = with("brush_drop", &[0.6, 0.1]);
+    let text = "-c * i * abs(i)".to_owned();
+    truth.effects.push(EffectData {
+        kind: "custom".into(),
+        id: "contact".into(),
+        parameters: vec![("c".into(), 0.2)],
+        law: Some(LawData::Typed { target: Target::Voltage, text }),
+    });
+    let [estimation, validation] = recorded(&truth, false, 5);
+    let answer = discover(&base(), &estimation, &validation, &Unwatched).expect("it can be fitted");
+    assert_eq!((answer.verdict, answer.named.len()), (Verdict::Unknown, 0), "{answer:?}");
+    assert_eq!(answer.ladder.len(), 1, "{:?}", answer.ladder);
+    let taken_back = |it: &Ranked| {
+        it.refused.as_deref().is_some_and(|why| why.ends_with("no known effect is the rest"))
+    };
+    assert!(answer.ranking.iter().any(taken_back), "{:?}", answer.ranking);
+    assert!(answer.learned.is_some_and(|learned| learned.excess_removed > 0.9));
 }
 
 #[test]

@@ -48,9 +48,9 @@ const BEHIND: [f64; 2] = [0.25, 0.5];
 const GAPS: [f64; 4] = [0.03, 0.1, 0.2, 0.35];
 /// Travel of an axis that counts as one radian of a rotor, m a m.
 const AXIS_RADIAN: f64 = 0.02;
-/// Temperature of a winding under the greatest current for a quarter of the recording, K: it
-/// only scales alpha.
-const WARM: f64 = 20.0;
+/// Temperature of a winding that keeps all heat of a recording, K: it only scales alpha, which is
+/// then near that of copper where the resistance rises by a third.
+const WARM: f64 = 100.0;
 
 /// An effect at its null with one choice of its shape.
 #[derive(Debug, Clone, PartialEq)]
@@ -215,9 +215,7 @@ fn shapes(entry: &Entry, drive: &Drive, scales: &Scales) -> Vec<Vec<(&'static st
         "dead_time" => of_current("i_d"),
         "friction_drift" => single("tau", SLOW.map(|share| share * scales.duration_s).to_vec()),
         "winding_heating" => {
-            let r = drive.motor.r.unwrap_or(1.0);
-            let energy = 0.25 * scales.duration_s * r * scales.current.powi(2);
-            let capacity = energy / WARM;
+            let capacity = drive.motor.r.unwrap_or(1.0) * scales.heat / WARM;
             let of = |share: f64| {
                 vec![("C_th", capacity), ("R_th", share * scales.duration_s / capacity)]
             };

@@ -12,7 +12,7 @@ use super::left::Left;
 use super::other_machine;
 use super::refit::{Model, refit, with_learned};
 use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
-use super::round::{Outcome, Round};
+use super::round::{BESIDE_A_MISSHAPEN, Outcome, Round};
 use super::scales::Scales;
 use super::screen::screen;
 use crate::case::Setting;
@@ -38,6 +38,7 @@ pub fn discover(
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
+    let mut base: Option<Model> = None;
     let seen = |error| seen_by(watch, error);
     let first = model.fitted.squares.sum;
     let (floor, validation_floor) =
@@ -77,18 +78,9 @@ pub fn discover(
         note(&turn, &outcome, passed, &mut found);
         let Outcome { mut judged, left, misshapen, .. } = outcome;
         let Some(best) = passed else {
-            // Where a law was refused for its shape, the curve that is not of that shape tells
-            // what is missing, however few blocks there are to test it.
-            let told = |left: &Left| match left.unknown(floor) {
-                None if misshapen => left.addable(floor).cloned(),
-                rest => rest.cloned(),
-            };
-            let rest = left.as_ref().and_then(told);
-            found.remaining =
-                if rest.is_some() || misshapen { Verdict::Unknown } else { Verdict::None };
-            found.learned = rest.map(|rest| {
-                LearnedCurve::of(&rest, left.as_ref().map_or(1.0, |left| left.excess(floor)))
-            });
+            found.learned = left.as_ref().and_then(|left| curve(left, misshapen, floor));
+            let unknown = found.learned.is_some() || misshapen;
+            found.remaining = if unknown { Verdict::Unknown } else { Verdict::None };
             break;
         };
         let kind = all[judged[best].candidate].entry.info.id.to_owned();
@@ -96,8 +88,14 @@ pub fn discover(
             found.named.push(kind.clone());
         }
         let named = judged.swap_remove(best).model;
-        model = named.polished(estimation, validation, &seen).unwrap_or(named);
-        found.climb(Some(kind), &model, watch);
+        let named = named.polished(estimation, validation, &seen).unwrap_or(named);
+        found.climb(Some(kind), &named, watch);
+        let before = std::mem::replace(&mut model, named);
+        base.get_or_insert(before);
+    }
+    if let (Some(base), Some(shape)) = (base, found.half_shape()) {
+        found.take_back(&base, shape, estimation, validation, watch);
+        model = base;
     }
     found.drive = unfrozen(model.fitted.drive, drive);
     found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };
@@ -189,7 +187,7 @@ pub fn bic_of(
         validation_floor: floor(validation, found.observer),
         named: &[],
     };
-    Ok(turn.gain_of_first())
+    Ok(turn.gain_of_best())
 }
 
 /// The base, fitted, with the first rung of its ladder.
@@ -258,6 +256,16 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     found.next_experiment = experiment::next(turn.model, &models, turn.estimation, turn.scales);
 }
 
+/// What describes that something is left, if it is. Where a law was refused for its shape, the
+/// curve that is not of that shape tells what is missing, however few blocks there are to test it.
+fn curve(left: &Left, misshapen: bool, floor: f64) -> Option<LearnedCurve> {
+    let rest = match left.unknown(floor) {
+        None if misshapen => left.addable(floor),
+        rest => rest,
+    };
+    rest.map(|rest| LearnedCurve::of(rest, left.excess(floor)))
+}
+
 /// With nothing fixed but what the user fixed: what was frozen for the search (how often a ripple
 /// repeats) is theirs to fit.
 fn unfrozen(mut found: Drive, of_user: &Drive) -> Drive {
@@ -282,6 +290,46 @@ impl Discovery {
         watch.step(&Step::Rung(&rung));
         self.ladder.push(rung);
         self.parameters = model.fitted.parameters.clone();
+    }
+
+    /// The shape of the one law that was named, if something is left that nobody knows and that
+    /// law is not nearly the whole of what it and a curve of its kind remove.
+    fn half_shape(&self) -> Option<f64> {
+        let [only] = self.named.as_slice() else { return None };
+        let left = self.remaining == Verdict::Unknown && self.ladder.len() == 2;
+        let shape = self.ranking.iter().find(|it| it.effect == *only).and_then(|it| it.shape);
+        shape.filter(|shape| left && *shape < gates::WHOLE)
+    }
+
+    /// Takes back the one law that was named: what is missing is something unknown that it
+    /// resembles.
+    fn take_back(
+        &mut self,
+        base: &Model,
+        shape: f64,
+        estimation: &Evidence,
+        validation: &Evidence,
+        watch: &dyn Watch,
+    ) {
+        watch.step(&Step::Doing("taking a law back that only resembles what is missing"));
+        let scales = Scales::of(&base.fitted.drive, estimation);
+        let (sight, judge) = (base.sight(estimation), base.validation_sight(validation));
+        let left = Left::of(&sight, &judge, &scales, &|| watch.stopped());
+        self.learned = curve(&left, true, floor(estimation, self.observer));
+        self.ladder.truncate(1);
+        self.parameters = base.fitted.parameters.clone();
+        self.next_experiment = None;
+        let share = 100.0 * shape;
+        let why = format!(
+            "it has {share:.0} % of what it and a curve of its kind remove, and no known effect is \
+             the rest"
+        );
+        for one in &mut self.ranking {
+            let named = self.named.contains(&one.effect);
+            let why = if named { why.as_str() } else { BESIDE_A_MISSHAPEN };
+            one.refused.get_or_insert_with(|| why.to_owned());
+        }
+        self.named.clear();
     }
 }
 

@@ -15,6 +15,9 @@ use super::screen::{Screen, Screened, screen};
 use super::sight::Sight;
 use crate::estimate::Evidence;
 
+/// Why no law is named beside one that explains more and has the wrong shape.
+pub(crate) const BESIDE_A_MISSHAPEN: &str = "a better one has the wrong shape";
+
 /// What a round has to go on.
 pub(crate) struct Round<'a> {
     pub(crate) model: &'a Model,
@@ -71,7 +74,7 @@ impl Round<'_> {
         if misshapen {
             // What is next best explains less, and its shape is no better.
             for one in &mut judged {
-                one.refused.get_or_insert_with(|| "a better one has the wrong shape".to_owned());
+                one.refused.get_or_insert_with(|| BESIDE_A_MISSHAPEN.to_owned());
             }
         }
         let passes = judged.iter().any(|one| one.refused.is_none());
@@ -80,9 +83,12 @@ impl Round<'_> {
         Outcome { judged, imitated, alike, left, misshapen }
     }
 
-    /// Gain in BIC of the first candidate.
-    pub(crate) fn gain_of_first(&self) -> f64 {
-        self.refitted(&self.screened()).first().map_or(0.0, |one| one.delta_bic)
+    /// Gain in BIC of the best candidate, fitted whatever the screen foretells: a truth is not to
+    /// be left out for a bad begin.
+    pub(crate) fn gain_of_best(&self) -> f64 {
+        let screened = self.screened();
+        let begins: Vec<&Screened> = screened.plain.iter().chain(&screened.white).collect();
+        self.judged(self.models(&begins)).first().map_or(0.0, |one| one.delta_bic)
     }
 
     /// The candidates that may be named, screened.

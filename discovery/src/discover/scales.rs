@@ -17,6 +17,8 @@ pub(crate) struct Scales {
     pub(crate) speed: f64,
     /// Current, A (the commanded signal of a force-driven drive).
     pub(crate) current: f64,
+    /// Integral of the squared current over a recording, A^2 s.
+    pub(crate) heat: f64,
     /// Voltage, V (the commanded signal of a force-driven drive).
     pub(crate) voltage: f64,
     /// Way from the least to the greatest position, rad (m); 0 where none is known.
@@ -33,16 +35,24 @@ impl Scales {
         let most =
             |of: &dyn Fn(&Measured) -> f64| evidence.recordings.iter().map(of).fold(0.0, f64::max);
         let voltage = most(&|one| largest(one.u.iter().copied()));
-        let current = match drive.motor.input {
-            Input::Force => voltage,
-            Input::Voltage => most(&|one| match one.output(Output::Current) {
-                Some(channel) => largest(channel.values.iter().copied()),
-                None => largest(one.u.iter().copied()) / drive.motor.r.unwrap_or(1.0),
-            }),
+        // Without a measured current, the most that u can drive.
+        let conductance = match drive.motor.input {
+            Input::Force => 1.0,
+            Input::Voltage => 1.0 / drive.motor.r.unwrap_or(1.0),
+        };
+        let current = |one: &Measured| -> Vec<f64> {
+            match one.output(Output::Current) {
+                Some(channel) => channel.values.clone(),
+                None => one.u.iter().map(|u| u * conductance).collect(),
+            }
         };
         Self {
             speed: most(&fastest),
-            current,
+            current: most(&|one| largest(current(one).into_iter())),
+            heat: most(&|one| {
+                let squares = current(one).into_iter().filter(|i| i.is_finite()).map(|i| i * i);
+                squares.sum::<f64>() * one.period_s
+            }),
             voltage,
             travel: most(&travel),
             duration_s: most(&|one| one.len() as f64 * one.period_s),

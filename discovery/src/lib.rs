@@ -24,6 +24,8 @@ mod noise;
 mod observer;
 mod passes;
 mod response;
+#[cfg(test)]
+mod rig;
 mod run;
 mod sensitivity;
 mod start;

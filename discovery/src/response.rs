@@ -211,8 +211,8 @@ pub(crate) fn responses(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rig::Rig;
     use crate::testing::{bench, dr300, gaussian};
-    use crate::{Measured, Observer, Setting, Start};
 
     /// Both are exact derivatives of the same run: what is left are sums in another order.
     const ROUNDING: f64 = 1e-9;
@@ -220,23 +220,15 @@ mod tests {
     #[test]
     fn responses_are_those_of_runs_over_duals() {
         let drive = dr300();
-        let measured = Measured::new(&drive, &bench(&drive, 2.0, 0.001)).expect("it can be used");
-        let (noise, starts) = ([0.01, 0.3], vec![Start::REST; measured.pieces.len()]);
-        let n = measured.len();
-        let forcing = |seed: u64| Forcing {
-            torque: if seed == 3 { Vec::new() } else { gaussian(n, seed) },
-            voltage: if seed == 4 { Vec::new() } else { gaussian(n, seed + 100) },
-        };
-        let series: Vec<Forcing> = (0..11).map(forcing).collect();
+        let recording = bench(&drive, 2.0, 0.001);
         for hz in [0.0, 10.0] {
-            let setting = Setting::new(&drive, Observer { hz });
-            let case = Case {
-                drive: &drive,
-                measured: &measured,
-                noise: &noise,
-                starts: &starts,
-                setting: &setting,
+            let rig = Rig::new(drive.clone(), &recording, &[0.01, 0.3], hz);
+            let (case, n) = (rig.case(), rig.measured.len());
+            let forcing = |seed: u64| Forcing {
+                torque: if seed == 3 { Vec::new() } else { gaussian(n, seed) },
+                voltage: if seed == 4 { Vec::new() } else { gaussian(n, seed + 100) },
             };
+            let series: Vec<Forcing> = (0..11).map(forcing).collect();
             let linearised = Linearised::of(&case).expect("three states");
             let fast = responses(Some(&linearised), &case, &series);
             let slow = responses(None, &case, &series);
@@ -249,19 +241,11 @@ mod tests {
     #[test]
     fn a_drive_that_holds_its_input_back_is_run_over_duals() {
         let mut drive = dr300();
-        let measured = Measured::new(&drive, &bench(&drive, 0.5, 0.001)).expect("it can be used");
+        let recording = bench(&drive, 0.5, 0.001);
         let parameters = vec![("tau".into(), 4e-4)];
         let (kind, id) = ("delay".into(), "delay".into());
         drive.effects.push(drivescope_plant::drive::EffectData { kind, id, parameters, law: None });
-        let (noise, starts) = ([0.01, 0.3], vec![Start::REST; measured.pieces.len()]);
-        let setting = Setting::new(&drive, Observer::NONE);
-        let case = Case {
-            drive: &drive,
-            measured: &measured,
-            noise: &noise,
-            starts: &starts,
-            setting: &setting,
-        };
-        assert!(Linearised::of(&case).is_none());
+        let rig = Rig::new(drive, &recording, &[0.01, 0.3], 0.0);
+        assert!(Linearised::of(&rig.case()).is_none());
     }
 }

@@ -101,9 +101,9 @@ mod tests {
     use super::*;
     use drivescope_plant::drive::EffectData;
 
+    use crate::rig::Rig;
     use crate::start::Start;
     use crate::testing::{bench, dr300};
-    use crate::{Measured, Observer, Setting};
 
     /// Central differences through located events, relative to the largest entry of a column.
     const DIFFERENCE: f64 = 2e-4;
@@ -131,18 +131,9 @@ mod tests {
     fn columns_are_the_differences_through_stick_slip() {
         let drive = dr300();
         let recording = bench(&drive, 3.0, 0.001);
-        let measured = Measured::new(&drive, &recording).expect("it can be used");
         for hz in [0.0, 10.0] {
-            let setting = Setting::new(&drive, Observer { hz });
-            let noise = [0.01, 0.3];
-            let starts = vec![Start::REST; measured.pieces.len()];
-            let case = Case {
-                drive: &drive,
-                measured: &measured,
-                noise: &noise,
-                starts: &starts,
-                setting: &setting,
-            };
+            let rig = Rig::new(drive.clone(), &recording, &[0.01, 0.3], hz);
+            let case = rig.case();
             let names: Vec<String> = drive.fitted().iter().map(|it| it.name.clone()).collect();
             let directions: Vec<Direction<'_>> =
                 names.iter().map(|name| Direction::Parameter(name)).collect();
@@ -165,7 +156,7 @@ mod tests {
     #[test]
     fn the_column_of_a_delay_is_its_difference() {
         let mut drive = dr300();
-        let measured = Measured::new(&drive, &bench(&drive, 2.0, 0.001)).expect("it can be used");
+        let recording = bench(&drive, 2.0, 0.001);
         let delay = EffectData {
             kind: "delay".into(),
             id: "delay".into(),
@@ -173,16 +164,14 @@ mod tests {
             law: None,
         };
         drive.effects.push(delay);
-        let setting = Setting::new(&drive, Observer::NONE);
-        let (noise, starts) = ([0.01, 0.3], vec![Start::REST; measured.pieces.len()]);
+        let rig = Rig::new(drive, &recording, &[0.01, 0.3], 0.0);
         let at = |tau: f64| {
-            let mut other = drive.clone();
+            let mut other = rig.drive.clone();
             other.set("delay.tau", tau).expect("possible");
             other
         };
         let (up, down) = (at(4.01e-4), at(3.99e-4));
-        let (measured, starts, setting) = (&measured, &starts, &setting);
-        let case = Case { drive: &drive, measured, noise: &noise, starts, setting };
+        let case = rig.case();
         let changed = [&Case { drive: &up, ..case }, &Case { drive: &down, ..case }];
         let off = relative(&case, &[Direction::Parameter("delay.tau")], 0, changed, 1e-6);
         assert!(off < DIFFERENCE, "{off}");
@@ -192,16 +181,8 @@ mod tests {
     fn a_series_in_a_balance_is_a_load_or_a_voltage() {
         let drive = dr300();
         let recording = bench(&drive, 2.0, 0.001);
-        let measured = Measured::new(&drive, &recording).expect("it can be used");
-        let setting = Setting::new(&drive, Observer::NONE);
-        let (noise, starts) = ([0.01, 0.3], vec![Start::REST; measured.pieces.len()]);
-        let case = Case {
-            drive: &drive,
-            measured: &measured,
-            noise: &noise,
-            starts: &starts,
-            setting: &setting,
-        };
+        let rig = Rig::new(drive, &recording, &[0.01, 0.3], 0.0);
+        let (case, measured) = (rig.case(), &rig.measured);
         let series: Vec<f64> = (0..measured.len()).map(|k| (0.02 * k as f64).sin()).collect();
         let directions = [Direction::Torque(&series), Direction::Voltage(&series)];
         for (number, step) in [(0, 1e-7), (1, 1e-5)] {
@@ -226,18 +207,10 @@ mod tests {
         let drive = dr300();
         let mut recording = bench(&drive, 3.0, 0.001);
         recording.signals[0].values[1400..1420].fill(f64::NAN);
-        let measured = Measured::new(&drive, &recording).expect("it can be used");
-        assert_eq!(measured.pieces.len(), 2);
-        let setting = Setting::new(&drive, Observer::NONE);
-        let noise = [0.01, 0.3];
-        let starts = [Start { current: 0.5, speed: 40.0, position: 0.0 }; 2];
-        let case = Case {
-            drive: &drive,
-            measured: &measured,
-            noise: &noise,
-            starts: &starts,
-            setting: &setting,
-        };
+        let mut rig = Rig::new(drive, &recording, &[0.01, 0.3], 0.0);
+        rig.starts.fill(Start { current: 0.5, speed: 40.0, position: 0.0 });
+        assert_eq!(rig.starts.len(), 2, "a piece each");
+        let (case, starts) = (rig.case(), &rig.starts);
         let start = |piece, state| Direction::Start { piece, state };
         let directions = [start(0, 0), Direction::Parameter("R"), start(1, 1), start(1, 0)];
         let whole = case.sensitivities(&directions);
@@ -252,7 +225,7 @@ mod tests {
         assert_eq!(residual, whole.residual);
         for (number, piece, state) in [(0, 0, 0), (2, 1, 1), (3, 1, 0)] {
             let at = |step: f64| {
-                let mut other = starts;
+                let mut other = starts.clone();
                 match state {
                     0 => other[piece].current += step,
                     _ => other[piece].speed += step,

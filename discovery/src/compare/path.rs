@@ -128,8 +128,8 @@ pub(super) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rig::Rig;
     use crate::testing::{bench, dr300};
-    use crate::{Measured, Observer, Setting, Start};
 
     #[test]
     fn the_path_is_the_run_that_made_the_recording() {
@@ -137,17 +137,8 @@ mod tests {
         // The file's K_m is not its K_e, to which a fit ties it.
         drive.motor.tie_k = false;
         let recording = bench(&drive, 2.0, 0.001);
-        let measured = Measured::new(&drive, &recording).expect("it can be used");
-        let setting = Setting::new(&drive, Observer::NONE);
-        let (noise, starts) = ([0.01, 0.3], [Start::REST]);
-        let case = Case {
-            drive: &drive,
-            measured: &measured,
-            noise: &noise,
-            starts: &starts,
-            setting: &setting,
-        };
-        let path = Path::new(&case, 0);
+        let rig = Rig::new(drive, &recording, &[0.01, 0.3], 0.0);
+        let path = Path::new(&rig.case(), 0);
         let omega = &recording.signal("omega").expect("it is there").values;
         let top = omega.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
         // The accuracy that the pace of an estimate keeps.

@@ -12,9 +12,10 @@ use super::left::Left;
 use super::other_machine;
 use super::refit::{Model, refit, with_learned};
 use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
-use super::round::{BESIDE_A_MISSHAPEN, Outcome, Round};
+use super::round::{Outcome, Round};
 use super::scales::Scales;
 use super::screen::screen;
+use super::taken_back::curve;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -256,16 +257,6 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     found.next_experiment = experiment::next(turn.model, &models, turn.estimation, turn.scales);
 }
 
-/// What describes that something is left, if it is. Where a law was refused for its shape, the
-/// curve that is not of that shape tells what is missing, however few blocks there are to test it.
-fn curve(left: &Left, misshapen: bool, floor: f64) -> Option<LearnedCurve> {
-    let rest = match left.unknown(floor) {
-        None if misshapen => left.addable(floor),
-        rest => rest,
-    };
-    rest.map(|rest| LearnedCurve::of(rest, left.excess(floor)))
-}
-
 /// With nothing fixed but what the user fixed: what was frozen for the search (how often a ripple
 /// repeats) is theirs to fit.
 fn unfrozen(mut found: Drive, of_user: &Drive) -> Drive {
@@ -291,50 +282,10 @@ impl Discovery {
         self.ladder.push(rung);
         self.parameters = model.fitted.parameters.clone();
     }
-
-    /// The shape of the one law that was named, if something is left that nobody knows and that
-    /// law is not nearly the whole of what it and a curve of its kind remove.
-    fn half_shape(&self) -> Option<f64> {
-        let [only] = self.named.as_slice() else { return None };
-        let left = self.remaining == Verdict::Unknown && self.ladder.len() == 2;
-        let shape = self.ranking.iter().find(|it| it.effect == *only).and_then(|it| it.shape);
-        shape.filter(|shape| left && *shape < gates::WHOLE)
-    }
-
-    /// Takes back the one law that was named: what is missing is something unknown that it
-    /// resembles.
-    fn take_back(
-        &mut self,
-        base: &Model,
-        shape: f64,
-        estimation: &Evidence,
-        validation: &Evidence,
-        watch: &dyn Watch,
-    ) {
-        watch.step(&Step::Doing("taking a law back that only resembles what is missing"));
-        let scales = Scales::of(&base.fitted.drive, estimation);
-        let (sight, judge) = (base.sight(estimation), base.validation_sight(validation));
-        let left = Left::of(&sight, &judge, &scales, &|| watch.stopped());
-        self.learned = curve(&left, true, floor(estimation, self.observer));
-        self.ladder.truncate(1);
-        self.parameters = base.fitted.parameters.clone();
-        self.next_experiment = None;
-        let share = 100.0 * shape;
-        let why = format!(
-            "it has {share:.0} % of what it and a curve of its kind remove, and no known effect is \
-             the rest"
-        );
-        for one in &mut self.ranking {
-            let named = self.named.contains(&one.effect);
-            let why = if named { why.as_str() } else { BESIDE_A_MISSHAPEN };
-            one.refused.get_or_insert_with(|| why.to_owned());
-        }
-        self.named.clear();
-    }
 }
 
 /// Squared error of a perfect model, over the values.
-fn floor(evidence: &Evidence, observer: Observer) -> f64 {
+pub(super) fn floor(evidence: &Evidence, observer: Observer) -> f64 {
     let of = |measured: &crate::measured::Measured| {
         measured.values() as f64 * observer.floor(measured).powi(2)
     };

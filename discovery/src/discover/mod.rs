@@ -16,6 +16,7 @@ mod curves;
 mod experiment;
 mod gates;
 mod inverse;
+mod inverse_plant;
 mod judge;
 mod ladder;
 mod learned;
@@ -32,6 +33,7 @@ mod scales;
 mod screen;
 mod sight;
 mod smooth;
+mod taken_back;
 mod whiten;
 
 pub use candidates::NotJudged;

@@ -1,0 +1,64 @@
+//! A law that was named alone, and only resembles what is missing, is taken back: the answer is then
+//! "unknown", with the curve.
+
+use super::gates;
+use super::ladder::floor;
+use super::learned::LearnedCurve;
+use super::left::Left;
+use super::refit::Model;
+use super::report::{Discovery, Step, Verdict, Watch};
+use super::round::BESIDE_A_MISSHAPEN;
+use super::scales::Scales;
+use crate::estimate::Evidence;
+
+/// What describes that something is left, if it is. Where a law was refused for its shape, the
+/// curve that is not of that shape tells what is missing, however few blocks there are to test it.
+pub(super) fn curve(left: &Left, misshapen: bool, floor: f64) -> Option<LearnedCurve> {
+    let rest = match left.unknown(floor) {
+        None if misshapen => left.addable(floor),
+        rest => rest,
+    };
+    rest.map(|rest| LearnedCurve::of(rest, left.excess(floor)))
+}
+
+impl Discovery {
+    /// The shape of the one law that was named, if something is left that nobody knows and that
+    /// law is not nearly the whole of what it and a curve of its kind remove.
+    pub(super) fn half_shape(&self) -> Option<f64> {
+        let [only] = self.named.as_slice() else { return None };
+        let left = self.remaining == Verdict::Unknown && self.ladder.len() == 2;
+        let shape = self.ranking.iter().find(|it| it.effect == *only).and_then(|it| it.shape);
+        shape.filter(|shape| left && *shape < gates::WHOLE)
+    }
+
+    /// Takes back the one law that was named: what is missing is something unknown that it
+    /// resembles.
+    pub(super) fn take_back(
+        &mut self,
+        base: &Model,
+        shape: f64,
+        estimation: &Evidence,
+        validation: &Evidence,
+        watch: &dyn Watch,
+    ) {
+        watch.step(&Step::Doing("taking a law back that only resembles what is missing"));
+        let scales = Scales::of(&base.fitted.drive, estimation);
+        let (sight, judge) = (base.sight(estimation), base.validation_sight(validation));
+        let left = Left::of(&sight, &judge, &scales, &|| watch.stopped());
+        self.learned = curve(&left, true, floor(estimation, self.observer));
+        self.ladder.truncate(1);
+        self.parameters = base.fitted.parameters.clone();
+        self.next_experiment = None;
+        let share = 100.0 * shape;
+        let why = format!(
+            "it has {share:.0} % of what it and a curve of its kind remove, and no known effect is \
+             the rest"
+        );
+        for one in &mut self.ranking {
+            let named = self.named.contains(&one.effect);
+            let why = if named { why.as_str() } else { BESIDE_A_MISSHAPEN };
+            one.refused.get_or_insert_with(|| why.to_owned());
+        }
+        self.named.clear();
+    }
+}

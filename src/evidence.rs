@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Evidence, Measured};
+use drivescope_discovery::{Evidence, Measured, NoiseSource};
 use drivescope_plant::drive::Drive;
 
 use crate::commands::RecordingOptions;
@@ -14,6 +14,8 @@ use crate::session::Session;
 
 /// Share of a single recording that is held out.
 const HELD_OUT: usize = 3;
+/// Factor between estimates of one sensor's noise beyond which they are doubtful.
+const UNEQUAL: f64 = 5.0;
 
 /// Which recordings, and what is known of them.
 #[derive(Debug, Args)]
@@ -56,7 +58,11 @@ impl EvidenceOptions {
     pub(crate) fn gather(&self, drive: &Drive, session: &Session) -> miette::Result<Gathered> {
         let given = given_noise(drive, self.noise.as_deref())?;
         let read = |files: &[PathBuf]| read_evidence(drive, files, &given, &self.reading, session);
-        Gathered::of(read(&self.recordings)?, read(&self.validate)?)
+        let (first, second) = (read(&self.recordings)?, read(&self.validate)?);
+        let said = first.doubts.len() + second.doubts.len();
+        let gathered = Gathered::of(first, second)?;
+        gathered.doubts[said..].iter().for_each(|doubt| session.remark(doubt));
+        Ok(gathered)
     }
 }
 
@@ -72,6 +78,8 @@ impl Gathered {
         let mut noises: Vec<Vec<KnownNoise>> =
             first.noise.into_iter().chain(second.noise).collect();
         let split = split(&mut estimation, &mut validation, &mut noises)?;
+        let named = estimation.iter().chain(&validation).map(|it| it.name.as_str()).zip(&noises);
+        let unequal = unequal_noise(&named.collect::<Vec<_>>());
         let sds = |noise: &Vec<KnownNoise>| noise.iter().map(|it| it.sd).collect();
         let mut known = noises.iter().map(sds);
         let estimation_noise = known.by_ref().take(estimation.len()).collect();
@@ -81,7 +89,7 @@ impl Gathered {
             validation: Evidence { recordings: validation, noise: validation_noise },
             noise: noises,
             split,
-            doubts: first.doubts.into_iter().chain(second.doubts).collect(),
+            doubts: first.doubts.into_iter().chain(second.doubts).chain(unequal).collect(),
         })
     }
 
@@ -90,6 +98,30 @@ impl Gathered {
         let names: Vec<_> = self.estimation.recordings.iter().map(|it| it.name.as_str()).collect();
         names.join(", ")
     }
+}
+
+/// Doubts about outputs whose noise was estimated, and very differently from file to file.
+fn unequal_noise(recordings: &[(&str, &Vec<KnownNoise>)]) -> Vec<String> {
+    let outputs = recordings.first().map_or(0, |(_, noise)| noise.len());
+    let of = |output: usize| {
+        let each = recordings.iter().filter_map(|(name, noise)| Some((*name, noise.get(output)?)));
+        let estimated = each.filter(|(_, noise)| noise.source == NoiseSource::Estimated);
+        let mut all: Vec<(&str, &KnownNoise)> = estimated.collect();
+        all.sort_by(|a, b| a.1.sd.total_cmp(&b.1.sd));
+        let ((quiet, least), (noisy, most)) = (*all.first()?, *all.last()?);
+        (most.sd > UNEQUAL * least.sd).then(|| {
+            format!(
+                "the noise of {name} is estimated as {:.2e} {unit} in {quiet} and {:.2e} {unit} in \
+                 {noisy}, and one sensor has one noise: errors in units of it compare only within \
+                 a recording; give it, as --noise {name}=SD",
+                least.sd,
+                most.sd,
+                name = most.name,
+                unit = most.unit,
+            )
+        })
+    };
+    (0..outputs).filter_map(of).collect()
 }
 
 /// Holds recordings out where none was named, and says which.
@@ -119,4 +151,23 @@ fn split(
     validation.push(whole.part(from..whole.len()).map_err(told)?);
     noises.push(noises[0].clone());
     Ok(split)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_sensor_with_two_noises_is_doubtful() {
+        let noise = |sd, source| vec![KnownNoise { name: "x", sd, unit: "m".to_owned(), source }];
+        let (quiet, noisy) =
+            (noise(1e-9, NoiseSource::Estimated), noise(2e-8, NoiseSource::Estimated));
+        let doubts = unequal_noise(&[("a.csv", &noisy), ("b.csv", &quiet)]);
+        assert_eq!(doubts.len(), 1);
+        let said = "1.00e-9 m in b.csv and 2.00e-8 m in a.csv";
+        assert!(doubts[0].contains(said) && doubts[0].contains("--noise x=SD"), "{doubts:?}");
+        let given = noise(2e-8, NoiseSource::Given);
+        assert!(unequal_noise(&[("a.csv", &given), ("b.csv", &quiet)]).is_empty());
+        assert!(unequal_noise(&[("a.csv", &quiet), ("b.csv", &quiet)]).is_empty());
+    }
 }

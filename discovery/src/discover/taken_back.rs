@@ -60,5 +60,8 @@ impl Discovery {
             one.refused.get_or_insert_with(|| why.to_owned());
         }
         self.named.clear();
+        if let Some(second) = &mut self.second_opinion {
+            second.agrees = second.best.is_none();
+        }
     }
 }

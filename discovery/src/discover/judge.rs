@@ -193,23 +193,26 @@ impl Round<'_> {
             None => left.worthy(self.floor).map(|rest| (rest, rest.gain)).collect(),
         };
         let variables = self.all[one.candidate].entry.info.fails_over;
-        let share = |own: bool| {
-            let counts = |rest: &Rest| {
-                !own || rest.curve.variables().iter().any(|it| variables.contains(it))
-            };
-            let some = rests.iter().filter(|(rest, _)| counts(rest));
-            let rest = some.map(|(_, gain)| *gain).fold(0.0_f64, f64::max);
-            if gain > 0.0 { gain / (gain + rest) } else { 0.0 }
+        let is_own = |rest: &Rest| rest.curve.variables().iter().any(|it| variables.contains(it));
+        let most = |own: bool| {
+            let some = rests.iter().filter(|(rest, _)| is_own(rest) == own);
+            some.map(|(_, gain)| *gain).fold(0.0_f64, f64::max)
         };
-        let (own, any) = (share(true), share(false));
-        one.shape = Some(own);
-        if own < gates::SHAPE {
-            let share = 100.0 * own;
+        let (own, other) = (most(true), most(false));
+        let share = |rest: f64| if gain > 0.0 { gain / (gain + rest) } else { 0.0 };
+        let shape = share(own);
+        one.shape = Some(shape);
+        // What shows best over other variables is another effect: a curve over its own ones holds
+        // a constant too, and takes a part of it.
+        if shape < gates::SHAPE && own >= other {
+            let share = 100.0 * shape;
             return Some(format!("it has {share:.0} % of what it and a curve of its kind remove"));
         }
-        let share = 100.0 * any;
-        (any < gates::MAIN)
-            .then(|| format!("it has {share:.0} % of what it and another curve remove"))
+        let any = share(own.max(other));
+        (any < gates::MAIN).then(|| {
+            let share = 100.0 * any;
+            format!("it has {share:.0} % of what it and another curve remove")
+        })
     }
 }
 

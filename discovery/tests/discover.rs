@@ -92,6 +92,17 @@ fn the_inverse_form_is_a_second_opinion_where_an_effect_is_large() {
 }
 
 #[test]
+fn both_of_two_effects_are_named_where_the_second_shows_over_other_variables() {
+    let mut truth = with("asymmetric_friction", &[0.003, 1e-5]);
+    let lag = with("speed_sensor_lag", &[0.015]).effects.pop().expect("it was added");
+    truth.effects.push(lag);
+    let answer = found(&truth, false, 7);
+    assert_eq!(answer.named, ["speed_sensor_lag", "asymmetric_friction"], "{:?}", answer.ranking);
+    let last = answer.ladder.last().expect("it has a base");
+    assert!(last.error < FLOOR && last.validation_error < FLOOR, "{:?}", answer.ladder);
+}
+
+#[test]
 fn a_law_that_only_resembles_what_is_missing_is_taken_back() {
     // A brush drop beside a contact whose resistance grows with the current, which no law of the
     // library has.

@@ -37,6 +37,8 @@ const ROUNDS: usize = 50;
 const SETTLED: f64 = 1e-4;
 /// Rows that the estimate uses at most: its own error is then about 1 %.
 const MOST_ROWS: usize = 16_000;
+/// Rows below which what u explains would be chance: five a coefficient.
+const FEWEST_ROWS: usize = 5 * (LAGS + AHEAD);
 /// Consecutive samples that are taken together where there are more.
 const STRETCH: usize = 1000;
 
@@ -87,11 +89,14 @@ fn estimated(measured: &Measured, channel: &Channel) -> f64 {
     let rows = rows(measured, channel);
     let by_grid = Quantum::of(&channel.values).map_or(0.0, |quantum| quantum.step / 12f64.sqrt());
     let gain = (1..=ORDER).map(|k| (ORDER + k) as f64 / k as f64).product::<f64>().sqrt();
-    let plain = clipped(&rows.iter().map(|row| row.difference).collect::<Vec<_>>());
-    let past = explained(&rows, LAGS);
-    let by_differences = match past {
-        Some(past) if !feedback(&rows, &past) => clipped(&past).min(plain),
-        _ => plain,
+    let by_differences = if rows.len() < FEWEST_ROWS {
+        clipped(&differences(measured, channel))
+    } else {
+        let plain = clipped(&rows.iter().map(|row| row.difference).collect::<Vec<_>>());
+        match explained(&rows, LAGS) {
+            Some(past) if !feedback(&rows, &past) => clipped(&past).min(plain),
+            _ => plain,
+        }
     };
     let sd = (by_differences / gain).max(by_grid);
     // A signal without any noise (a simulation) is known to the digits of its numbers.
@@ -124,6 +129,13 @@ fn difference(values: &[f64], last: usize) -> f64 {
         binomial *= -((ORDER - j) as f64) / (j + 1) as f64;
     }
     sum
+}
+
+/// The differences of a recording too short for more.
+fn differences(measured: &Measured, channel: &Channel) -> Vec<f64> {
+    let pieces = measured.pieces.iter();
+    let all = pieces.flat_map(|piece| piece.start + ORDER..piece.end);
+    all.map(|k| difference(&channel.values, k)).filter(|it| it.is_finite()).collect()
 }
 
 /// The rows, in stretches spread over the recording where it is long.
@@ -273,5 +285,19 @@ mod tests {
         // 3 rpm and a grid of 2 rpm.
         let rpm = std::f64::consts::PI / 30.0;
         assert!((found[1].sd - rpm * (9.0 + 4.0 / 12.0f64).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_short_recording_still_shows_its_noise() {
+        let drive = dr300();
+        for samples in [30, 60, 140] {
+            let whole = noisy(bench(&drive, 2.0, 0.001), [0.01, 0.3], [0.0; 2], 3);
+            let mut short = whole.clone();
+            short.signals.iter_mut().for_each(|signal| signal.values.truncate(samples));
+            let measured = Measured::new(&drive, &short).expect("it can be used");
+            for (found, sd) in super::noise(&drive, &measured, &[]).iter().zip([0.01, 0.3]) {
+                assert!((0.5..2.0).contains(&(found.sd / sd)), "{samples}: {} of {sd}", found.sd);
+            }
+        }
     }
 }

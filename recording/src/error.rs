@@ -218,7 +218,8 @@ pub enum Error {
     /// The same time twice.
     #[error(
         "{place}: time {at_s} s stands there twice; remove the row, or resample (--resample \
-         {median_s}), which keeps the first"
+         {median}), which keeps the first",
+        median = digits(*.median_s)
     )]
     TimeRepeated {
         /// The second of the rows.
@@ -230,8 +231,10 @@ pub enum Error {
     },
     /// Samples are missing.
     #[error(
-        "{place}: a gap of {step_s} s, where the median step is {median_s} s; cut the recording \
-         there, or resample (--resample {median_s}), which bridges it with a straight line"
+        "{place}: a gap of {step} s, where the median step is {median} s; cut the recording \
+         there, or resample (--resample {median}), which bridges it with a straight line",
+        step = digits(*.step_s),
+        median = digits(*.median_s)
     )]
     Gap {
         /// The row after the gap.
@@ -243,8 +246,10 @@ pub enum Error {
     },
     /// A step that departs from the others.
     #[error(
-        "{place}: a time step of {step_s} s, where the median step is {median_s} s: not uniform \
-         within 1 %; resample with --resample {median_s}"
+        "{place}: a time step of {step} s, where the median step is {median} s: not uniform \
+         within 1 %; resample with --resample {median}",
+        step = digits(*.step_s),
+        median = digits(*.median_s)
     )]
     NonUniform {
         /// The row after the step.
@@ -256,8 +261,10 @@ pub enum Error {
     },
     /// Steps that are each near the mean but drift away from the grid together.
     #[error(
-        "{place}: time is {off_s} s off a uniform grid of {period_s} s: the sampling time drifts; \
-         resample with --resample {period_s}"
+        "{place}: time is {off} s off a uniform grid of {period} s: the sampling time drifts; \
+         resample with --resample {period}",
+        off = digits(*.off_s),
+        period = digits(*.period_s)
     )]
     Drift {
         /// The row farthest off.
@@ -370,4 +377,9 @@ pub enum Error {
         /// The variables that are there.
         found: String,
     },
+}
+
+/// A number without the digits that differences of times leave behind: six of them.
+pub(crate) fn digits(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }

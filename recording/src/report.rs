@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::error::Error;
+use crate::error::{Error, digits};
 use crate::header::{ColumnNote, Taken};
 use crate::place::{Counted, Place};
 use crate::quality::SignalQuality;
@@ -148,7 +148,8 @@ impl Report {
             self.left_out.iter().map(|it| format!("left out: {it}")).collect();
         if let Some(median_s) = self.sampling.resampled_from_s {
             let period_s = self.sampling.period_s;
-            warnings.push(format!("resampled from {median_s} s (median) to {period_s} s"));
+            warnings
+                .push(format!("resampled from {} s (median) to {period_s} s", digits(median_s)));
         }
         if !self.gaps.is_empty() {
             let places = self.gaps.text(self.counted);

@@ -79,7 +79,7 @@ pub fn discover(
         note(&turn, &outcome, passed, &mut found);
         let Outcome { mut judged, left, misshapen, .. } = outcome;
         let Some(best) = passed else {
-            found.learned = left.as_ref().and_then(|left| curve(left, misshapen, floor));
+            found.learned = left.as_ref().and_then(|left| curve(left, misshapen, floor, drive));
             let unknown = found.learned.is_some() || misshapen;
             found.remaining = if unknown { Verdict::Unknown } else { Verdict::None };
             break;
@@ -128,7 +128,7 @@ pub fn add(
         let best =
             left.addable(floor).and_then(|best| Some((best, effect(&model.fitted.drive, best)?)));
         let (best, effect) = best.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
-        found.learned = Some(LearnedCurve::of(best, left.excess(floor)));
+        found.learned = Some(LearnedCurve::of(best, left.excess(floor), drive));
         with_learned(&model, effect, estimation, validation, &seen)?
     } else {
         let Some(entry) = Entry::find(kind) else {
@@ -246,8 +246,19 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     } else {
         found.ranking.extend(passed.map(|best| ranked(&outcome.judged[best])));
     }
-    let Some(best) = passed.filter(|_| found.next_experiment.is_none()) else { return };
+    let Some(best) = passed else { return };
     let set = turn.confusion_set(&outcome.judged[best], outcome);
+    let named = turn.all[outcome.judged[best].candidate].entry.info.id;
+    for one in found.ranking.iter_mut().filter(|it| it.refused.is_none() && it.effect != named) {
+        one.refused = match () {
+            () if found.named.contains(&one.effect) => None,
+            () if set.contains(&one.effect) => Some(format!("not told from {named} here")),
+            () => Some(format!("{named} explains more")),
+        };
+    }
+    if found.next_experiment.is_some() {
+        return;
+    }
     let id = |one: &Judged| turn.all[one.candidate].entry.info.id.to_owned();
     let is_in = |one: &&Judged| set.contains(&id(one));
     let models: Vec<(String, &Model)> = std::iter::once(&outcome.judged[best])

@@ -1,6 +1,6 @@
 //! What nobody knows, as a curve: shown, suggested as a formula, addable as effect `learned`.
 
-use drivescope_plant::drive::{Drive, EffectData, LawData};
+use drivescope_plant::drive::{Drive, EffectData, Input, LawData, Motion};
 use drivescope_plant::effects::custom::Target;
 use drivescope_plant::effects::learned::Over as Variable;
 use serde::Serialize;
@@ -28,8 +28,12 @@ pub struct LearnedCurve {
     pub times: Option<&'static str>,
     /// Its knots, SI.
     pub knots: Vec<f64>,
+    /// Unit of the knots.
+    pub over_unit: &'static str,
     /// Its values there: N m (N), V, or a share of the flux, lost.
     pub values: Vec<f64>,
+    /// Their unit; empty for a share.
+    pub unit: &'static str,
     /// A simple formula for it, as the text of a `custom` law, with its coefficients in it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub formula: Option<String>,
@@ -39,7 +43,7 @@ pub struct LearnedCurve {
 
 impl LearnedCurve {
     /// Of what curves could remove.
-    pub(crate) fn of(rest: &Rest, excess: f64) -> Self {
+    pub(crate) fn of(rest: &Rest, excess: f64, drive: &Drive) -> Self {
         let curve = &rest.curve;
         let times = match curve.factor {
             Factor::One => None,
@@ -51,6 +55,8 @@ impl LearnedCurve {
             over: name(curve.over),
             times,
             knots: curve.knots.clone(),
+            over_unit: unit(curve.over, drive),
+            unit: balance_unit(curve.balance, drive),
             values: rest.values.clone(),
             formula: formula(curve, &rest.values),
             excess_removed: (rest.removed / excess).clamp(0.0, 1.0),
@@ -67,6 +73,48 @@ fn name(over: Over) -> &'static str {
         Over::Position => "theta",
         Over::Time => "time",
         Over::Acceleration => "acceleration",
+    }
+}
+
+fn unit(over: Over, drive: &Drive) -> &'static str {
+    let linear = drive.motion == Motion::Linear;
+    match over {
+        Over::Speed | Over::SpeedMagnitude => {
+            if linear {
+                "m/s"
+            } else {
+                "rad/s"
+            }
+        }
+        // The commanded signal of a force-driven drive has the unit of its recording.
+        Over::Current | Over::CurrentMagnitude => match drive.motor.input {
+            Input::Voltage => "A",
+            Input::Force => "",
+        },
+        Over::Position => {
+            if linear {
+                "m"
+            } else {
+                "rad"
+            }
+        }
+        Over::Time => "s",
+        Over::Acceleration => {
+            if linear {
+                "m/s^2"
+            } else {
+                "rad/s^2"
+            }
+        }
+    }
+}
+
+fn balance_unit(balance: Balance, drive: &Drive) -> &'static str {
+    match (balance, drive.motion) {
+        (Balance::Torque, Motion::Rotary) => "N m",
+        (Balance::Torque, Motion::Linear) => "N",
+        (Balance::Voltage, _) => "V",
+        (Balance::Flux, _) => "",
     }
 }
 

@@ -65,6 +65,8 @@ pub struct Coefficient {
     pub value: f64,
     /// Its standard error.
     pub std_error: f64,
+    /// Unit of both.
+    pub unit: String,
 }
 
 /// A candidate that was refitted.

@@ -13,10 +13,7 @@ use super::report::{Coefficient, Ranked, Step, Watch};
 use super::scales::Scales;
 use super::screen::{Screen, Screened, screen};
 use super::sight::Sight;
-use crate::estimate::Evidence;
-
-/// Why no law is named beside one that explains more and has the wrong shape.
-pub(crate) const BESIDE_A_MISSHAPEN: &str = "a better one has the wrong shape";
+use crate::estimate::{Estimate, Evidence};
 
 /// What a round has to go on.
 pub(crate) struct Round<'a> {
@@ -74,7 +71,7 @@ impl Round<'_> {
         if misshapen {
             // What is next best explains less, and its shape is no better.
             for one in &mut judged {
-                one.refused.get_or_insert_with(|| BESIDE_A_MISSHAPEN.to_owned());
+                one.refused.get_or_insert_with(|| "a better one has the wrong shape".to_owned());
             }
         }
         let passes = judged.iter().any(|one| one.refused.is_none());
@@ -214,8 +211,10 @@ impl Round<'_> {
         let own = format!("{}.", self.all[one.candidate].id);
         let parameters = one.model.fitted.parameters.iter();
         let parameters = parameters.filter(|it| it.name.starts_with(&own));
-        let parameters = parameters
-            .map(|it| (it.name.clone(), Coefficient { value: it.value, std_error: it.std_error }));
+        let coefficient = |it: &Estimate| {
+            let unit = it.unit.clone();
+            (it.name.clone(), Coefficient { value: it.value, std_error: it.std_error, unit })
+        };
         Ranked {
             effect: self.all[one.candidate].entry.info.id.to_owned(),
             confusion_set: self.confusion_set(one, outcome),
@@ -224,7 +223,7 @@ impl Round<'_> {
             excess_removed: (removed / excess).clamp(0.0, 1.0),
             validation_gain: one.validation_gain,
             shape: one.shape,
-            parameters: parameters.collect(),
+            parameters: parameters.map(coefficient).collect(),
             refused: one.refused.clone(),
         }
     }

@@ -1,24 +1,30 @@
 //! A law that was named alone, and only resembles what is missing, is taken back: the answer is then
 //! "unknown", with the curve.
 
+use drivescope_plant::drive::Drive;
+
 use super::gates;
 use super::ladder::floor;
 use super::learned::LearnedCurve;
 use super::left::Left;
 use super::refit::Model;
 use super::report::{Discovery, Step, Verdict, Watch};
-use super::round::BESIDE_A_MISSHAPEN;
 use super::scales::Scales;
 use crate::estimate::Evidence;
 
 /// What describes that something is left, if it is. Where a law was refused for its shape, the
 /// curve that is not of that shape tells what is missing, however few blocks there are to test it.
-pub(super) fn curve(left: &Left, misshapen: bool, floor: f64) -> Option<LearnedCurve> {
+pub(super) fn curve(
+    left: &Left,
+    misshapen: bool,
+    floor: f64,
+    drive: &Drive,
+) -> Option<LearnedCurve> {
     let rest = match left.unknown(floor) {
         None if misshapen => left.addable(floor),
         rest => rest,
     };
-    rest.map(|rest| LearnedCurve::of(rest, left.excess(floor)))
+    rest.map(|rest| LearnedCurve::of(rest, left.excess(floor), drive))
 }
 
 impl Discovery {
@@ -45,7 +51,8 @@ impl Discovery {
         let scales = Scales::of(&base.fitted.drive, estimation);
         let (sight, judge) = (base.sight(estimation), base.validation_sight(validation));
         let left = Left::of(&sight, &judge, &scales, &|| watch.stopped());
-        self.learned = curve(&left, true, floor(estimation, self.observer));
+        let floor = floor(estimation, self.observer);
+        self.learned = curve(&left, true, floor, &base.fitted.drive);
         self.ladder.truncate(1);
         self.parameters = base.fitted.parameters.clone();
         self.next_experiment = None;
@@ -54,11 +61,8 @@ impl Discovery {
             "it has {share:.0} % of what it and a curve of its kind remove, and no known effect is \
              the rest"
         );
-        for one in &mut self.ranking {
-            let named = self.named.contains(&one.effect);
-            let why = if named { why.as_str() } else { BESIDE_A_MISSHAPEN };
-            one.refused.get_or_insert_with(|| why.to_owned());
-        }
+        let named = self.ranking.iter_mut().filter(|it| self.named.contains(&it.effect));
+        named.for_each(|it| it.refused = Some(why.clone()));
         self.named.clear();
         if let Some(second) = &mut self.second_opinion {
             second.agrees = second.best.is_none();

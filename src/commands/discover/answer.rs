@@ -184,11 +184,14 @@ impl Answer {
 
 /// A learned curve in words.
 fn curve(learned: &LearnedCurve) -> String {
-    let LearnedCurve { over, times, formula, excess_removed, .. } = learned;
+    let LearnedCurve { over, over_unit, times, unit, formula, excess_removed, .. } = learned;
+    let of = |unit: &str| if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
     let balance = format!("{:?}", learned.balance).to_lowercase();
     let times = times.map_or(String::new(), |times| format!(", times {times}"));
     let mut text = format!(
-        "a curve over {over}{times} in the {balance} removes {:.0} % of the excess\n",
+        "a curve over {over}{}{times} in the {balance}{} removes {:.0} % of the excess\n",
+        of(over_unit),
+        of(unit),
         100.0 * excess_removed
     );
     for (knot, value) in learned.knots.iter().zip(&learned.values) {

@@ -38,12 +38,7 @@ pub(crate) fn cards(
 
 /// The answer in a sentence.
 fn words(missing: &Missing) -> String {
-    let named: Vec<String> = missing
-        .ranking
-        .iter()
-        .filter(|one| one.refused.is_none())
-        .map(|one| name(&one.effect))
-        .collect();
+    let named: Vec<String> = missing.named.iter().map(|it| name(it)).collect();
     match missing.verdict {
         Verdict::Named => format!("Missing: {}.", named.join(", ")),
         Verdict::None => "Nothing is missing that these recordings could show.".to_owned(),
@@ -103,12 +98,12 @@ fn learned_figure(learned: &LearnedCurve, balance: &str) -> Figure {
         id: "learned-plot".to_owned(),
         title: format!("What is missing over {}", learned.over),
         description: format!("A learned curve in the {balance} over {}", learned.over),
-        x: Axis::new(learned.over, ""),
+        x: Axis::new(learned.over, learned.over_unit),
         spans: Vec::new(),
         markers: Vec::new(),
         panels: vec![Panel {
             height: HEIGHT,
-            y: Axis::new(format!("missing {balance}"), "SI"),
+            y: Axis::new(format!("missing {balance}"), learned.unit),
             layers: vec![
                 zero(),
                 Layer::Line { label: String::new(), points, ink: Ink::Blue, dash: Dash::Solid },
@@ -156,7 +151,7 @@ fn card(
                 @for (parameter, value) in &one.parameters {
                     div {
                         dt { code { (parameter) } }
-                        dd { (minus(&number(value.value))) " \u{b1} " (minus(&number(value.std_error))) " " (unit(&one.effect, parameter)) }
+                        dd { (minus(&number(value.value))) " \u{b1} " (minus(&number(value.std_error))) " " (value.unit) }
                     }
                 }
                 @if !one.confusion_set.is_empty() {
@@ -172,14 +167,6 @@ fn card(
             (action(&one.effect))
         }
     }
-}
-
-/// The unit of an effect's parameter for a rotary drive, as the library lists it.
-fn unit(effect: &str, parameter: &str) -> &'static str {
-    let key = parameter.rsplit('.').next().unwrap_or(parameter);
-    let entry = Entry::find(effect);
-    let known = entry.and_then(|entry| entry.parameters.iter().find(|it| it.name == key));
-    known.map_or("", |it| if it.unit == "1" { "" } else { it.unit })
 }
 
 /// The curve that shows an effect best: over the variable over which a model without it fails

@@ -23,6 +23,8 @@ use super::page::{page, section};
 pub(crate) struct Missing {
     /// The answer.
     pub(crate) verdict: Verdict,
+    /// The effects that are named.
+    pub(crate) named: Vec<String>,
     /// Candidates, best first.
     pub(crate) ranking: Vec<Ranked>,
     /// The curve that describes what nobody knows.
@@ -41,6 +43,7 @@ impl Missing {
         ranking.sort_by_key(|one| one.refused.is_some());
         Self {
             verdict: found.verdict,
+            named: found.named.clone(),
             ranking,
             learned: found.learned.clone(),
             next: found.next_experiment.clone(),

@@ -13,7 +13,6 @@ use serde::Serialize;
 use super::columns::{At, Place};
 use super::inverse_plant::{CURRENT, Plant, smoothed};
 use super::projection::Projection;
-use super::refit::squared;
 use super::sight::Sight;
 use crate::estimate::with_own;
 
@@ -154,12 +153,6 @@ impl Inverse {
         let residual = self.applied(&base.places, &base.residual);
         let columns = self.filtered(&base.places, &base.columns);
         Projection::new(columns, &residual).residual().as_slice().to_vec()
-    }
-
-    /// Gain in BIC from what was left to what is, `counted` independent values and `k` parameters
-    /// more.
-    pub(crate) fn delta_bic(was: &[f64], is: &[f64], counted: f64, k: usize) -> f64 {
-        counted * (squared(was) / squared(is)).ln() - k as f64 * counted.ln()
     }
 
     /// What it says, given the best effect by it and what the loop says.

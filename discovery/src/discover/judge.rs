@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::columns::{Columns, Place};
 use super::gates;
-use super::inverse::{ByInverse, Inverse};
+use super::inverse::ByInverse;
 use super::left::{Rest, blocks};
 use super::refined::Refined;
 use super::refit::{Model, p_value, squared};
@@ -84,7 +84,7 @@ impl Round<'_> {
                 let counted = counted(&columns.places, &block);
                 let chance = p_value(&columns.places, was, &is, k, &block);
                 ByInverse {
-                    delta_bic: Inverse::delta_bic(was, &is, counted, k),
+                    delta_bic: delta_bic(squared(was), squared(&is), counted, k),
                     p_value: (chance * hypotheses as f64).min(1.0),
                 }
             });
@@ -132,7 +132,7 @@ impl Round<'_> {
         let validation_excess = excess(validation(self.model), self.validation_floor);
         Plain {
             gain: was - is,
-            delta_bic: counted * (was / is).ln() - k as f64 * counted.ln(),
+            delta_bic: delta_bic(was, is, counted, k),
             p_value: (chance * hypotheses as f64).min(1.0),
             validation_gain,
             removed: ((was - is) / excess(was, self.floor))
@@ -221,6 +221,12 @@ fn counted(places: &[Place], block: impl Fn(&Place) -> usize) -> f64 {
     let mut blocks: Vec<usize> = places.iter().map(block).collect();
     blocks.dedup();
     blocks.len() as f64
+}
+
+/// Gain in BIC from one squared error to the next, over `counted` independent values, for `k`
+/// parameters more.
+fn delta_bic(was: f64, is: f64, counted: f64, k: usize) -> f64 {
+    counted * (was / is).ln() - k as f64 * counted.ln()
 }
 
 fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {

@@ -15,7 +15,6 @@ use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
 use super::round::{Outcome, Round};
 use super::scales::Scales;
 use super::screen::screen;
-use super::taken_back::curve;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -79,7 +78,8 @@ pub fn discover(
         note(&turn, &outcome, passed, &mut found);
         let Outcome { mut judged, left, misshapen, .. } = outcome;
         let Some(best) = passed else {
-            found.learned = left.as_ref().and_then(|left| curve(left, misshapen, floor, drive));
+            let curve = |left| LearnedCurve::of_left(left, misshapen, floor, drive);
+            found.learned = left.as_ref().and_then(curve);
             let unknown = found.learned.is_some() || misshapen;
             found.remaining = if unknown { Verdict::Unknown } else { Verdict::None };
             break;
@@ -95,7 +95,7 @@ pub fn discover(
         base.get_or_insert(before);
     }
     if let (Some(base), Some(shape)) = (base, found.half_shape()) {
-        found.take_back(&base, shape, estimation, validation, watch);
+        found.take_back(&base, shape, floor, estimation, validation, watch);
         model = base;
     }
     found.drive = unfrozen(model.fitted.drive, drive);
@@ -240,7 +240,8 @@ fn fails(model: &Model, estimation: &Evidence) -> Vec<Finding> {
 /// Writes the round into what was found.
 fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut Discovery) {
     let ranked = |one: &Judged| turn.ranked(one, outcome);
-    if found.ladder.len() == 1 {
+    let first = found.ladder.len() == 1;
+    if first {
         found.ranking = outcome.judged.iter().map(ranked).collect();
         found.second_opinion = turn.second_opinion(outcome, passed);
     } else {
@@ -248,13 +249,16 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     }
     let Some(best) = passed else { return };
     let set = turn.confusion_set(&outcome.judged[best], outcome);
-    let named = turn.all[outcome.judged[best].candidate].entry.info.id;
-    for one in found.ranking.iter_mut().filter(|it| it.refused.is_none() && it.effect != named) {
-        one.refused = match () {
-            () if found.named.contains(&one.effect) => None,
-            () if set.contains(&one.effect) => Some(format!("not told from {named} here")),
-            () => Some(format!("{named} explains more")),
-        };
+    if first {
+        let named = turn.all[outcome.judged[best].candidate].entry.info.id;
+        let rivals = found.ranking.iter_mut().filter(|it| it.effect != named);
+        for one in rivals.filter(|it| it.refused.is_none()) {
+            one.refused = Some(if set.contains(&one.effect) {
+                format!("not told from {named} here")
+            } else {
+                format!("{named} explains more")
+            });
+        }
     }
     if found.next_experiment.is_some() {
         return;
@@ -296,7 +300,7 @@ impl Discovery {
 }
 
 /// Squared error of a perfect model, over the values.
-pub(super) fn floor(evidence: &Evidence, observer: Observer) -> f64 {
+fn floor(evidence: &Evidence, observer: Observer) -> f64 {
     let of = |measured: &crate::measured::Measured| {
         measured.values() as f64 * observer.floor(measured).powi(2)
     };

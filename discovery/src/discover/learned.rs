@@ -1,12 +1,13 @@
 //! What nobody knows, as a curve: shown, suggested as a formula, addable as effect `learned`.
 
-use drivescope_plant::drive::{Drive, EffectData, Input, LawData, Motion};
+use drivescope_plant::drive::{Drive, EffectData, Input, LawData};
 use drivescope_plant::effects::custom::Target;
 use drivescope_plant::effects::learned::Over as Variable;
+use drivescope_plant::units::for_motion;
 use serde::Serialize;
 
 use super::curves::{Balance, Curve, Factor, Over};
-use super::left::Rest;
+use super::left::{Left, Rest};
 
 /// Shares of the largest argument over which a rounded step is tried.
 const WIDTHS: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7];
@@ -29,11 +30,11 @@ pub struct LearnedCurve {
     /// Its knots, SI.
     pub knots: Vec<f64>,
     /// Unit of the knots.
-    pub over_unit: &'static str,
+    pub over_unit: String,
     /// Its values there: N m (N), V, or a share of the flux, lost.
     pub values: Vec<f64>,
     /// Their unit; empty for a share.
-    pub unit: &'static str,
+    pub unit: String,
     /// A simple formula for it, as the text of a `custom` law, with its coefficients in it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub formula: Option<String>,
@@ -42,6 +43,17 @@ pub struct LearnedCurve {
 }
 
 impl LearnedCurve {
+    /// What describes that something is left, if it is. Where a law was refused for its shape, the
+    /// curve that is not of that shape tells what is missing, however few blocks there are to test
+    /// it.
+    pub(super) fn of_left(left: &Left, misshapen: bool, floor: f64, drive: &Drive) -> Option<Self> {
+        let rest = match left.unknown(floor) {
+            None if misshapen => left.addable(floor),
+            rest => rest,
+        };
+        rest.map(|rest| Self::of(rest, left.excess(floor), drive))
+    }
+
     /// Of what curves could remove.
     pub(crate) fn of(rest: &Rest, excess: f64, drive: &Drive) -> Self {
         let curve = &rest.curve;
@@ -76,46 +88,26 @@ fn name(over: Over) -> &'static str {
     }
 }
 
-fn unit(over: Over, drive: &Drive) -> &'static str {
-    let linear = drive.motion == Motion::Linear;
-    match over {
-        Over::Speed | Over::SpeedMagnitude => {
-            if linear {
-                "m/s"
-            } else {
-                "rad/s"
-            }
-        }
+fn unit(over: Over, drive: &Drive) -> String {
+    let rotary = match over {
+        Over::Speed | Over::SpeedMagnitude => "rad/s",
         // The commanded signal of a force-driven drive has the unit of its recording.
-        Over::Current | Over::CurrentMagnitude => match drive.motor.input {
-            Input::Voltage => "A",
-            Input::Force => "",
-        },
-        Over::Position => {
-            if linear {
-                "m"
-            } else {
-                "rad"
-            }
-        }
+        Over::Current | Over::CurrentMagnitude if drive.motor.input == Input::Force => "",
+        Over::Current | Over::CurrentMagnitude => "A",
+        Over::Position => "rad",
         Over::Time => "s",
-        Over::Acceleration => {
-            if linear {
-                "m/s^2"
-            } else {
-                "rad/s^2"
-            }
-        }
-    }
+        Over::Acceleration => "rad/s^2",
+    };
+    for_motion(drive.motion, rotary)
 }
 
-fn balance_unit(balance: Balance, drive: &Drive) -> &'static str {
-    match (balance, drive.motion) {
-        (Balance::Torque, Motion::Rotary) => "N m",
-        (Balance::Torque, Motion::Linear) => "N",
-        (Balance::Voltage, _) => "V",
-        (Balance::Flux, _) => "",
-    }
+fn balance_unit(balance: Balance, drive: &Drive) -> String {
+    let rotary = match balance {
+        Balance::Torque => "N m",
+        Balance::Voltage => "V",
+        Balance::Flux => "",
+    };
+    for_motion(drive.motion, rotary)
 }
 
 impl Curve {

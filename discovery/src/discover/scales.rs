@@ -35,30 +35,27 @@ impl Scales {
         let most =
             |of: &dyn Fn(&Measured) -> f64| evidence.recordings.iter().map(of).fold(0.0, f64::max);
         let voltage = most(&|one| largest(one.u.iter().copied()));
-        // Without a measured current, the most that u can drive.
-        let conductance = match drive.motor.input {
-            Input::Force => 1.0,
-            Input::Voltage => 1.0 / drive.motor.r.unwrap_or(1.0),
-        };
-        let current = |one: &Measured| -> Vec<f64> {
-            match one.output(Output::Current) {
-                Some(channel) => channel.values.clone(),
-                None => one.u.iter().map(|u| u * conductance).collect(),
-            }
-        };
         Self {
             speed: most(&fastest),
-            current: most(&|one| largest(current(one).into_iter())),
-            heat: most(&|one| {
-                let squares = current(one).into_iter().filter(|i| i.is_finite()).map(|i| i * i);
-                squares.sum::<f64>() * one.period_s
-            }),
+            current: most(&|one| largest(current(drive, one))),
+            heat: most(&|one| current(drive, one).map(|i| i * i).sum::<f64>() * one.period_s),
             voltage,
             travel: most(&travel),
             duration_s: most(&|one| one.len() as f64 * one.period_s),
             slow: slow(evidence, SLOW_SPEED * most(&fastest)),
         }
     }
+}
+
+/// Current of every sample; without a measured one, the most that u can drive, and of a
+/// force-driven drive the commanded signal.
+fn current<'a>(drive: &Drive, one: &'a Measured) -> impl Iterator<Item = f64> + 'a {
+    let (values, factor) = match (drive.motor.input, one.output(Output::Current)) {
+        (Input::Force, _) => (&one.u, 1.0),
+        (Input::Voltage, Some(channel)) => (&channel.values, 1.0),
+        (Input::Voltage, None) => (&one.u, 1.0 / drive.motor.r.unwrap_or(1.0)),
+    };
+    values.iter().map(move |value| factor * value).filter(|value| value.is_finite())
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {

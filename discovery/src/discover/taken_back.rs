@@ -1,31 +1,13 @@
 //! A law that was named alone, and only resembles what is missing, is taken back: the answer is then
 //! "unknown", with the curve.
 
-use drivescope_plant::drive::Drive;
-
 use super::gates;
-use super::ladder::floor;
 use super::learned::LearnedCurve;
 use super::left::Left;
 use super::refit::Model;
 use super::report::{Discovery, Step, Verdict, Watch};
 use super::scales::Scales;
 use crate::estimate::Evidence;
-
-/// What describes that something is left, if it is. Where a law was refused for its shape, the
-/// curve that is not of that shape tells what is missing, however few blocks there are to test it.
-pub(super) fn curve(
-    left: &Left,
-    misshapen: bool,
-    floor: f64,
-    drive: &Drive,
-) -> Option<LearnedCurve> {
-    let rest = match left.unknown(floor) {
-        None if misshapen => left.addable(floor),
-        rest => rest,
-    };
-    rest.map(|rest| LearnedCurve::of(rest, left.excess(floor), drive))
-}
 
 impl Discovery {
     /// The shape of the one law that was named, if something is left that nobody knows and that
@@ -43,6 +25,7 @@ impl Discovery {
         &mut self,
         base: &Model,
         shape: f64,
+        floor: f64,
         estimation: &Evidence,
         validation: &Evidence,
         watch: &dyn Watch,
@@ -51,8 +34,7 @@ impl Discovery {
         let scales = Scales::of(&base.fitted.drive, estimation);
         let (sight, judge) = (base.sight(estimation), base.validation_sight(validation));
         let left = Left::of(&sight, &judge, &scales, &|| watch.stopped());
-        let floor = floor(estimation, self.observer);
-        self.learned = curve(&left, true, floor, &base.fitted.drive);
+        self.learned = LearnedCurve::of_left(&left, true, floor, &base.fitted.drive);
         self.ladder.truncate(1);
         self.parameters = base.fitted.parameters.clone();
         self.next_experiment = None;

@@ -134,11 +134,7 @@ mod tests {
         let mut normal = || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             let uniform = ((seed >> 11) as f64 + 0.5) / (1_u64 << 53) as f64;
-            if uniform < 0.5 {
-                -normal_quantile(2.0 * uniform)
-            } else {
-                normal_quantile(2.0 * (1.0 - uniform))
-            }
+            Normal::standard().inverse_cdf(uniform)
         };
         let mut refused = [0; 2];
         for _ in 0..SERIES {

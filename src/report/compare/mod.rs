@@ -98,14 +98,11 @@ pub(crate) fn remark(compared: &Comparison) -> String {
 pub(crate) fn compare_html(compared: &Comparison, setting: &Setting) -> String {
     let title = format!("Model against measurement: {}", setting.drive);
     let about = html! { "A drive's model compared with recordings of the drive." };
-    let sections = html! {
-        (body(compared, setting))
-    };
     let made = html! {
         "drivescope compare, seed " (setting.seed) ". The same files and seed give the same \
          figures."
     };
-    page(&title, &about, &sections, &made)
+    page(&title, &about, &body(compared, setting), &made)
 }
 
 /// The findings and what they rest on, as sections.

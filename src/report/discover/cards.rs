@@ -98,12 +98,12 @@ fn learned_figure(learned: &LearnedCurve, balance: &str) -> Figure {
         id: "learned-plot".to_owned(),
         title: format!("What is missing over {}", learned.over),
         description: format!("A learned curve in the {balance} over {}", learned.over),
-        x: Axis::new(learned.over, learned.over_unit),
+        x: Axis::new(learned.over, learned.over_unit.as_str()),
         spans: Vec::new(),
         markers: Vec::new(),
         panels: vec![Panel {
             height: HEIGHT,
-            y: Axis::new(format!("missing {balance}"), learned.unit),
+            y: Axis::new(format!("missing {balance}"), learned.unit.as_str()),
             layers: vec![
                 zero(),
                 Layer::Line { label: String::new(), points, ink: Ink::Blue, dash: Dash::Solid },

@@ -5,11 +5,15 @@
 //! parameters were drawn to the slow disturbance. What judges a model is therefore what remains
 //! after one Gauss-Newton step of generalised least squares: shared parameters move by what the
 //! estimation data say in innovations, and the validation data are judged with that step, their
-//! own starts fitted to them.
+//! own starts fitted to them. The step is a linear one: where teeth knock, a drive may be so far
+//! from linear that it makes the validation data worse, and then they are judged without it.
 
+use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::effects::registry::Entry;
 use nalgebra::DVector;
 
 use super::projection::Projection;
+use super::refit::squared;
 use super::sight::Sight;
 use super::whiten::Whitener;
 
@@ -29,13 +33,24 @@ impl Refined {
         let step = projection.step();
         let other = validation.columns();
         let columns = whitener.filtered(&other.places, &other.columns);
-        let mut after = DVector::from_vec(whitener.applied(&other.places, &other.residual));
-        after -= columns.rows(0, shared).tr_mul(&step.rows(0, shared));
         let own = columns.rows(shared, columns.nrows() - shared).into_owned();
-        let after = Projection::new(own, after.as_slice());
-        Self {
-            estimation: projection.residual().as_slice().to_vec(),
-            validation: after.residual().as_slice().to_vec(),
+        let unmoved = DVector::from_vec(whitener.applied(&other.places, &other.residual));
+        let moved = &unmoved - columns.rows(0, shared).tr_mul(&step.rows(0, shared));
+        let fitted = |innovations: &DVector<f64>| {
+            Projection::new(own.clone(), innovations.as_slice()).residual().as_slice().to_vec()
+        };
+        let mut after = fitted(&moved);
+        if knocks(estimation.at.drive) {
+            let still = fitted(&unmoved);
+            if squared(&still) < squared(&after) {
+                after = still;
+            }
         }
+        Self { estimation: projection.residual().as_slice().to_vec(), validation: after }
     }
+}
+
+fn knocks(drive: &Drive) -> bool {
+    let entry = |effect: &EffectData| Entry::find(&effect.kind);
+    drive.effects.iter().filter_map(entry).any(|entry| entry.info.knocks)
 }

@@ -2,6 +2,7 @@
 
 use drivescope_plant::drive::{Drive, EffectData};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::candidates::Candidate;
 use super::columns::{At, Place};
@@ -78,7 +79,7 @@ impl Model {
 const NEAR_ENOUGH: f64 = 1.0;
 
 /// The drive with the screened candidate, fitted again from where the screen points, as closely as
-/// judging it needs.
+/// judging it needs; from each of several begins, of which the best end counts.
 pub(crate) fn refit(
     base: &Model,
     candidate: &Candidate,
@@ -87,15 +88,23 @@ pub(crate) fn refit(
     validation: &Evidence,
     seen: Seen<'_>,
 ) -> Result<Model, Error> {
-    let variant = &candidate.variants[screened.variant];
-    let mut drive = candidate.added(&base.fitted.drive, variant);
-    for (name, value) in candidate.coefficients.iter().zip(&screened.coefficients) {
-        // A value outside its range stays at the null.
-        let _ = drive.set(&format!("{}.{name}", candidate.id), *value);
-    }
-    let setting = finer(&base.setting, &drive);
-    let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
-    Model::fit(&drive, estimation, validation, setting, &options, seen)
+    let fit = |variant: &usize| {
+        let mut drive = candidate.added(&base.fitted.drive, &candidate.variants[*variant]);
+        for (name, value) in candidate.coefficients.iter().zip(&screened.coefficients) {
+            // A value outside its range stays at the null.
+            let _ = drive.set(&format!("{}.{name}", candidate.id), *value);
+        }
+        let setting = finer(&base.setting, &drive);
+        let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
+        Model::fit(&drive, estimation, validation, setting, &options, seen)
+    };
+    let others = || screened.others.par_iter().map(fit).collect::<Vec<_>>();
+    let (first, others) = rayon::join(|| fit(&screened.variant), others);
+    others.into_iter().fold(first, |best, end| match (&best, &end) {
+        (Ok(one), Ok(other)) if one.fitted.squares.sum <= other.fitted.squares.sum => best,
+        (_, Ok(_)) => end,
+        _ => best,
+    })
 }
 
 /// The drive with a learned curve, fitted again but for the values of those names.

@@ -60,7 +60,7 @@ impl Round<'_> {
         self.watch.step(&Step::Doing("fitting the best candidates"));
         let mut judged = self.refitted(&screened);
         self.watch.step(&Step::Doing("comparing with curves"));
-        simplest_first(&mut judged);
+        self.simplest_first(&mut judged);
         let mut misshapen = false;
         let passed = judged.iter().position(|one| one.refused.is_none());
         if let Some(best) = passed.filter(|best| !self.refines(&self.all[judged[*best].candidate]))
@@ -98,13 +98,14 @@ impl Round<'_> {
     }
 
     /// Squared error that an effect of a kind not named yet must remove: what a named law's own
-    /// formula leaves shows over the variables of that law.
+    /// formula leaves shows over the variables of that law, and over any where it knocks.
     pub(super) fn needed(&self, candidate: &Candidate) -> f64 {
         let excess = self.first - self.floor;
         let own = candidate.entry.info.fails_over;
         let beside = |kind: &String| {
-            let over = Entry::find(kind).map_or(&[][..], |entry| entry.info.fails_over);
-            over.iter().any(|variable| own.contains(variable))
+            Entry::find(kind).is_some_and(|Entry { info, .. }| {
+                info.knocks || info.fails_over.iter().any(|variable| own.contains(variable))
+            })
         };
         match self.named {
             [] => f64::NEG_INFINITY,
@@ -150,7 +151,15 @@ impl Round<'_> {
         };
         let mut promising = screened.promising(self.all, enough);
         promising.truncate(gates::REFITTED);
-        let at_once = |one: &&&Screened| {
+        // What excludes the best stands for it, however bad its begins: only fits tell which it is.
+        let info = |one: &Screened| self.all[one.candidate].entry.info;
+        let of_best = promising.first().map_or(&[][..], |best| info(best).excludes);
+        let instead = |one: &&Screened| of_best.contains(&info(one).id);
+        let is_in = |one: &&Screened| promising.iter().any(|it| it.candidate == one.candidate);
+        let beside: Vec<&Screened> =
+            screened.plain.iter().filter(|one| instead(one) && !is_in(one)).collect();
+        promising.extend(beside);
+        let at_once = |one: &Screened| {
             let best = |some: &[Screened]| some.first().map_or(f64::INFINITY, |best| best.worth);
             let of = |some: &[Screened]| {
                 let same = |it: &Screened| {
@@ -161,7 +170,7 @@ impl Round<'_> {
             of(&screened.plain) || of(&screened.white)
         };
         let (first, rest): (Vec<&Screened>, Vec<&Screened>) =
-            promising.iter().partition(|one| at_once(one));
+            promising.iter().partition(|one| at_once(one) || instead(one));
         let judged = self.judged(self.models(&first));
         if rest.is_empty() || judged.iter().any(|one| one.refused.is_none()) {
             return judged;
@@ -176,32 +185,14 @@ impl Round<'_> {
         if self.watch.stopped() {
             return Vec::new();
         }
-        let begin = |one: &&Screened| {
-            let other = |variant: &usize| Screened { variant: *variant, ..(*one).clone() };
-            let mut from: Vec<Screened> = one.others.iter().map(other).collect();
-            from.push((*one).clone());
-            from
-        };
-        let begins: Vec<Screened> = promising.iter().flat_map(begin).collect();
-        let fit = |one: &Screened| {
+        let fit = |one: &&Screened| {
             let candidate = &self.all[one.candidate];
-            // One that diverges is out; the rest goes on.
             let seen = |_| self.watch.stopped();
             let model = refit(self.model, candidate, one, self.estimation, self.validation, &seen);
+            // One that diverges is out; the rest goes on.
             Some((one.candidate, model.ok()?))
         };
-        let mut models: Vec<(usize, Model)> = Vec::new();
-        for (candidate, model) in begins.par_iter().filter_map(fit).collect::<Vec<_>>() {
-            let sum = |model: &Model| model.fitted.squares.sum;
-            // Of a law with several begins the best end counts.
-            let several = !self.all[candidate].is_linear();
-            match models.iter_mut().find(|it| several && it.0 == candidate) {
-                Some(other) if sum(&model) < sum(&other.1) => other.1 = model,
-                Some(_) => {}
-                None => models.push((candidate, model)),
-            }
-        }
-        models
+        promising.par_iter().filter_map(fit).collect()
     }
 
     /// The line of a candidate in the ranking.
@@ -228,16 +219,38 @@ impl Round<'_> {
         }
     }
 
-    /// What the recordings do not tell from it: laws that gain as much, and laws that are
-    /// sometimes equal by algebra and change the same here.
+    /// Puts the simplest of those that pass and gain as much as the best of them before it: what a
+    /// richer law gains by less than [`gates::CLOSE`] is no evidence for its riches, and of laws
+    /// that exclude each other neither is what the simpler one's own formula may leave.
+    fn simplest_first(&self, judged: &mut [Judged]) {
+        let Some(best) = judged.iter().position(|one| one.refused.is_none()) else { return };
+        let info = |one: &Judged| self.all[one.candidate].entry.info;
+        let close = |one: &Judged| {
+            let less = judged[best].delta_bic - one.delta_bic;
+            let instead = info(&judged[best]).excludes.contains(&info(one).id);
+            let formula = if instead { gates::APART * judged[best].delta_bic } else { 0.0 };
+            one.refused.is_none() && less < gates::CLOSE.max(formula)
+        };
+        let simplest =
+            (best..judged.len()).filter(|k| close(&judged[*k])).min_by_key(|k| judged[*k].of_law);
+        if let Some(simplest) = simplest {
+            judged[best..=simplest].rotate_right(1);
+        }
+    }
+
+    /// What the recordings do not tell from it: laws that gain as much, one that gains more and
+    /// excludes it, and laws that are sometimes equal by algebra and change the same here.
     pub(crate) fn confusion_set(&self, one: &Judged, outcome: &Outcome) -> Vec<String> {
         let info = self.all[one.candidate].entry.info;
         let alike = |other: &&Judged| {
             let id = self.all[other.candidate].entry.info.id;
-            let close = (one.delta_bic - other.delta_bic).abs() < gates::CLOSE;
+            let more = other.delta_bic - one.delta_bic;
+            let close = more.abs() < gates::CLOSE;
+            // Only one of them can stand in the drive, and it was not the one that gains more.
+            let instead = info.excludes.contains(&id) && more > 0.0;
             let cosine = cosine(&one.change, &other.change);
             let by_algebra = info.aliases.contains(&id) && cosine > gates::ALIKE;
-            id != info.id && other.delta_bic > gates::DELTA_BIC && (close || by_algebra)
+            id != info.id && other.delta_bic > gates::DELTA_BIC && (close || instead || by_algebra)
         };
         let refitted = outcome.judged.iter().filter(alike).map(|other| other.candidate);
         // What leads the ranking may be equal to what was screened and not refitted.
@@ -282,18 +295,4 @@ impl Round<'_> {
 fn cosine(a: &[f64], b: &[f64]) -> f64 {
     let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
     dot / (squared(a) * squared(b)).sqrt()
-}
-
-/// Puts the simplest of those that pass and gain as much as the best of them before it: what a
-/// richer law gains by less than [`gates::CLOSE`] is no evidence for its riches.
-fn simplest_first(judged: &mut [Judged]) {
-    let Some(best) = judged.iter().position(|one| one.refused.is_none()) else { return };
-    let close = |one: &Judged| {
-        one.refused.is_none() && judged[best].delta_bic - one.delta_bic < gates::CLOSE
-    };
-    let simplest =
-        (best..judged.len()).filter(|k| close(&judged[*k])).min_by_key(|k| judged[*k].of_law);
-    if let Some(simplest) = simplest {
-        judged[best..=simplest].rotate_right(1);
-    }
 }

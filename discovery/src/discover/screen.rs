@@ -21,7 +21,7 @@ use crate::case::Setting;
 /// at its innovations too.
 const COLOURED: f64 = 0.98;
 /// Further variants from which a law without a derivative at its null is fitted.
-const OTHERS: usize = 2;
+const OTHERS: usize = 4;
 /// Directions of a pass.
 const A_PASS: usize = 8;
 
@@ -134,9 +134,9 @@ pub(crate) fn screen(
     });
     let stiff: Vec<Seat> = seats(candidates, may, false).collect();
     let stiff = stiff.par_iter().flat_map_iter(|seat| {
-        if stopped() { None } else { scanned(at, &views.plain, candidates, *seat) }
+        if stopped() { Vec::new() } else { scanned(at, views, candidates, *seat) }
     });
-    let all: Vec<(usize, Screened)> = linear.chain(stiff.map(|one| (0, one))).collect();
+    let all: Vec<(usize, Screened)> = linear.chain(stiff).collect();
     let of = |view: usize| {
         let some = all.iter().filter(|(own, _)| *own == view).map(|(_, one)| one.clone());
         best_variants(some, candidates, views.plain.residual().len())
@@ -336,27 +336,36 @@ pub(crate) fn finer(setting: &Setting, drive: &Drive) -> Setting {
     Setting { longest_s: setting.longest_s.min(own.longest_s), ..*setting }
 }
 
-/// The gain of a variant as it is.
+/// The gain of a variant as it is, with the base moved beside it, in each view: in innovations for
+/// what rings, but not for what stands for dry friction, of which they show little.
 fn scanned(
     at: &At<'_>,
-    projection: &Projection,
+    views: &Views,
     candidates: &[Candidate],
     seat: Seat,
-) -> Option<Screened> {
+) -> Vec<(usize, Screened)> {
     let candidate = &candidates[seat.candidate];
     let variant = &candidate.variants[seat.variant];
     let setting = finer(at.setting, &candidate.added(at.drive, variant));
     let change = |own: &Drive| candidate.added(own, variant);
-    let sum: f64 = (0..at.fits.len())
-        .map(|recording| at.with_changed(recording, &change, &setting, |case| case.squares().sum))
-        .sum();
-    sum.is_finite().then(|| Screened {
-        candidate: seat.candidate,
-        variant: seat.variant,
-        others: Vec::new(),
-        coefficients: Vec::new(),
-        gain: projection.residual().norm_squared() - sum,
-        worth: 0.0,
-        stands_out: 1.0,
-    })
+    let rows = at.rows(&change, &setting, |_| Vec::new());
+    let residual = Columns::shared(at.evidence, &rows).residual;
+    let white = views.white.as_ref().filter(|_| !candidate.entry.info.replaces_dry);
+    let white = white.map(|(whitener, places, projection)| {
+        projection.gain(&whitener.applied(places, &residual))
+    });
+    let one = |(view, gain): (usize, f64)| {
+        let one = Screened {
+            candidate: seat.candidate,
+            variant: seat.variant,
+            others: Vec::new(),
+            coefficients: Vec::new(),
+            gain,
+            worth: 0.0,
+            stands_out: 1.0,
+        };
+        (view, one)
+    };
+    let gains = std::iter::once(views.plain.gain(&residual)).chain(white).enumerate();
+    gains.filter(|(_, gain)| gain.is_finite()).map(one).collect()
 }

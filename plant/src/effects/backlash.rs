@@ -4,18 +4,24 @@
 //! J_l = ratio J,  J_m = (1 - ratio) J,  dphi/dt = omega - omega_l,
 //! T_k = k delta(phi) + d delta'(phi) dphi/dt,
 //! J_m domega/dt = ... - T_k,  J_l domega_l/dt = T_k - T_l.
-//! delta is phi beyond half the gap, its corners rounded as those of real teeth:
-//! delta = phi + (sqrt((phi - gap/2)^2 + s^2) - sqrt((phi + gap/2)^2 + s^2)) / 2, s = gap / 20.
+//! delta is phi beyond half the gap, with sharp corners: rounded ones bend the response by more
+//! than what most sensors show. The damper alone, whose torque would jump where the teeth meet,
+//! comes in over s = gap / 100, so that derivatives hold through a knock:
+//! delta' = 1 + ((phi - gap/2) / sqrt((phi - gap/2)^2 + s^2)
+//!               - (phi + gap/2) / sqrt((phi + gap/2)^2 + s^2)) / 2.
 
 use drivescope_numerics::Real;
 
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 use super::two_masses;
 
-/// Radius of the corners over the gap.
-const ROUNDING: f64 = 0.05;
-/// Least square of the radius, rad^2: it keeps the root's slope finite where there is no gap.
+/// Way over which the damper comes in, over the gap.
+const ONSET: f64 = 0.01;
+/// Least square of that way, rad^2: it keeps the root's slope finite where there is no gap.
 const LEAST_SQUARE: f64 = 1e-24;
+
+/// Rate of a knock over that of the masses on the closed contact: its kink costs as much accuracy.
+const KNOCK: f64 = 1.5;
 
 /// Two masses with play: the twist `phi`, and the slip between them.
 pub struct Backlash;
@@ -25,12 +31,18 @@ impl Backlash {
     #[inline(always)]
     fn torque<R: Real>([k, d, gap, _]: [R; 4], [phi, slip]: [R; 2]) -> R {
         let half = gap.scaled(0.5);
-        let radius = gap.scaled(ROUNDING);
-        let square = radius * radius + R::constant(LEAST_SQUARE);
+        let onset = gap.scaled(ONSET);
+        let square = onset * onset + R::constant(LEAST_SQUARE);
         let (over, under) = (phi - half, phi + half);
+        let depth = if over.value() > 0.0 {
+            over
+        } else if under.value() < 0.0 {
+            under
+        } else {
+            R::zero()
+        };
         let upper = (over * over + square).sqrt();
         let lower = (under * under + square).sqrt();
-        let depth = phi + (upper - lower).scaled(0.5);
         let touch = R::one() + (over / upper - under / lower).scaled(0.5);
         k * depth + d * touch * slip
     }
@@ -42,6 +54,8 @@ impl Effect<4, 2> for Backlash {
         fails_over: &[Variable::Acceleration, Variable::OmegaSign],
         excludes: &["backlash", "flexible_coupling"],
         nulls: &[("k", f64::INFINITY), ("gap", 0.0)],
+        kinked: true,
+        knocks: true,
         ..Info::new(
             "backlash",
             "J splits into (1 - ratio) J and ratio J with play: T_k = k delta + d ddelta/dt, delta \
@@ -105,7 +119,7 @@ impl Effect<4, 2> for Backlash {
     }
 
     fn fastest([k, d, _, ratio]: [f64; 4], _: f64, inertia: f64) -> f64 {
-        two_masses::fastest([k, d, ratio], inertia)
+        KNOCK * two_masses::fastest([k, d, ratio], inertia)
     }
 }
 
@@ -119,8 +133,8 @@ mod tests {
         parameters::<Backlash, 4, 2>([("ratio", 0.25), ("gap", 0.02), ("d", 1e-3), ("k", 5.0)])
     }
 
-    /// What the rounded corners leave of the law with sharp ones, far from them: s^2 / 4 gap.
-    const CORNER: f64 = 1.5e-3;
+    /// What the onset of the damper leaves of the law with a sudden one, half a gap from it.
+    const ONSET_LEFT: f64 = 2e-4;
 
     #[test]
     fn nothing_is_transmitted_in_the_gap_and_a_spring_beyond_it() {
@@ -128,8 +142,8 @@ mod tests {
         assert_eq!(load([0.0, 0.0]), 0.0);
         let full = 5.0 * 0.03 + 1e-3 * 2.0;
         for side in [1.0, -1.0] {
-            assert!((load([0.04 * side, 2.0 * side]) / full * side - 1.0).abs() < CORNER);
-            assert!(load([0.004 * side, 2.0 * side]).abs() < 2.0 * CORNER * full);
+            assert!((load([0.04 * side, 2.0 * side]) / full * side - 1.0).abs() < ONSET_LEFT);
+            assert!(load([0.004 * side, 2.0 * side]).abs() < ONSET_LEFT * full);
         }
         assert_same(
             shared::<Backlash, 4, 2>(values(), [0.0; 2], AT).inverse_inertia * AT.inertia,

@@ -131,6 +131,9 @@ pub struct Info {
     /// Whether its law has a kink that steps cross without locating it, such as |i| at zero
     /// current: accurate to 1e-5 of a variable's range there, not to 1e-8.
     pub kinked: bool,
+    /// Whether parts of it meet and part: when they do depends on all that moves the shaft, so that
+    /// what its model leaves shows over every variable.
+    pub knocks: bool,
     /// Whether it needs the armature circuit, which a force-driven drive does not have.
     pub electrical: bool,
     /// Whether it goes by the revolution, which a linear drive does not have.
@@ -154,6 +157,7 @@ impl Info {
             dissipates: false,
             stiff: false,
             kinked: false,
+            knocks: false,
             electrical: false,
             rotary: false,
         }

@@ -42,7 +42,7 @@ fn range(run: &[Vec<f64>], j: usize) -> f64 {
 /// Sub-steps short enough that a step boundary passing an event leaves no trace in differences.
 const FINE: f64 = 2e-5;
 /// Relative change of a parameter for differences, and twice it for extrapolation.
-const STEP: f64 = 1e-4;
+const STEP: f64 = 1e-5;
 /// Extrapolated differences and duals agree to this share of the greatest derivative ..
 const DERIVATIVE: f64 = 1e-6;
 /// The same where a step boundary passes a kink that no step locates.

@@ -102,6 +102,27 @@ fn both_of_two_effects_are_named_where_the_second_shows_over_other_variables() {
     assert!(last.error < FLOOR && last.validation_error < FLOOR, "{:?}", answer.ladder);
 }
 
+/// Stiffness and damping between the rotor and what hangs on it, of that natural frequency.
+fn joint(hz: f64, damping: f64, ratio: f64) -> [f64; 2] {
+    let reduced = base().motor.j * ratio * (1.0 - ratio);
+    let rate = std::f64::consts::TAU * hz;
+    [reduced * rate * rate, 2.0 * damping * reduced * rate]
+}
+
+#[test]
+fn play_is_told_from_a_soft_coupling_and_fitted_to_the_floor() {
+    let ([k, d], gap, ratio) = (joint(55.0, 0.2, 0.5), 0.3, 0.5);
+    let answer = found(&with("backlash", &[k, d, gap, ratio]), false, 8);
+    assert_eq!(answer.named, ["backlash"], "{:?}", answer.ranking);
+    let last = answer.ladder.last().expect("it has a base");
+    assert!(last.error < FLOOR && last.validation_error < 1.1 * FLOOR, "{:?}", answer.ladder);
+    let play = answer.parameters.iter().find(|it| it.name == "backlash.gap").expect("it is there");
+    assert!((play.value / gap - 1.0).abs() < 0.02, "{play:?}");
+    // The coupling stands for it and is refused; that which excludes it is always fitted.
+    let other = answer.ranking.iter().find(|it| it.effect == "flexible_coupling");
+    assert!(other.is_some_and(|it| it.refused.is_some()), "{:?}", answer.ranking);
+}
+
 #[test]
 fn a_law_that_only_resembles_what_is_missing_is_taken_back() {
     // A brush drop beside a contact whose resistance grows with the current, which no law of the

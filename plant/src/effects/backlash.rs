@@ -152,6 +152,15 @@ mod tests {
     }
 
     #[test]
+    fn the_spring_begins_sharply_where_the_teeth_meet() {
+        let load = |phi| shared::<Backlash, 4, 2>(values(), [phi, 0.0], AT).load;
+        for side in [1.0, -1.0] {
+            assert_eq!(load(0.01 * side), 0.0);
+            assert!((load(0.010_01 * side) - 5.0 * 1e-5 * side).abs() < 1e-15);
+        }
+    }
+
+    #[test]
     fn without_a_gap_it_is_the_flexible_coupling() {
         let [k, d, _, ratio] = values();
         let x = [0.01, 2.0];

@@ -93,7 +93,8 @@ impl Emps {
         let ratio = format!("{:.3}", self.validation_ratio);
         row(&mut text, "validation error over that of the base", ratio, format!("at most {RATIO}"));
         for kind in ["stribeck", "cogging"] {
-            if let Some((_, reason)) = self.refused.iter().find(|(effect, _)| effect == kind) {
+            // Ripples of several wave lengths are refused each for its own reason.
+            for (_, reason) in self.refused.iter().filter(|(effect, _)| effect == kind) {
                 let _ = writeln!(text, "  {:<52} {reason}", format!("{kind} not named:"));
             }
         }
@@ -112,11 +113,14 @@ mod tests {
             difference: Some(74.26),
             mean: 198.5,
             validation_ratio: 0.726,
-            refused: vec![("stribeck".to_owned(), "nothing is slow enough".to_owned())],
+            refused: [("stribeck", "nothing is slow enough"), ("cogging", "a"), ("cogging", "b")]
+                .map(|(effect, reason)| (effect.to_owned(), reason.to_owned()))
+                .into(),
         };
         let text = row.text();
         for part in ["74.3 N s/m  (bar: 65 to 82", "198.5", "0.726", "nothing is slow enough"] {
             assert!(text.contains(part), "{part}: {text}");
         }
+        assert_eq!(text.matches("cogging not named").count(), 2, "{text}");
     }
 }

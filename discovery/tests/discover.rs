@@ -124,6 +124,28 @@ fn play_is_told_from_a_soft_coupling_and_fitted_to_the_floor() {
 }
 
 #[test]
+fn a_soft_coupling_is_told_from_play_under_a_random_load() {
+    let ([k, d], ratio) = (joint(17.0, 0.05, 0.35), 0.35);
+    let answer = found(&with("flexible_coupling", &[k, d, ratio]), true, 9);
+    assert_eq!(answer.named, ["flexible_coupling"], "{:?}", answer.ranking);
+    let stiffness =
+        answer.parameters.iter().find(|it| it.name == "flexible_coupling.k").expect("it is there");
+    assert!((stiffness.value / k - 1.0).abs() < 0.05, "{stiffness:?}");
+}
+
+#[test]
+fn a_drive_with_nothing_free_is_still_told_what_it_lacks() {
+    let [estimation, validation] = recorded(&with("unbalance", &[0.003, 0.002]), false, 1);
+    let mut known = base();
+    known.fixed = known.parameters().into_iter().map(|it| it.name).collect();
+    let answer = discover(&known, &estimation, &validation, &Unwatched).expect("it can be run");
+    assert_eq!(answer.named, ["unbalance"], "{:?}", answer.ranking);
+    let [estimation, validation] = recorded(&base(), false, 1);
+    let answer = discover(&known, &estimation, &validation, &Unwatched).expect("it can be run");
+    assert_eq!(answer.verdict, Verdict::None, "{:?}", answer.ranking);
+}
+
+#[test]
 fn a_law_that_only_resembles_what_is_missing_is_taken_back() {
     // A brush drop beside a contact whose resistance grows with the current, which no law of the
     // library has.

@@ -75,16 +75,10 @@ impl Projection {
 
     /// Squared error that goes where the residual becomes this one and the base moves beside it.
     pub(crate) fn gain(&self, residual: &[f64]) -> f64 {
-        let bases = self.base.nrows();
-        let mut score = DVector::zeros(bases);
-        let mut squared = 0.0;
-        for (column, value) in self.base.as_slice().chunks_exact(bases).zip(residual) {
-            squared += value * value;
-            for (sum, base) in score.iter_mut().zip(column) {
-                *sum += base * value;
-            }
-        }
-        self.residual.norm_squared() - squared + score.dot(&(&self.inverse * &score))
+        let residual = DVector::from_column_slice(residual);
+        let score = &self.base * &residual;
+        self.residual.norm_squared() - residual.norm_squared()
+            + score.dot(&(&self.inverse * &score))
     }
 
     /// What the columns explain beside the base.

@@ -36,17 +36,14 @@ impl Refined {
         let own = columns.rows(shared, columns.nrows() - shared).into_owned();
         let unmoved = DVector::from_vec(whitener.applied(&other.places, &other.residual));
         let moved = &unmoved - columns.rows(0, shared).tr_mul(&step.rows(0, shared));
-        let fitted = |innovations: &DVector<f64>| {
-            Projection::new(own.clone(), innovations.as_slice()).residual().as_slice().to_vec()
+        let fitted = |own, innovations: &DVector<f64>| {
+            Projection::new(own, innovations.as_slice()).residual().as_slice().to_vec()
         };
-        let mut after = fitted(&moved);
-        if knocks(estimation.at.drive) {
-            let still = fitted(&unmoved);
-            if squared(&still) < squared(&after) {
-                after = still;
-            }
-        }
-        Self { estimation: projection.residual().as_slice().to_vec(), validation: after }
+        let still = knocks(estimation.at.drive).then(|| fitted(own.clone(), &unmoved));
+        let moved = fitted(own, &moved);
+        let better = still.filter(|still| squared(still) < squared(&moved));
+        let validation = better.unwrap_or(moved);
+        Self { estimation: projection.residual().as_slice().to_vec(), validation }
     }
 }
 

@@ -1,5 +1,7 @@
 //! A candidate in the drive, everything fitted again, and what this proves.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use drivescope_plant::drive::{Drive, EffectData};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -78,8 +80,14 @@ impl Model {
 /// below what the gates ask for ([`super::gates::DELTA_BIC`]).
 const NEAR_ENOUGH: f64 = 1.0;
 
+/// Steps after which the begins of a law are compared.
+const FIRST_STEPS: usize = 6;
+/// Begins that are followed to their ends: the best after the first steps may lead into a valley.
+const FOLLOWED: usize = 2;
+
 /// The drive with the screened candidate, fitted again from where the screen points, as closely as
-/// judging it needs; from each of several begins, of which the best end counts.
+/// judging it needs. Of several begins the most promising after a few steps are followed, and the
+/// best end counts.
 pub(crate) fn refit(
     base: &Model,
     candidate: &Candidate,
@@ -88,23 +96,47 @@ pub(crate) fn refit(
     validation: &Evidence,
     seen: Seen<'_>,
 ) -> Result<Model, Error> {
-    let fit = |variant: &usize| {
-        let mut drive = candidate.added(&base.fitted.drive, &candidate.variants[*variant]);
+    let begin = |variant: usize| {
+        let mut drive = candidate.added(&base.fitted.drive, &candidate.variants[variant]);
         for (name, value) in candidate.coefficients.iter().zip(&screened.coefficients) {
             // A value outside its range stays at the null.
             let _ = drive.set(&format!("{}.{name}", candidate.id), *value);
         }
-        let setting = finer(&base.setting, &drive);
-        let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
-        Model::fit(&drive, estimation, validation, setting, &options, seen)
+        drive
     };
-    let others = || screened.others.par_iter().map(fit).collect::<Vec<_>>();
-    let (first, others) = rayon::join(|| fit(&screened.variant), others);
-    others.into_iter().fold(first, |best, end| match (&best, &end) {
-        (Ok(one), Ok(other)) if one.fitted.squares.sum <= other.fitted.squares.sum => best,
-        (_, Ok(_)) => end,
-        _ => best,
-    })
+    let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
+    let finish = |drive: &Drive| {
+        let setting = finer(&base.setting, drive);
+        Model::fit(drive, estimation, validation, setting, &options, seen)
+    };
+    if screened.others.is_empty() {
+        return finish(&begin(screened.variant));
+    }
+    let first_steps = |variant: &usize| {
+        let drive = begin(*variant);
+        let steps = AtomicUsize::new(0);
+        let enough = |error| seen(error) || steps.fetch_add(1, Ordering::Relaxed) == FIRST_STEPS;
+        fit_seen(&drive, estimation, &finer(&base.setting, &drive), &options, &enough)
+    };
+    let variants: Vec<usize> =
+        std::iter::once(screened.variant).chain(screened.others.iter().copied()).collect();
+    let begun: Vec<_> = variants.par_iter().map(first_steps).collect();
+    let mut begun = some_of(begun)?;
+    begun.sort_by(|one, other| one.squares.sum.total_cmp(&other.squares.sum));
+    begun.truncate(FOLLOWED);
+    let ends: Vec<_> = begun.par_iter().map(|fitted| finish(&fitted.drive)).collect();
+    let ends = some_of(ends)?.into_iter();
+    let best = ends.min_by(|a, b| a.fitted.squares.sum.total_cmp(&b.fitted.squares.sum));
+    Ok(best.expect("an end"))
+}
+
+/// Those that succeeded; an error only if none did.
+fn some_of<T>(results: Vec<Result<T, Error>>) -> Result<Vec<T>, Error> {
+    let (succeeded, failed): (Vec<_>, Vec<_>) = results.into_iter().partition(Result::is_ok);
+    match failed.into_iter().next() {
+        Some(Err(error)) if succeeded.is_empty() => Err(error),
+        _ => Ok(succeeded.into_iter().flatten().collect()),
+    }
 }
 
 /// The drive with a learned curve, fitted again but for the values of those names.

@@ -12,6 +12,8 @@ use super::scale::Reach;
 
 /// First damping, relative to the scaled diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
+/// Factor on the damping where a step is refused; it doubles with every further one.
+const FIRST_GROWTH: f64 = 2.0;
 /// Beyond this damping a step no longer changes the parameters.
 const LARGEST_DAMPING: f64 = 1e16;
 /// Smallest scale of a coordinate that the residual does not feel, relative to the largest.
@@ -41,7 +43,7 @@ pub(crate) fn minimise_within(
     let mut p = start.to_vec();
     let mut at = problem.linearise(&p);
     let mut scale = vec![0.0_f64; p.len()];
-    let (mut damping, mut growth, mut steps) = (FIRST_DAMPING, 2.0, 0);
+    let (mut damping, mut growth, mut steps) = (FIRST_DAMPING, FIRST_GROWTH, 0);
     let stop = loop {
         if !at.sse.is_finite() || damping > LARGEST_DAMPING {
             break Stop::NoDescent;
@@ -58,22 +60,26 @@ pub(crate) fn minimise_within(
         }
         steps += 1;
         let Some(trial) = step(&p, &at, &free, &scale, damping, reaches) else {
-            (damping, growth) = (damping * growth, growth * 2.0);
+            (damping, growth) = (damping * growth, 2.0 * growth);
             continue;
         };
         let predicted = decrease(&p, &trial, &at);
         if predicted <= limits.relative_decrease * at.sse {
             break Stop::Converged;
         }
-        // Most steps are taken, and the duals know the sum of squares too.
-        let next = problem.linearise(&trial);
-        let gain = (at.sse - next.sse) / predicted;
-        if gain > 0.0 {
+        // Most steps are taken, and the duals know the sum of squares too; but where one was
+        // refused, as beside a kink, the next may be.
+        let may_be_refused = growth > FIRST_GROWTH;
+        let next = (!may_be_refused || problem.sse(&trial) < at.sse)
+            .then(|| problem.linearise(&trial))
+            .filter(|next| next.sse < at.sse);
+        if let Some(next) = next {
+            let gain = (at.sse - next.sse) / predicted;
             (p, at) = (trial, next);
             damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
-            growth = 2.0;
+            growth = FIRST_GROWTH;
         } else {
-            (damping, growth) = (damping * growth, growth * 2.0);
+            (damping, growth) = (damping * growth, 2.0 * growth);
         }
     };
     Found { coordinates: p, at, stop }

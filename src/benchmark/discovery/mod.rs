@@ -19,6 +19,9 @@ use drivescope_discovery::{
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
+use rand::SeedableRng as _;
+use rand::seq::index;
+use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -28,6 +31,9 @@ pub(crate) use tally::Table;
 
 /// BIC by which the truth must beat the base for a case to count as detectable.
 const DETECTABLE: f64 = 20.0;
+
+/// One discovery in that many is timed, with nothing beside it.
+const TIMED: usize = 10;
 
 /// What a case is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -115,7 +121,9 @@ pub(crate) struct Outcome {
     detectable: Option<bool>,
     /// What the discovery answered, or why it did not.
     answer: Result<Answer, String>,
-    seconds: f64,
+    /// Time of the discovery with nothing beside it, s; where it was taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    alone_s: Option<f64>,
 }
 
 /// What a discovery answered.
@@ -139,7 +147,7 @@ pub(crate) struct Found {
     pub(crate) emps: Option<emps::Emps>,
 }
 
-/// Draws and judges that many cases.
+/// Draws and judges that many cases, and times some of them ([`timed`]); each counts as an advance.
 ///
 /// # Errors
 /// No Python for the independent generators, or the user stops.
@@ -154,14 +162,33 @@ pub(crate) fn run(
     all.extend(own::cases(cases - all.len(), seed));
     let judged = all.par_iter().enumerate().map(|(number, case)| {
         interrupt::check()?;
-        // Half of the cases of every group know their noise.
-        let outcome = judge(case, number % 2 == 0);
+        let outcome = judge(case, gives_noise(number));
         advance();
         Ok(outcome)
     });
-    let outcomes = judged.collect::<miette::Result<_>>()?;
+    let mut outcomes: Vec<Outcome> = judged.collect::<miette::Result<_>>()?;
+    // Beside others a discovery waits for its turn: a fair part runs again, one at a time.
+    let mut random = Pcg64::seed_from_u64(seed);
+    for number in index::sample(&mut random, all.len(), timed(all.len())) {
+        interrupt::check()?;
+        let start = Instant::now();
+        // One that ends in an error takes its time too.
+        let _ = answer(&all[number], gives_noise(number));
+        outcomes[number].alone_s = Some(start.elapsed().as_secs_f64());
+        advance();
+    }
     let emps = emps::folder().map(|folder| emps::Emps::of(&folder)).transpose()?;
     Ok(Found { outcomes, emps })
+}
+
+/// Discoveries that run again to be timed.
+pub(crate) fn timed(cases: usize) -> usize {
+    cases.div_ceil(TIMED)
+}
+
+/// Whether the discovery of a case is told the noise: half of the cases of every group.
+fn gives_noise(number: usize) -> bool {
+    number.is_multiple_of(2)
 }
 
 /// A recording as evidence, its noise given or estimated.
@@ -179,12 +206,10 @@ fn judge(case: &Case, noise_given: bool) -> Outcome {
             Some(detectable(case, noise_given))
         }
     };
-    let start = Instant::now();
     let answer = answer(case, noise_given).map_err(|error| error.to_string());
-    let seconds = start.elapsed().as_secs_f64();
     let (hidden, grade) = (case.hidden.clone(), case.grade);
     let (group, foreign) = (case.group, case.foreign);
-    Outcome { group, foreign, grade, noise_given, hidden, detectable, answer, seconds }
+    Outcome { group, foreign, grade, noise_given, hidden, detectable, answer, alone_s: None }
 }
 
 /// Whether each truth is worth its parameters beside the others; a truth that cannot be fitted

@@ -4,7 +4,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::Args;
 
-use crate::benchmark::discovery::{Table, python, run};
+use crate::benchmark::discovery::{Table, python, run, timed};
 use crate::commands::Run;
 use crate::failure::{Ending, Failure};
 use crate::session::Session;
@@ -36,7 +36,7 @@ impl Run for OfDiscovery {
         session.check_writable(&[])?;
         let fresh = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |it| it.as_secs());
         let seed = session.given_seed.unwrap_or_else(fresh);
-        let bar = session.progress(self.cases as u64, "discovering");
+        let bar = session.progress((self.cases + timed(self.cases)) as u64, "discovering");
         let advance = || bar.inc(1);
         let found = run(self.cases, seed, &python(), &advance)?;
         bar.finish_and_clear();

@@ -2,6 +2,7 @@
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::file::Change;
+use drivescope_plant::parameters::NamedParameter;
 
 use crate::evidence::Gathered;
 use crate::failure::told;
@@ -21,8 +22,14 @@ pub(crate) fn with_effects(
     let fitted = found.fitted();
     let tied = found.motor.tie_k;
     let all = found.parameters();
+    let before = base.parameters();
+    // What stands in the file as it was, such as a typed law that was not named, is no estimate.
+    let moved = |it: &&NamedParameter| {
+        !before.iter().any(|other| other.name == it.name && other.value == it.value)
+    };
     let changes: Vec<Change> = all
         .iter()
+        .filter(moved)
         .filter(|it| fitted.iter().any(|other| other.name == it.name) || (tied && it.name == "K_m"))
         .map(|it| Change {
             name: it.name.clone(),

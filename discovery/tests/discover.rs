@@ -145,18 +145,58 @@ fn a_drive_with_nothing_free_is_still_told_what_it_lacks() {
     assert_eq!(answer.verdict, Verdict::None, "{:?}", answer.ranking);
 }
 
+/// A typed law.
+fn typed(id: &str, target: Target, text: &str, parameters: &[(&str, f64)]) -> EffectData {
+    let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let law = Some(LawData::Typed { target, text: text.to_owned() });
+    EffectData { kind: "custom".into(), id: id.into(), parameters, law }
+}
+
+/// A contact whose resistance grows with the current.
+fn contact(c: f64) -> EffectData {
+    typed("contact", Target::Voltage, "-c * i * abs(i)", &[("c", c)])
+}
+
+#[test]
+fn a_typed_law_at_its_null_is_ranked_among_the_library() {
+    let mut truth = base();
+    truth.effects.push(contact(0.2));
+    let [estimation, validation] = recorded(&truth, false, 5);
+    // Two ideas of the user: one is right, one is not.
+    let mut drive = base();
+    drive.effects.insert(
+        0,
+        typed("swell", Target::Torque, "-w * sin(omega / s)", &[("w", 0.0), ("s", 30.0)]),
+    );
+    drive.effects.push(contact(0.0));
+    let answer = discover(&drive, &estimation, &validation, &Unwatched).expect("it can be fitted");
+    assert_eq!(answer.named, ["contact"], "{:?}", answer.ranking);
+    let last = answer.ladder.last().expect("it has a base");
+    assert!(last.error < FLOOR && last.validation_error < FLOOR, "{:?}", answer.ladder);
+    let ids: Vec<&str> = answer.drive.effects.iter().map(|effect| effect.id.as_str()).collect();
+    let given: Vec<&str> = drive.effects.iter().map(|effect| effect.id.as_str()).collect();
+    assert_eq!(ids, given, "in the order of the file");
+    assert_eq!(answer.drive.effects[0], drive.effects[0], "as it was");
+    let all = answer.drive.parameters();
+    let c = all.iter().find(|it| it.name == "contact.c").expect("it is there");
+    assert!((c.value - 0.2).abs() < 0.01, "{c:?}");
+    // The user's choice, too; and without anything hidden neither is named.
+    let added = add(&drive, "contact", &estimation, &validation, &Unwatched).expect("it is there");
+    assert_eq!((added.named.len(), added.ladder.len()), (1, 2));
+    let found = add(&answer.drive, "contact", &estimation, &validation, &Unwatched);
+    assert!(matches!(found, Err(Error::CannotAdd { .. })), "it has a value");
+    let [estimation, validation] = recorded(&base(), false, 5);
+    let answer = discover(&drive, &estimation, &validation, &Unwatched).expect("it can be fitted");
+    assert_eq!((answer.verdict, answer.named.len()), (Verdict::None, 0), "{:?}", answer.ranking);
+    assert_eq!(answer.drive.effects.last(), drive.effects.last());
+}
+
 #[test]
 fn a_law_that_only_resembles_what_is_missing_is_taken_back() {
     // A brush drop beside a contact whose resistance grows with the current, which no law of the
     // library has.
     let mut truth = with("brush_drop", &[0.6, 0.1]);
-    let text = "-c * i * abs(i)".to_owned();
-    truth.effects.push(EffectData {
-        kind: "custom".into(),
-        id: "contact".into(),
-        parameters: vec![("c".into(), 0.2)],
-        law: Some(LawData::Typed { target: Target::Voltage, text }),
-    });
+    truth.effects.push(contact(0.2));
     let [estimation, validation] = recorded(&truth, false, 5);
     let answer = discover(&base(), &estimation, &validation, &Unwatched).expect("it can be fitted");
     assert_eq!((answer.verdict, answer.named.len()), (Verdict::Unknown, 0), "{answer:?}");

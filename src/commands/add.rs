@@ -13,6 +13,8 @@ use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, Failure};
 use crate::session::Session;
 
+/// The kind of a typed law.
+const CUSTOM: &str = "custom";
 /// Curves are no entry of the library, but can be added as effects are.
 const LEARNED: &str = "learned";
 
@@ -21,8 +23,9 @@ const LEARNED: &str = "learned";
 pub(crate) struct Add {
     /// Drive file, or a built-in drive (`dr300`, `emps`).
     drive: String,
-    /// The effect (`drivescope effects` lists them), or `learned`: the curve that describes best
-    /// what the drive lacks.
+    /// The effect (`drivescope effects` lists them), `learned`: the curve that describes best
+    /// what the drive lacks, or the id of a law that you typed in the drive file with its
+    /// coefficients at 0.
     effect: String,
     /// Drive file to write (.toml): the given one with the effect, its comments kept.
     #[arg(short, long, value_name = "DRIVE")]
@@ -37,7 +40,18 @@ pub(crate) struct Add {
 impl Run for Add {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let base = drive_source::drive(&self.drive)?;
-        if self.effect != LEARNED && !REGISTRY.iter().any(|it| it.info.id == self.effect) {
+        if self.effect == CUSTOM {
+            return Err(Failure::Usage {
+                what: format!("`{CUSTOM}` is a law that you type in the drive file"),
+                instead: "write it there with its coefficients at 0 and add it by its id; \
+                          `drivescope effects custom` shows how"
+                    .to_owned(),
+            }
+            .into());
+        }
+        let typed = base.effects.iter().any(|it| it.law.is_some() && it.id == self.effect);
+        let registered = REGISTRY.iter().any(|it| it.info.id == self.effect);
+        if self.effect != LEARNED && !registered && !typed {
             let known: Vec<&str> = REGISTRY.iter().map(|it| it.info.id).chain([LEARNED]).collect();
             let (id, known) = (self.effect, known.join(", "));
             return Err(Failure::UnknownEffect { id, known }.into());

@@ -193,7 +193,10 @@ fn custom() -> String {
     format!(
         "{CUSTOM}\n  a law that you type in the drive file; it gives one of {}\n\n\
          [[effect]]\nkind = \"custom\"\nid = \"fan\"\n\
-         torque = \"-c * omega * abs(omega)\"\nparameters = {{ c = 3.0e-7 }}\n",
+         torque = \"-c * omega * abs(omega)\"\nparameters = {{ c = 3.0e-7 }}\n\n\
+         With its coefficients at 0, where it changes nothing, it is a candidate: `discover` ranks \
+         it\namong the effects of the library and names it by its id, `add` adds it. Otherwise it \
+         is part of\nthe drive, and `fit` estimates its parameters.\n",
         keys.join(", "),
     )
 }

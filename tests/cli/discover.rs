@@ -133,6 +133,39 @@ fn nothing_hidden_is_none_and_something_strange_is_unknown() {
 }
 
 #[test]
+fn a_typed_law_is_ranked_and_only_what_is_named_gets_a_value() {
+    let law = |c: &str| {
+        format!(
+            "[[effect]]\nkind = \"custom\"\nid = \"contact\" # an idea\n\
+             voltage = \"-c * i * abs(i)\"\nparameters = {{ c = {c} }}\n"
+        )
+    };
+    let here = folder();
+    let here = here.path();
+    truth(here, &law("0.2"));
+    record(here, "one.csv", INPUT, "3");
+    record(here, "two.csv", OTHER, "4");
+    let base = std::fs::read_to_string(here.join("base.toml")).expect("it is there");
+    let other = "[[effect]]\nkind = \"custom\"\nid = \"swell\"\n\
+                 torque = \"-w * sin(omega / 30)\"\nparameters = { w = 0 }\n";
+    put(here, "ideas.toml", format!("{base}\n{other}\n{}", law("0")));
+    let run = ["ideas.toml", "one.csv", "--validate", "two.csv", "-o", "found.toml"];
+    let found = done(here, &[&["discover"][..], &run, &["--json", "-"]].concat()).json();
+    assert_eq!(found["named"], serde_json::json!(["contact"]), "{found}");
+    let text = std::fs::read_to_string(here.join("found.toml")).expect("it was written");
+    assert!(text.contains("id = \"contact\" # an idea"), "{text}");
+    assert!(text.contains("{ w = 0 }") && !text.contains("swell.w"), "{text}");
+    assert!(text.contains("\"contact.c\" = ") || text.contains("contact.c = "), "{text}");
+    assert_runs_as_an_fmu(here, "found.toml");
+    let ran = done(here, &["add", "ideas.toml", "contact", "one.csv", "-o", "added.toml"]);
+    assert!(ran.out.contains("added: contact"), "{}", ran.out);
+    let error = refused(here, &["add", "ideas.toml", "custom", "one.csv", "-o", "no.toml"]);
+    assert!(error.contains("type in the drive file"), "{error}");
+    let error = refused(here, &["add", "found.toml", "contact", "one.csv", "-o", "no.toml"]);
+    assert!(error.contains("not 0"), "{error}");
+}
+
+#[test]
 fn one_effect_is_added_or_refused_in_words() {
     let here = folder();
     let here = here.path();

@@ -9,10 +9,11 @@
 use std::f64::consts::TAU;
 
 use drivescope_plant::drive::{Drive, EffectData, Motion};
-use drivescope_plant::effects::law::{Place, Variable};
+use drivescope_plant::effects::law::{Info, Place, Variable};
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
 use super::scales::{SLOW_SPEED, Scales};
+use super::typed;
 use crate::estimate::Evidence;
 use crate::measured::{Measured, Output};
 
@@ -62,12 +63,18 @@ pub(crate) struct Variant {
 /// An effect that may be missing.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidate {
-    /// Its entry in the registry.
-    pub(crate) entry: &'static Entry,
+    /// What it is called in answers: its kind, or the name that the user gave a typed law.
+    pub(crate) name: String,
+    /// What is known of its kind.
+    pub(crate) info: &'static Info,
+    /// The variables over which a model without it fails.
+    pub(crate) fails_over: Vec<Variable>,
     /// Its name in the drive.
     pub(crate) id: String,
     /// The coefficients that vanish at the null; none where the null is infinite.
-    pub(crate) coefficients: Vec<&'static str>,
+    pub(crate) coefficients: Vec<String>,
+    /// Least and greatest value of each coefficient.
+    pub(crate) ranges: Vec<(f64, f64)>,
     /// Choices of its shape, at least one.
     pub(crate) variants: Vec<Variant>,
     /// Parameters that stay as the variant has them: whole numbers.
@@ -83,13 +90,17 @@ pub struct NotJudged {
     pub reason: String,
 }
 
-/// The candidates of a drive with these recordings, and what cannot be judged.
+/// The candidates of a drive with these recordings, those of the laws that the user typed among
+/// them, and what cannot be judged.
 pub(crate) fn candidates(
     drive: &Drive,
     evidence: &Evidence,
     scales: &Scales,
+    typed: &[EffectData],
 ) -> (Vec<Candidate>, Vec<NotJudged>) {
-    let (mut found, mut not) = (Vec::new(), Vec::new());
+    let is_in = |one: &EffectData| drive.effects.iter().any(|effect| effect.id == one.id);
+    let left = typed.iter().filter(|one| !is_in(one));
+    let (mut found, mut not) = (left.map(typed::candidate).collect::<Vec<_>>(), Vec::new());
     for entry in REGISTRY {
         let own = |reason: String| NotJudged { effect: entry.info.id.to_owned(), reason };
         if let Some(refusal) = drive.refuses(entry) {
@@ -105,15 +116,22 @@ pub(crate) fn candidates(
 
 /// One candidate by its effect.
 pub(crate) fn candidate(entry: &'static Entry, drive: &Drive, scales: &Scales) -> Candidate {
-    let finite = entry.info.nulls.iter().all(|(_, null)| null.is_finite());
-    let coefficients =
-        if finite { entry.info.nulls.iter().map(|(name, _)| *name).collect() } else { Vec::new() };
+    let info = entry.info;
+    let finite = info.nulls.iter().all(|(_, null)| null.is_finite());
+    let vanish = info.nulls.iter().filter(|_| finite).map(|(name, _)| *name);
+    let range = |name: &str| {
+        let own = entry.parameters.iter().find(|parameter| parameter.name == name);
+        own.map_or((0.0, 0.0), |parameter| parameter.range)
+    };
+    let ranges = vanish.clone().map(range).collect();
+    let coefficients = vanish.map(str::to_owned).collect();
     let id = free_id(drive, entry.info.id);
     let variants =
         shapes(entry, drive, scales).into_iter().map(|shape| variant(entry, &id, &shape)).collect();
     let periodic = entry.parameters.iter().any(|parameter| parameter.name == "N");
     let frozen = if periodic && drive.motion == Motion::Rotary { vec!["N"] } else { Vec::new() };
-    Candidate { entry, id, coefficients, variants, frozen }
+    let (name, fails_over) = (info.id.to_owned(), info.fails_over.to_vec());
+    Candidate { name, info, fails_over, id, coefficients, ranges, variants, frozen }
 }
 
 /// The kind's own name, or with the next free number where the drive has one of the kind.
@@ -275,6 +293,16 @@ fn periods(motion: Motion, least: usize, scales: &Scales) -> Vec<f64> {
 }
 
 impl Candidate {
+    /// Whether it is one of the ripples, whose variants are many and cheap.
+    pub(crate) fn is_ripple(&self) -> bool {
+        self.variants[0].effect.law.is_none() && self.parameters().any(|name| name == "N")
+    }
+
+    /// Its parameters.
+    pub(crate) fn parameters(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.variants[0].effect.parameters.iter().map(|(name, _)| name.as_str())
+    }
+
     /// Whether it has a derivative at its null.
     pub(crate) fn is_linear(&self) -> bool {
         !self.coefficients.is_empty()

@@ -92,7 +92,7 @@ impl Round<'_> {
                 candidate,
                 plain: None,
                 by_inverse,
-                of_law: self.all[candidate].entry.parameters.len(),
+                of_law: self.all[candidate].parameters().len(),
                 delta_bic: gain - k as f64 * values.ln(),
                 p_value: (chance * hypotheses as f64).min(1.0),
                 validation_gain: squared(&before.validation) - squared(&after.validation),
@@ -192,7 +192,7 @@ impl Round<'_> {
             }
             None => left.worthy(self.floor).map(|rest| (rest, rest.gain)).collect(),
         };
-        let variables = self.all[one.candidate].entry.info.fails_over;
+        let variables = &self.all[one.candidate].fails_over;
         let is_own = |rest: &Rest| rest.curve.variables().iter().any(|it| variables.contains(it));
         let most = |own: bool| {
             let some = rests.iter().filter(|(rest, _)| is_own(rest) == own);

@@ -15,6 +15,7 @@ use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
 use super::round::{Outcome, Round};
 use super::scales::Scales;
 use super::screen::screen;
+use super::typed;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -24,6 +25,11 @@ use crate::observer::Observer;
 /// Why no curve is added.
 const NO_CURVE: &str = "no torque or voltage over speed, current, position or time alone lowers the \
                         error on the validation data: see what `discover` shows";
+/// Why an effect is not added that nobody knows.
+const UNKNOWN: &str = "the library has no effect of that name";
+/// Why a typed law is not added whose coefficients are not at their null.
+const HAS_IT: &str = "the drive has it already, with coefficients that are not 0: `fit` estimates \
+                      them";
 /// Starts of the base fit: the file's values may be far off.
 const STARTS: usize = 2;
 
@@ -37,6 +43,8 @@ pub fn discover(
     validation: &Evidence,
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
+    let of_user = drive;
+    let (drive, typed) = &typed::apart(of_user);
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
     let mut base: Option<Model> = None;
     let seen = |error| seen_by(watch, error);
@@ -48,7 +56,7 @@ pub fn discover(
             break;
         }
         let scales = Scales::of(&model.fitted.drive, estimation);
-        let (all, not) = candidates(&model.fitted.drive, estimation, &scales);
+        let (all, not) = candidates(&model.fitted.drive, estimation, &scales, typed);
         let turn = Round {
             model: &model,
             sight: model.sight(estimation),
@@ -84,7 +92,7 @@ pub fn discover(
             found.remaining = if unknown { Verdict::Unknown } else { Verdict::None };
             break;
         };
-        let kind = all[judged[best].candidate].entry.info.id.to_owned();
+        let kind = all[judged[best].candidate].name.clone();
         if !found.named.contains(&kind) && !turn.refines(&all[judged[best].candidate]) {
             found.named.push(kind.clone());
         }
@@ -98,7 +106,7 @@ pub fn discover(
         found.take_back(&base, shape, floor, estimation, validation, watch);
         model = base;
     }
-    found.drive = unfrozen(model.fitted.drive, drive);
+    found.drive = typed::restored(model.fitted.drive, of_user);
     found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };
     Ok(found)
 }
@@ -116,6 +124,8 @@ pub fn add(
     validation: &Evidence,
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
+    let of_user = drive;
+    let (drive, typed) = &typed::apart(of_user);
     let (model, mut found) = begin(drive, estimation, validation, watch)?;
     let seen = |error| seen_by(watch, error);
     let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
@@ -131,13 +141,18 @@ pub fn add(
         found.learned = Some(LearnedCurve::of(best, left.excess(floor), drive));
         with_learned(&model, effect, estimation, validation, &seen)?
     } else {
-        let Some(entry) = Entry::find(kind) else {
-            return Err(cannot("the library has no effect of that name".to_owned()));
+        let chosen = match typed.iter().find(|effect| effect.id == kind) {
+            Some(effect) => [typed::candidate(effect)],
+            None => {
+                let has = drive.effects.iter().any(|effect| effect.id == kind);
+                let why = if has { HAS_IT } else { UNKNOWN };
+                let entry = Entry::find(kind).ok_or_else(|| cannot(why.to_owned()))?;
+                if let Some(refusal) = model.fitted.drive.refuses(entry) {
+                    return Err(cannot(refusal.to_string()));
+                }
+                [candidate(entry, &model.fitted.drive, &scales)]
+            }
         };
-        if let Some(refusal) = model.fitted.drive.refuses(entry) {
-            return Err(cannot(refusal.to_string()));
-        }
-        let chosen = [candidate(entry, &model.fitted.drive, &scales)];
         let screened = screen(&sight, &chosen, &|_| true, &|| watch.stopped());
         let Some(best) = screened.plain.first() else {
             return Err(cannot("the model overflows with it".to_owned()));
@@ -151,7 +166,7 @@ pub fn add(
     found.named.push(kind.to_owned());
     found.verdict = Verdict::Named;
     found.climb(Some(kind.to_owned()), &added, watch);
-    found.drive = unfrozen(added.fitted.drive, drive);
+    found.drive = typed::restored(added.fitted.drive, of_user);
     Ok(found)
 }
 
@@ -167,10 +182,8 @@ pub fn bic_of(
     estimation: &Evidence,
     validation: &Evidence,
 ) -> Result<f64, Error> {
-    let entry = Entry::find(kind).ok_or_else(|| Error::CannotAdd {
-        effect: kind.to_owned(),
-        reason: "the library has no effect of that name".to_owned(),
-    })?;
+    let entry = Entry::find(kind)
+        .ok_or_else(|| Error::CannotAdd { effect: kind.to_owned(), reason: UNKNOWN.to_owned() })?;
     let (model, found) = begin(drive, estimation, validation, &Unwatched)?;
     let scales = Scales::of(&model.fitted.drive, estimation);
     let all = [candidate(entry, &model.fitted.drive, &scales)];
@@ -250,8 +263,8 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     let Some(best) = passed else { return };
     let set = turn.confusion_set(&outcome.judged[best], outcome);
     if first {
-        let named = turn.all[outcome.judged[best].candidate].entry.info.id;
-        let rivals = found.ranking.iter_mut().filter(|it| it.effect != named);
+        let named = &turn.all[outcome.judged[best].candidate].name;
+        let rivals = found.ranking.iter_mut().filter(|it| it.effect != *named);
         for one in rivals.filter(|it| it.refused.is_none()) {
             one.refused = Some(if set.contains(&one.effect) {
                 format!("not told from {named} here")
@@ -263,7 +276,7 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     if found.next_experiment.is_some() {
         return;
     }
-    let id = |one: &Judged| turn.all[one.candidate].entry.info.id.to_owned();
+    let id = |one: &Judged| turn.all[one.candidate].name.clone();
     let is_in = |one: &&Judged| set.contains(&id(one));
     let models: Vec<(String, &Model)> = std::iter::once(&outcome.judged[best])
         .chain(outcome.judged.iter().filter(is_in))
@@ -272,16 +285,9 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     found.next_experiment = experiment::next(turn.model, &models, turn.estimation, turn.scales);
 }
 
-/// With nothing fixed but what the user fixed: what was frozen for the search (how often a ripple
-/// repeats) is theirs to fit.
-fn unfrozen(mut found: Drive, of_user: &Drive) -> Drive {
-    found.fixed.retain(|name| of_user.fixed.contains(name));
-    found
-}
-
 fn imitated(candidate: &Candidate) -> NotJudged {
     NotJudged {
-        effect: candidate.entry.info.id.to_owned(),
+        effect: candidate.name.clone(),
         reason: "on these recordings it equals other values of the base parameters".to_owned(),
     }
 }

@@ -34,6 +34,7 @@ mod screen;
 mod sight;
 mod smooth;
 mod taken_back;
+mod typed;
 mod whiten;
 
 pub use candidates::NotJudged;

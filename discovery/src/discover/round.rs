@@ -1,5 +1,6 @@
 //! One round of the loop: screen, refit, judge by the gates.
 
+use drivescope_plant::drive::EffectData;
 use drivescope_plant::effects::registry::Entry;
 use rayon::prelude::*;
 
@@ -13,6 +14,7 @@ use super::report::{Coefficient, Ranked, Step, Watch};
 use super::scales::Scales;
 use super::screen::{Screen, Screened, screen};
 use super::sight::Sight;
+use super::typed::fails_over;
 use crate::estimate::{Estimate, Evidence};
 
 /// What a round has to go on.
@@ -101,10 +103,13 @@ impl Round<'_> {
     /// formula leaves shows over the variables of that law, and over any where it knocks.
     pub(super) fn needed(&self, candidate: &Candidate) -> f64 {
         let excess = self.first - self.floor;
-        let own = candidate.entry.info.fails_over;
-        let beside = |kind: &String| {
-            Entry::find(kind).is_some_and(|Entry { info, .. }| {
-                info.knocks || info.fails_over.iter().any(|variable| own.contains(variable))
+        let own = &candidate.fails_over;
+        let effects = &self.model.fitted.drive.effects;
+        let beside = |named: &String| {
+            let is = |effect: &&EffectData| effect.kind == *named || effect.id == *named;
+            effects.iter().filter(is).any(|effect| {
+                let knocks = Entry::find(&effect.kind).is_some_and(|entry| entry.info.knocks);
+                knocks || fails_over(effect).iter().any(|variable| own.contains(variable))
             })
         };
         match self.named {
@@ -116,15 +121,14 @@ impl Round<'_> {
 
     /// Whether its kind was named: a harmonic of what was named is no other effect.
     pub(super) fn is_named(&self, candidate: &Candidate) -> bool {
-        self.named.iter().any(|named| named == candidate.entry.info.id)
+        self.named.contains(&candidate.name)
     }
 
     /// Whether it is another formula for what was named: together they may hold a law that
     /// neither is. It is added, and it is no other cause.
     pub(crate) fn refines(&self, candidate: &Candidate) -> bool {
-        let info = candidate.entry.info;
         !self.is_named(candidate)
-            && self.named.iter().any(|named| info.aliases.contains(&named.as_str()))
+            && self.named.iter().any(|named| candidate.info.aliases.contains(&named.as_str()))
     }
 
     /// Candidates that the screen gives nearly as much as the best, and that were not refitted.
@@ -152,7 +156,7 @@ impl Round<'_> {
         let mut promising = screened.promising(self.all, enough);
         promising.truncate(gates::REFITTED);
         // What excludes the best stands for it, however bad its begins: only fits tell which it is.
-        let info = |one: &Screened| self.all[one.candidate].entry.info;
+        let info = |one: &Screened| self.all[one.candidate].info;
         let of_best = promising.first().map_or(&[][..], |best| info(best).excludes);
         let instead = |one: &&Screened| of_best.contains(&info(one).id);
         let is_in = |one: &&Screened| promising.iter().any(|it| it.candidate == one.candidate);
@@ -207,7 +211,7 @@ impl Round<'_> {
             (it.name.clone(), Coefficient { value: it.value, std_error: it.std_error, unit })
         };
         Ranked {
-            effect: self.all[one.candidate].entry.info.id.to_owned(),
+            effect: self.all[one.candidate].name.clone(),
             confusion_set: self.confusion_set(one, outcome),
             delta_bic: one.delta_bic,
             p_value: one.p_value,
@@ -224,7 +228,7 @@ impl Round<'_> {
     /// that exclude each other neither is what the simpler one's own formula may leave.
     fn simplest_first(&self, judged: &mut [Judged]) {
         let Some(best) = judged.iter().position(|one| one.refused.is_none()) else { return };
-        let info = |one: &Judged| self.all[one.candidate].entry.info;
+        let info = |one: &Judged| self.all[one.candidate].info;
         let close = |one: &Judged| {
             let less = judged[best].delta_bic - one.delta_bic;
             let instead = info(&judged[best]).excludes.contains(&info(one).id);
@@ -241,25 +245,23 @@ impl Round<'_> {
     /// What the recordings do not tell from it: laws that gain as much, one that gains more and
     /// excludes it, and laws that are sometimes equal by algebra and change the same here.
     pub(crate) fn confusion_set(&self, one: &Judged, outcome: &Outcome) -> Vec<String> {
-        let info = self.all[one.candidate].entry.info;
+        let Candidate { info, name, .. } = &self.all[one.candidate];
         let alike = |other: &&Judged| {
-            let id = self.all[other.candidate].entry.info.id;
+            let id = self.all[other.candidate].name.as_str();
             let more = other.delta_bic - one.delta_bic;
             let close = more.abs() < gates::CLOSE;
             // Only one of them can stand in the drive, and it was not the one that gains more.
             let instead = info.excludes.contains(&id) && more > 0.0;
             let cosine = cosine(&one.change, &other.change);
             let by_algebra = info.aliases.contains(&id) && cosine > gates::ALIKE;
-            id != info.id && other.delta_bic > gates::DELTA_BIC && (close || instead || by_algebra)
+            id != name && other.delta_bic > gates::DELTA_BIC && (close || instead || by_algebra)
         };
         let refitted = outcome.judged.iter().filter(alike).map(|other| other.candidate);
         // What leads the ranking may be equal to what was screened and not refitted.
         let leads = outcome.judged.first().is_some_and(|first| first.candidate == one.candidate);
         let screened = outcome.alike.iter().copied().filter(|_| leads);
-        let mut set: Vec<String> = refitted
-            .chain(screened)
-            .map(|candidate| self.all[candidate].entry.info.id.to_owned())
-            .collect();
+        let mut set: Vec<String> =
+            refitted.chain(screened).map(|candidate| self.all[candidate].name.clone()).collect();
         set.dedup();
         set
     }
@@ -278,7 +280,7 @@ impl Round<'_> {
         };
         let all = outcome.judged.iter().filter_map(|one| Some((one, gain(one)?)));
         let best = all.max_by(|a, b| a.1.total_cmp(&b.1));
-        let id = |one: &Judged| self.all[one.candidate].entry.info.id;
+        let id = |one: &Judged| self.all[one.candidate].name.as_str();
         let agrees = match (best, passed.map(|named| &outcome.judged[named])) {
             (None, None) => true,
             (Some((best, _)), Some(named)) => {

@@ -108,7 +108,7 @@ impl Screen {
         for place in 0..self.plain.len().max(self.white.len()) {
             for one in [self.plain.get(place), self.white.get(place)].into_iter().flatten() {
                 let same = |other: &&Screened| {
-                    let variant = !is_ripple(&candidates[one.candidate]);
+                    let variant = !candidates[one.candidate].is_ripple();
                     other.candidate == one.candidate && (variant || other.variant == one.variant)
                 };
                 if enough(one) && !all.iter().any(same) {
@@ -185,11 +185,6 @@ fn seats<'a>(
     })
 }
 
-/// Whether it is one of the ripples, whose variants are many and cheap.
-fn is_ripple(candidate: &Candidate) -> bool {
-    candidate.entry.parameters.iter().any(|parameter| parameter.name == "N")
-}
-
 /// Variants that share a pass: ripples keep to their kind, and stiff effects, whose steps are
 /// short, to themselves.
 fn passes(candidates: &[Candidate], may: &dyn Fn(&Candidate) -> bool) -> Vec<Vec<Seat>> {
@@ -197,8 +192,8 @@ fn passes(candidates: &[Candidate], may: &dyn Fn(&Candidate) -> bool) -> Vec<Vec
     let (mut room, mut before) = (0, usize::MAX);
     for seat in seats(candidates, may, true) {
         let candidate = &candidates[seat.candidate];
-        let slow = candidate.entry.info.stiff || candidate.entry.info.id == "delay";
-        let alone = is_ripple(candidate) || slow;
+        let slow = candidate.info.stiff || candidate.info.id == "delay";
+        let alone = candidate.is_ripple() || slow;
         let company = if alone { seat.candidate } else { usize::MAX };
         let k = candidate.coefficients.len();
         if room < k || company != before || passes.is_empty() {
@@ -224,7 +219,7 @@ fn ripples(
         let of = |seat: &Seat| {
             let candidate = &candidates[seat.candidate];
             let (_, n) = candidate.variants[seat.variant].effect.parameters[0];
-            forcings(candidate.entry.info.id, n, at.drive, &runs[recording])
+            forcings(candidate.info.id, n, at.drive, &runs[recording])
         };
         seats.iter().flat_map(of).collect()
     })
@@ -251,7 +246,7 @@ fn pass(
     candidates: &[Candidate],
     seats: &[Seat],
 ) -> Vec<(usize, Screened)> {
-    let columns = if is_ripple(&candidates[seats[0].candidate]) {
+    let columns = if candidates[seats[0].candidate].is_ripple() {
         ripples(&sight.at, sight.runs(), candidates, seats)
     } else {
         columns(&sight.at, candidates, seats).columns
@@ -289,10 +284,6 @@ fn pass(
 /// imitates, or that would leave its range, is left out and stays at its null. All that stands
 /// out is that of the best column.
 fn within(candidate: &Candidate, projection: &Projection, mut columns: DMatrix<f64>) -> Explained {
-    let range = |name: &str| {
-        let parameters = candidate.entry.parameters;
-        parameters.iter().find(|it| it.name == name).map_or((0.0, 0.0), |it| it.range)
-    };
     let mut explained = projection.explain(&columns);
     let stands_out = explained.stands_out.clone();
     let untold = (0..columns.nrows()).filter(|row| stands_out[*row] < STANDS_OUT);
@@ -301,13 +292,12 @@ fn within(candidate: &Candidate, projection: &Projection, mut columns: DMatrix<f
         explained = projection.explain(&columns);
     }
     for _ in 0..columns.nrows() {
-        let named = candidate.coefficients.iter().zip(explained.coefficients.iter()).enumerate();
-        let beyond = |(row, (name, value)): (usize, (&&str, &f64))| {
-            let (low, high) = range(name);
+        let all = candidate.ranges.iter().zip(explained.coefficients.iter()).enumerate();
+        let beyond = |(row, ((low, high), value)): (usize, (&(f64, f64), &f64))| {
             let left_out = columns.row(row).iter().all(|v| *v == 0.0);
-            (!left_out && (*value < low || *value > high)).then_some(row)
+            (!left_out && (value < low || value > high)).then_some(row)
         };
-        let Some(row) = named.filter_map(beyond).next() else { break };
+        let Some(row) = all.filter_map(beyond).next() else { break };
         columns.row_mut(row).fill(0.0);
         explained = projection.explain(&columns);
     }
@@ -320,7 +310,7 @@ fn columns(at: &At<'_>, candidates: &[Candidate], seats: &[Seat]) -> Columns {
         .iter()
         .enumerate()
         .flat_map(|(number, seat)| {
-            let of = move |name: &&str| format!("{}.{name}", seat_name(number));
+            let of = move |name: &String| format!("{}.{name}", seat_name(number));
             candidates[seat.candidate].coefficients.iter().map(of)
         })
         .collect();
@@ -350,7 +340,7 @@ fn scanned(
     let change = |own: &Drive| candidate.added(own, variant);
     let rows = at.rows(&change, &setting, |_| Vec::new());
     let residual = Columns::shared(at.evidence, &rows).residual;
-    let white = views.white.as_ref().filter(|_| !candidate.entry.info.replaces_dry);
+    let white = views.white.as_ref().filter(|_| !candidate.info.replaces_dry);
     let white = white.map(|(whitener, places, projection)| {
         projection.gain(&whitener.applied(places, &residual))
     });

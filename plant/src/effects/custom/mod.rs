@@ -14,7 +14,7 @@ use drivescope_numerics::Real;
 pub use parse::LawError;
 use tape::Tape;
 
-use super::law::{OutputLanes, Sums, Views};
+use super::law::{OutputLanes, Sums, Variable, Views};
 use super::learned::Curve;
 use crate::model::{Motor, Motors};
 
@@ -43,6 +43,19 @@ impl Target {
         ("i", Self::Current),
     ];
 }
+
+/// Places at which a law is asked whether it changes anything: `[i, omega, theta, u, t]`, SI, from
+/// small to great and in both directions.
+const PLACES: [[f64; 5]; 8] = [
+    [0.013, 0.17, 0.011, 0.19, 0.023],
+    [-0.019, -0.11, -0.43, -0.29, 0.31],
+    [0.7, -3.1, 2.3, 1.7, 1.1],
+    [-1.3, 5.3, -7.9, -4.1, 2.9],
+    [3.7, 37.0, 61.0, 11.0, 7.3],
+    [-7.1, -83.0, -127.0, -23.0, 19.0],
+    [29.0, 310.0, 710.0, 47.0, 53.0],
+    [-113.0, -1300.0, -2100.0, -190.0, 370.0],
+];
 
 /// A law of the drive file, ready to run.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,6 +152,29 @@ impl Law {
         self.form.run::<f64, 1>(&parameters, &at)[0]
     }
 
+    /// Whether the law changes nothing with these coefficients, wherever the drive is: its share
+    /// is zero, or its sensor shows what is there.
+    pub fn vanishes(&self, parameters: &[f64]) -> bool {
+        PLACES.iter().all(|place| {
+            let [i, omega, ..] = *place;
+            let without = match self.target {
+                Target::Torque | Target::Voltage | Target::Heat => 0.0,
+                Target::Omega => omega,
+                Target::Current => i,
+            };
+            self.at(parameters, *place) == without
+        })
+    }
+
+    /// The variables over which a model without the law fails: those that it reads, or any.
+    pub fn fails_over(&self) -> Vec<Variable> {
+        let read = match &self.form {
+            Form::Typed(tape) => tape.read(),
+            Form::Learned(_) => Vec::new(),
+        };
+        if read.is_empty() { Variable::ALL.to_vec() } else { read }
+    }
+
     /// Whether the law distorts what a sensor shows.
     pub fn senses(&self) -> bool {
         matches!(self.target, Target::Omega | Target::Current)
@@ -190,6 +226,26 @@ mod tests {
         assert_eq!((ramp.at(0.25), ramp.at(2.0)), (2.5, 5.0));
         let error = Expression::parse("omega + 1").expect_err("there is no drive");
         assert_eq!(error.at(), 0);
+    }
+
+    #[test]
+    fn a_law_vanishes_where_it_changes_nothing() {
+        let law = |target, text: &str| Law::parse(target, text, &["c".to_owned(), "w".to_owned()]);
+        let drag = law(Target::Torque, "-c * omega * exp(-abs(omega) / w)").expect("right");
+        assert!(drag.vanishes(&[0.0, 5.0]) && !drag.vanishes(&[1e-9, 5.0]));
+        let ratio = law(Target::Torque, "c * omega / w").expect("right");
+        assert!(!ratio.vanishes(&[0.0, 0.0]), "0 / 0 is no null");
+        let shown = law(Target::Omega, "omega * (1 + c * sin(w * theta))").expect("right");
+        assert!(shown.vanishes(&[0.0, 5.0]) && !shown.vanishes(&[0.1, 5.0]));
+        assert!(!law(Target::Omega, "c * omega + w").expect("right").vanishes(&[0.0, 0.0]));
+    }
+
+    #[test]
+    fn a_law_fails_over_what_it_reads() {
+        let of = |text: &str| Law::parse(Target::Torque, text, &[]).expect("right").fails_over();
+        assert_eq!(of("i * theta * i"), [Variable::Current, Variable::Theta]);
+        assert_eq!(of("omega"), [Variable::Omega, Variable::OmegaSign]);
+        assert_eq!(of("2"), Variable::ALL);
     }
 
     #[test]

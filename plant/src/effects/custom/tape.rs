@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-use crate::effects::law::Views;
+use crate::effects::law::{Variable as Shows, Views};
 
 /// Deepest stack that a law may need.
 pub(super) const DEEPEST: usize = 16;
@@ -99,6 +99,28 @@ pub(super) enum Operation {
 /// The operations of a law in the order of execution.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tape(pub(super) Vec<Operation>);
+
+impl Tape {
+    /// The variables that the law reads, as those over which its absence shows; an input shows over
+    /// the current and the speed that it drives.
+    pub(super) fn read(&self) -> Vec<Shows> {
+        let shows = |operation: &Operation| match operation {
+            Operation::Variable(Variable::Current) => &[Shows::Current][..],
+            Operation::Variable(Variable::Speed) => &[Shows::Omega, Shows::OmegaSign],
+            Operation::Variable(Variable::Position) => &[Shows::Theta],
+            Operation::Variable(Variable::Input) => &[Shows::Omega, Shows::Current],
+            Operation::Variable(Variable::Time) => &[Shows::Time],
+            _ => &[],
+        };
+        let mut read: Vec<Shows> = Vec::new();
+        for one in self.0.iter().flat_map(shows) {
+            if !read.contains(one) {
+                read.push(*one);
+            }
+        }
+        read
+    }
+}
 
 #[inline(always)]
 fn map<R: Real, const N: usize>(x: &mut [R; N], f: impl Fn(R) -> R) {

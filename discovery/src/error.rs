@@ -51,15 +51,14 @@ pub enum Error {
         least: usize,
     },
     /// The model overflows wherever the search begins.
-    #[error(
-        "{recording}: the model overflows from each of {starts} starts: check the values and units \
-         in the drive file and the unit of u"
-    )]
+    #[error("{recording}: the model overflows from each of {starts} starts: {}", next_step(laws))]
     Overflow {
         /// The first recording.
         recording: String,
         /// Starts tried.
         starts: usize,
+        /// Typed laws without which it does not.
+        laws: Vec<String>,
     },
     /// A speed that the input cannot give.
     #[error(
@@ -88,4 +87,16 @@ pub enum Error {
         /// Why, and what to do.
         reason: String,
     },
+}
+
+/// What to do about an overflow that the typed laws make.
+fn next_step(laws: &[String]) -> String {
+    match laws {
+        [] => "check the values and units in the drive file and the unit of u".to_owned(),
+        some => format!(
+            "without the typed law {} it does not: where it divides by zero or grows beyond all \
+             bounds, bound it, as in x / (abs(x) + 0.1)",
+            some.join(" or ")
+        ),
+    }
 }

@@ -166,6 +166,31 @@ fn a_typed_law_is_ranked_and_only_what_is_named_gets_a_value() {
 }
 
 #[test]
+fn a_typed_law_that_overflows_is_named_and_the_rest_goes_on() {
+    let here = folder();
+    let here = here.path();
+    truth(here, "");
+    record(here, "one.csv", INPUT, "3");
+    let base = std::fs::read_to_string(here.join("base.toml")).expect("it is there");
+    let with = |name: &str, c: &str| {
+        let law = "[[effect]]\nkind = \"custom\"\nid = \"steep\"\ntorque = \"-c * exp(10 * omega)\"\n";
+        put(here, name, format!("{base}\n{law}parameters = {{ c = {c} }}\n"));
+    };
+    with("in.toml", "1e-3");
+    let error = refused(here, &["discover", "in.toml", "one.csv", "-o", "no.toml"]);
+    assert!(error.contains("without the typed law steep it does not"), "{error}");
+    assert!(!here.join("no.toml").exists());
+    // As a candidate it is out, and the rest goes on.
+    with("beside.toml", "0");
+    let ran = done(here, &["discover", "beside.toml", "one.csv"]);
+    let line = ran.out.lines().find(|line| line.trim_start().starts_with("steep  "));
+    assert!(line.is_some_and(|line| line.contains("overflows on these recordings")), "{}", ran.out);
+    assert!(ran.out.contains("nothing is missing"), "{}", ran.out);
+    let error = refused(here, &["add", "beside.toml", "steep", "one.csv", "-o", "no.toml"]);
+    assert!(error.contains("steep cannot be added: the model overflows with it"), "{error}");
+}
+
+#[test]
 fn one_effect_is_added_or_refused_in_words() {
     let here = folder();
     let here = here.path();

@@ -88,6 +88,10 @@ pub struct NotJudged {
     pub effect: String,
     /// Why, for a person.
     pub reason: String,
+    /// Whether a person should hear of it unasked: other recordings could show it, or it is a law
+    /// that the user typed.
+    #[serde(skip)]
+    pub worth_saying: bool,
 }
 
 /// The candidates of a drive with these recordings, those of the laws that the user typed among
@@ -102,11 +106,17 @@ pub(crate) fn candidates(
     let left = typed.iter().filter(|one| !is_in(one));
     let (mut found, mut not) = (left.map(typed::candidate).collect::<Vec<_>>(), Vec::new());
     for entry in REGISTRY {
-        let own = |reason: String| NotJudged { effect: entry.info.id.to_owned(), reason };
+        let own = |reason: String, worth_saying| NotJudged {
+            effect: entry.info.id.to_owned(),
+            reason,
+            worth_saying,
+        };
         if let Some(refusal) = drive.refuses(entry) {
-            not.push(own(format!("impossible in this drive: {refusal}")));
+            not.push(own(format!("impossible in this drive: {refusal}"), false));
+        } else if let Some(reason) = needless(entry, drive) {
+            not.push(own(reason.to_owned(), false));
         } else if let Some(reason) = unseen(entry, drive, evidence, scales) {
-            not.push(own(reason));
+            not.push(own(reason, true));
         } else {
             found.push(candidate(entry, drive, scales));
         }
@@ -143,6 +153,24 @@ fn free_id(drive: &Drive, kind: &str) -> String {
     (2..).map(|k| format!("{kind}_{k}")).find(|id| !taken(id)).unwrap_or_default()
 }
 
+/// Why the effect is no candidate for this drive, whatever is recorded.
+fn needless(entry: &Entry, drive: &Drive) -> Option<&'static str> {
+    let info = entry.info;
+    let has_kind = |kind: &str| drive.effects.iter().any(|effect| effect.kind == kind);
+    if info.id == "quantisation" {
+        return Some(
+            "the steps of a sensor are read off its values, not fitted: they are part of the noise",
+        );
+    }
+    if entry.parameters.is_empty() || info.nulls.is_empty() {
+        return Some("it has no null from which it could be screened");
+    }
+    if info.id == "presliding" && !drive.effects.iter().any(dry) {
+        return Some("bends the dry friction, and the drive has none: add coulomb first");
+    }
+    (info.id == "coulomb" && has_kind("coulomb")).then_some("the drive has it")
+}
+
 /// Why these recordings cannot show the effect.
 fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence, scales: &Scales) -> Option<String> {
     let has = |one: &Measured, output| one.output(output).is_some();
@@ -150,15 +178,6 @@ fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence, scales: &Scales) ->
         evidence.recordings.iter().all(|one| wanted.iter().any(|output| has(one, *output)))
     };
     let info = entry.info;
-    let has_kind = |kind: &str| drive.effects.iter().any(|effect| effect.kind == kind);
-    if info.id == "quantisation" {
-        let what = "the steps of a sensor are read off its values, not fitted: they are part of \
-                    the noise";
-        return Some(what.to_owned());
-    }
-    if entry.parameters.is_empty() || info.nulls.is_empty() {
-        return Some("it has no null from which it could be screened".to_owned());
-    }
     if info.fails_over.contains(&Variable::Theta) && !any(&[Output::Speed, Output::Position]) {
         return Some("needs the position or the speed, and neither was recorded".to_owned());
     }
@@ -178,14 +197,6 @@ fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence, scales: &Scales) ->
              time is below {limit:.3} {unit}, a tenth of the fastest speed, and that in passing; \
              record slow reversals"
         ));
-    }
-    if info.id == "presliding" && !drive.effects.iter().any(dry) {
-        return Some(
-            "bends the dry friction, and the drive has none: add coulomb first".to_owned(),
-        );
-    }
-    if info.id == "coulomb" && has_kind("coulomb") {
-        return Some("the drive has it".to_owned());
     }
     None
 }
@@ -295,7 +306,12 @@ fn periods(motion: Motion, least: usize, scales: &Scales) -> Vec<f64> {
 impl Candidate {
     /// Whether it is one of the ripples, whose variants are many and cheap.
     pub(crate) fn is_ripple(&self) -> bool {
-        self.variants[0].effect.law.is_none() && self.parameters().any(|name| name == "N")
+        !self.is_typed() && self.parameters().any(|name| name == "N")
+    }
+
+    /// Whether the user typed it.
+    pub(crate) fn is_typed(&self) -> bool {
+        self.variants[0].effect.law.is_some()
     }
 
     /// Its parameters.

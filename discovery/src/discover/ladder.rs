@@ -81,6 +81,7 @@ pub fn discover(
         if round == 0 {
             found.not_judged = not;
             found.not_judged.extend(outcome.imitated.iter().map(|it| imitated(&all[*it])));
+            found.not_judged.extend(outcome.overflowing.iter().map(|it| overflowing(&all[*it])));
         }
         let passed = outcome.judged.iter().position(|one| one.refused.is_none());
         note(&turn, &outcome, passed, &mut found);
@@ -289,6 +290,15 @@ fn imitated(candidate: &Candidate) -> NotJudged {
     NotJudged {
         effect: candidate.name.clone(),
         reason: "on these recordings it equals other values of the base parameters".to_owned(),
+        worth_saying: candidate.is_typed(),
+    }
+}
+
+fn overflowing(candidate: &Candidate) -> NotJudged {
+    NotJudged {
+        effect: candidate.name.clone(),
+        reason: "it or its derivative divides by zero or overflows on these recordings".to_owned(),
+        worth_saying: true,
     }
 }
 

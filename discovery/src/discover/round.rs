@@ -44,6 +44,8 @@ pub(crate) struct Outcome {
     pub(crate) judged: Vec<Judged>,
     /// Candidates that the base parameters imitate.
     pub(crate) imitated: Vec<usize>,
+    /// Candidates with which the model has no finite run or derivative.
+    pub(crate) overflowing: Vec<usize>,
     /// Candidates that were not refitted although the screen gives them as much as the best.
     pub(crate) alike: Vec<usize>,
     /// What curves could remove of the round's own base, where nothing passes.
@@ -59,6 +61,7 @@ impl Round<'_> {
         let screened = self.screened();
         let imitated =
             screened.plain.iter().filter(|one| one.is_imitated()).map(|it| it.candidate).collect();
+        let overflowing = self.overflowing(&screened);
         self.watch.step(&Step::Doing("fitting the best candidates"));
         let mut judged = self.refitted(&screened);
         self.watch.step(&Step::Doing("comparing with curves"));
@@ -79,7 +82,7 @@ impl Round<'_> {
         let passes = judged.iter().any(|one| one.refused.is_none());
         let left = (!passes).then(|| self.left(&self.sight, &self.validation_sight));
         let alike = self.as_promising(&screened, &judged);
-        Outcome { judged, imitated, alike, left, misshapen }
+        Outcome { judged, imitated, overflowing, alike, left, misshapen }
     }
 
     /// Gain in BIC of the best candidate, fitted whatever the screen foretells: a truth is not to
@@ -92,11 +95,24 @@ impl Round<'_> {
 
     /// The candidates that may be named, screened.
     fn screened(&self) -> Screen {
-        let excess = self.model.fitted.squares.sum - self.floor;
-        let may = |candidate: &Candidate| {
-            excess >= self.needed(candidate) || self.is_named(candidate) || self.refines(candidate)
-        };
+        let may = |candidate: &Candidate| self.may(candidate);
         screen(&self.sight, self.all, &may, &|| self.watch.stopped())
+    }
+
+    /// Whether it may be named in this round.
+    fn may(&self, candidate: &Candidate) -> bool {
+        let excess = self.model.fitted.squares.sum - self.floor;
+        excess >= self.needed(candidate) || self.is_named(candidate) || self.refines(candidate)
+    }
+
+    /// The candidates of which the screen has no finite number.
+    fn overflowing(&self, screened: &Screen) -> Vec<usize> {
+        if self.watch.stopped() {
+            return Vec::new();
+        }
+        let is_in = |candidate: &usize| screened.plain.iter().any(|it| it.candidate == *candidate);
+        let asked = (0..self.all.len()).filter(|it| self.may(&self.all[*it]));
+        asked.filter(|candidate| !is_in(candidate)).collect()
     }
 
     /// Squared error that an effect of a kind not named yet must remove: what a named law's own

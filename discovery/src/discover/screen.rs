@@ -186,14 +186,14 @@ fn seats<'a>(
 }
 
 /// Variants that share a pass: ripples keep to their kind, and stiff effects, whose steps are
-/// short, to themselves.
+/// short, to themselves, as do typed laws, which may overflow.
 fn passes(candidates: &[Candidate], may: &dyn Fn(&Candidate) -> bool) -> Vec<Vec<Seat>> {
     let mut passes: Vec<Vec<Seat>> = Vec::new();
     let (mut room, mut before) = (0, usize::MAX);
     for seat in seats(candidates, may, true) {
         let candidate = &candidates[seat.candidate];
         let slow = candidate.info.stiff || candidate.info.id == "delay";
-        let alone = candidate.is_ripple() || slow;
+        let alone = candidate.is_ripple() || slow || candidate.is_typed();
         let company = if alone { seat.candidate } else { usize::MAX };
         let k = candidate.coefficients.len();
         if room < k || company != before || passes.is_empty() {

@@ -11,6 +11,7 @@ use super::problem::Problem;
 use super::search::{Found, minimise_within};
 use super::unknowns::{Unknown, Unknowns};
 use super::{Options, Seen};
+use crate::case::Case;
 use crate::error::Error;
 
 /// Steps of a search.
@@ -56,7 +57,24 @@ pub(super) fn search(
     if best.at.sse.is_finite() {
         return Ok((best, tried));
     }
-    Err(Error::Overflow { recording: problem.evidence.recordings[0].name.clone(), starts: tried })
+    let recording = problem.evidence.recordings[0].name.clone();
+    Err(Error::Overflow { recording, starts: tried, laws: overflowing(problem) })
+}
+
+/// The typed laws of the drive without any one of which it does not overflow.
+fn overflowing(problem: &Problem<'_>) -> Vec<String> {
+    let typed = problem.base.effects.iter().filter(|effect| effect.law.is_some());
+    let runs_without = |id: &String| {
+        let recordings = 0..problem.evidence.recordings.len();
+        recordings.into_iter().all(|number| {
+            problem.with_case(number, &problem.unknowns.guess, |case| {
+                let mut drive = case.drive.clone();
+                drive.effects.retain(|effect| effect.id != *id);
+                Case { drive: &drive, ..*case }.squares().sum.is_finite()
+            })
+        })
+    };
+    typed.map(|effect| effect.id.clone()).filter(runs_without).collect()
 }
 
 /// A start drawn around the guess: parameters within a factor, states as they are.

@@ -62,6 +62,9 @@ pub(super) struct Answer {
     /// Doubts that the readers of the recordings have not been told yet.
     #[serde(skip)]
     new_doubts: Vec<String>,
+    /// What these recordings could not show, in lines.
+    #[serde(skip)]
+    not_shown: Vec<String>,
     /// What the effects in `named` are: missing, or added as the user wished.
     #[serde(skip)]
     named_are: &'static str,
@@ -95,6 +98,7 @@ impl Answer {
             ranking: found.ranking.clone(),
             ladder: found.ladder.clone(),
             not_judged: found.not_judged.clone(),
+            not_shown: found.not_shown().into_iter().map(not_shown).collect(),
             learned: found.learned.clone(),
             next_experiment: found.next_experiment.clone(),
             second_opinion: found.second_opinion.clone(),
@@ -130,6 +134,9 @@ impl Answer {
         text.push('\n');
         for one in &self.ranking {
             let _ = writeln!(text, "  {}", ranked(one));
+        }
+        for line in &self.not_shown {
+            let _ = writeln!(text, "  {line}");
         }
         text.push('\n');
         text += &self.verdict_in_words();
@@ -201,6 +208,10 @@ fn curve(learned: &LearnedCurve) -> String {
         let _ = writeln!(text, "it is nearly the custom law {balance} = \"{formula}\"");
     }
     text
+}
+
+fn not_shown((effects, reason): (Vec<&str>, &str)) -> String {
+    format!("{:<20} not judged: {reason}", effects.join(", "))
 }
 
 fn ranked(one: &Ranked) -> String {

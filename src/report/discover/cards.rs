@@ -33,6 +33,9 @@ pub(crate) fn cards(
                 (card(missing, one, place, curves, action))
             }
         }
+        @for (effects, reason) in &missing.not_shown {
+            p.note { "Not judged: " (effects) ": " (reason) "." }
+        }
     }
 }
 

@@ -33,12 +33,17 @@ pub(crate) struct Missing {
     pub(crate) next: Option<NextExperiment>,
     /// What the inverse form says of it.
     pub(crate) second_opinion: Option<SecondOpinion>,
+    /// What these recordings could not show, and why.
+    pub(crate) not_shown: Vec<(String, String)>,
 }
 
 impl Missing {
     /// Of a discovery.
     pub(crate) fn of(found: &Discovery) -> Self {
         let mut ranking = found.ranking.clone();
+        let not_shown = |(effects, reason): (Vec<&str>, &str)| {
+            (effects.join(", ").replace('_', " "), reason.to_owned())
+        };
         // What may be named stands before what was refused, however much that explains.
         ranking.sort_by_key(|one| one.refused.is_some());
         Self {
@@ -48,6 +53,7 @@ impl Missing {
             learned: found.learned.clone(),
             next: found.next_experiment.clone(),
             second_opinion: found.second_opinion.clone(),
+            not_shown: found.not_shown().into_iter().map(not_shown).collect(),
         }
     }
 }

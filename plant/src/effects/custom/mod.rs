@@ -155,15 +155,15 @@ impl Law {
     /// Whether the law changes nothing with these coefficients, wherever the drive is: its share
     /// is zero, or its sensor shows what is there.
     pub fn vanishes(&self, parameters: &[f64]) -> bool {
-        PLACES.iter().all(|place| {
-            let [i, omega, ..] = *place;
-            let without = match self.target {
-                Target::Torque | Target::Voltage | Target::Heat => 0.0,
-                Target::Omega => omega,
-                Target::Current => i,
-            };
-            self.at(parameters, *place) == without
-        })
+        let without = |[i, omega, ..]: [f64; 5]| match self.target {
+            Target::Torque | Target::Voltage | Target::Heat => 0.0,
+            Target::Omega => omega,
+            Target::Current => i,
+        };
+        // Where it overflows at the greatest of the places, the others tell.
+        let values = PLACES.map(|place| (self.at(parameters, place), without(place)));
+        let mut finite = values.iter().filter(|(value, _)| value.is_finite()).peekable();
+        finite.peek().is_some() && finite.all(|(value, without)| value == without)
     }
 
     /// The variables over which a model without the law fails: those that it reads, or any.
@@ -235,6 +235,8 @@ mod tests {
         assert!(drag.vanishes(&[0.0, 5.0]) && !drag.vanishes(&[1e-9, 5.0]));
         let ratio = law(Target::Torque, "c * omega / w").expect("right");
         assert!(!ratio.vanishes(&[0.0, 0.0]), "0 / 0 is no null");
+        let steep = law(Target::Torque, "c * exp(omega * 10)").expect("right");
+        assert!(steep.vanishes(&[0.0, 0.0]), "it is finite at some places");
         let shown = law(Target::Omega, "omega * (1 + c * sin(w * theta))").expect("right");
         assert!(shown.vanishes(&[0.0, 5.0]) && !shown.vanishes(&[0.1, 5.0]));
         assert!(!law(Target::Omega, "c * omega + w").expect("right").vanishes(&[0.0, 0.0]));

@@ -173,7 +173,8 @@ fn a_typed_law_that_overflows_is_named_and_the_rest_goes_on() {
     record(here, "one.csv", INPUT, "3");
     let base = std::fs::read_to_string(here.join("base.toml")).expect("it is there");
     let with = |name: &str, c: &str| {
-        let law = "[[effect]]\nkind = \"custom\"\nid = \"steep\"\ntorque = \"-c * exp(10 * omega)\"\n";
+        let law =
+            "[[effect]]\nkind = \"custom\"\nid = \"steep\"\ntorque = \"-c * exp(10 * omega)\"\n";
         put(here, name, format!("{base}\n{law}parameters = {{ c = {c} }}\n"));
     };
     with("in.toml", "1e-3");

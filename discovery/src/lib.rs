@@ -36,7 +36,7 @@ pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{
     Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung,
-    SecondOpinion, Step, Unwatched, Verdict, Watch, add, bic_of, discover,
+    SecondOpinion, Step, Unwatched, Verdict, Watch, add, bic_of, discover, typed_apart,
 };
 pub use doubt::{Doubt, doubts};
 pub use error::Error;

@@ -180,6 +180,8 @@ fn a_typed_law_at_its_null_is_ranked_among_the_library() {
     let all = answer.drive.parameters();
     let c = all.iter().find(|it| it.name == "contact.c").expect("it is there");
     assert!((c.value - 0.2).abs() < 0.01, "{c:?}");
+    let estimated = answer.parameters.iter().find(|it| it.name == c.name).expect("it was fitted");
+    assert_eq!(estimated.before, 0.0, "as in the file");
     // The user's choice, too; and without anything hidden neither is named.
     let added = add(&drive, "contact", &estimation, &validation, &Unwatched).expect("it is there");
     assert_eq!((added.named.len(), added.ladder.len()), (1, 2));
@@ -234,6 +236,10 @@ fn one_effect_is_added_measured_and_refused() {
     let offset = added.drive.parameters();
     let offset = offset.iter().find(|it| it.name == "current_offset.i_0").expect("added");
     assert!((offset.value - 0.1).abs() < 0.005, "{offset:?}");
+    let before =
+        |name: &str| added.parameters.iter().find(|it| it.name == name).map(|it| it.before);
+    assert_eq!(before("R"), base().motor.r, "as in the file");
+    assert!(before("current_offset.i_0").is_some_and(f64::is_nan), "the file had none");
     assert!(matches!(add("viscous"), Err(Error::CannotAdd { .. })), "it is B_m");
     let gain = bic_of(&base(), "current_offset", &estimation, &validation).expect("it is known");
     assert!(gain > 100.0, "{gain}");

@@ -107,7 +107,7 @@ pub fn discover(
         found.take_back(&base, shape, floor, estimation, validation, watch);
         model = base;
     }
-    found.drive = typed::restored(model.fitted.drive, of_user);
+    found.end(model.fitted.drive, of_user);
     found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };
     Ok(found)
 }
@@ -167,7 +167,7 @@ pub fn add(
     found.named.push(kind.to_owned());
     found.verdict = Verdict::Named;
     found.climb(Some(kind.to_owned()), &added, watch);
-    found.drive = typed::restored(added.fitted.drive, of_user);
+    found.end(added.fitted.drive, of_user);
     Ok(found)
 }
 
@@ -303,6 +303,16 @@ fn overflowing(candidate: &Candidate) -> NotJudged {
 }
 
 impl Discovery {
+    /// The drive at the end, and its parameters beside the values of the user's file.
+    fn end(&mut self, drive: Drive, of_user: &Drive) {
+        self.drive = typed::restored(drive, of_user);
+        let given = of_user.parameters();
+        for it in &mut self.parameters {
+            let before = given.iter().find(|other| other.name == it.name);
+            it.before = before.map_or(f64::NAN, |other| other.value);
+        }
+    }
+
     fn climb(&mut self, added: Option<String>, model: &Model, watch: &dyn Watch) {
         let rung = Rung {
             added,

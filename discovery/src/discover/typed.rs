@@ -19,8 +19,9 @@ pub(crate) fn fails_over(effect: &EffectData) -> Vec<Variable> {
     }
 }
 
-/// The drive without the laws at their null, and these.
-pub(crate) fn apart(drive: &Drive) -> (Drive, Vec<EffectData>) {
+/// The drive without the typed laws that stand at their null in it, and these: what a discovery
+/// begins with, and what it ranks among the library.
+pub fn apart(drive: &Drive) -> (Drive, Vec<EffectData>) {
     let mut bare = drive.clone();
     let (at_null, rest) = bare.effects.into_iter().partition(|effect| is_at_null(effect, drive));
     bare.effects = rest;

@@ -18,7 +18,7 @@ pub struct Estimate {
     pub value: f64,
     /// Standard error of the value.
     pub std_error: f64,
-    /// The value it had in the drive file.
+    /// The value it had in the drive file; NaN where that has no such parameter.
     pub before: f64,
     /// Its unit.
     pub unit: String,

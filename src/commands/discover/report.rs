@@ -1,7 +1,7 @@
 //! The report of a discovery: the drive compared before and after.
 
 use drivescope_discovery::compare::{Comparison, Options as CompareOptions, compare};
-use drivescope_discovery::{Discovery, Options, Setting, fit};
+use drivescope_discovery::{Discovery, Options, Setting, fit, typed_apart};
 use drivescope_plant::drive::Drive;
 
 use crate::evidence::Gathered;
@@ -30,8 +30,9 @@ pub(super) fn report(
         1 => None,
         _ => {
             // The cards speak of the base as it was fitted, before anything was added.
-            let setting = Setting::new(base, found.observer);
-            let fitted = fit(base, estimation, &setting, &Options::default()).map_err(told)?;
+            let (base, _) = typed_apart(base);
+            let setting = Setting::new(&base, found.observer);
+            let fitted = fit(&base, estimation, &setting, &Options::default()).map_err(told)?;
             Some(compared(&fitted.drive)?)
         }
     };

@@ -2,7 +2,7 @@
 
 use drivescope_discovery::compare::Curve;
 use drivescope_discovery::{LearnedCurve, Ranked, Verdict};
-use drivescope_plant::effects::info::Info;
+use drivescope_plant::effects::info::Variable;
 use drivescope_plant::effects::registry::Entry;
 use maud::{Markup, PreEscaped, html};
 
@@ -128,7 +128,10 @@ fn card(
     action: &dyn Fn(&str) -> Markup,
 ) -> Markup {
     let info = Entry::find(&one.effect).map(|entry| entry.info);
-    let evidence = info.and_then(|info| convicting(info, curves));
+    let typed = missing.typed.iter().find(|law| law.id == one.effect);
+    let of_library = info.map(|info| info.fails_over);
+    let fails_over = of_library.or(typed.map(|law| law.fails_over.as_slice()));
+    let evidence = fails_over.and_then(|variables| convicting(variables, curves));
     html! {
         article.card data-effect=(one.effect) data-refused[one.refused.is_some()]
             aria-label=(name(&one.effect)) {
@@ -140,6 +143,9 @@ fn card(
             @if let Some(info) = info {
                 p { code { (info.law) } }
                 p.note { "Without it: " (info.fingerprint) }
+            } @else if let Some(law) = typed {
+                p { code { (law.text) } }
+                p.note { "A law of your own." }
             }
             @if let Some((at, curve)) = evidence {
                 (PreEscaped(pictures::curve_at(curve, &format!("card-{place}-{at}"), HEIGHT).svg_of(WIDTH)))
@@ -174,11 +180,11 @@ fn card(
 
 /// The curve that shows an effect best: over the variable over which a model without it fails
 /// most tellingly, of those that were drawn.
-fn convicting<'a>(info: &Info, curves: &'a [Curve]) -> Option<(usize, &'a Curve)> {
+fn convicting<'a>(variables: &[Variable], curves: &'a [Curve]) -> Option<(usize, &'a Curve)> {
     // The curve over the speed shows both directions.
     let drawn =
         |variable: &str| if variable == "omega_sign" { "omega" } else { variable }.to_owned();
-    info.fails_over.iter().find_map(|variable| {
+    variables.iter().find_map(|variable| {
         let wanted = drawn(variable.name());
         curves.iter().enumerate().find(|(_, curve)| curve.variable == wanted)
     })

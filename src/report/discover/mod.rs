@@ -9,6 +9,9 @@ use drivescope_discovery::compare::Comparison;
 use drivescope_discovery::{
     Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, SecondOpinion, Verdict,
 };
+use drivescope_plant::drive::{EffectData, LawData};
+use drivescope_plant::effects::custom::{Law, Target};
+use drivescope_plant::effects::info::Variable;
 use maud::html;
 
 pub(crate) use cards::cards;
@@ -33,8 +36,30 @@ pub(crate) struct Missing {
     pub(crate) next: Option<NextExperiment>,
     /// What the inverse form says of it.
     pub(crate) second_opinion: Option<SecondOpinion>,
+    /// The laws that the user typed.
+    pub(crate) typed: Vec<OwnLaw>,
     /// What these recordings could not show, and why.
     pub(crate) not_shown: Vec<(String, String)>,
+}
+
+/// A law of the drive file, for its card.
+#[derive(Debug, Clone)]
+pub(crate) struct OwnLaw {
+    id: String,
+    /// As it stands there.
+    text: String,
+    fails_over: Vec<Variable>,
+}
+
+impl OwnLaw {
+    /// Of an effect; nothing of one of the library or a curve.
+    fn of(effect: &EffectData) -> Option<Self> {
+        let Some(LawData::Typed { target, text }) = &effect.law else { return None };
+        let names: Vec<String> = effect.parameters.iter().map(|(name, _)| name.clone()).collect();
+        let fails_over = Law::parse(*target, text, &names).ok()?.fails_over();
+        let (key, _) = Target::ALL.iter().find(|(_, other)| other == target)?;
+        Some(Self { id: effect.id.clone(), text: format!("{key} = {text}"), fails_over })
+    }
 }
 
 impl Missing {
@@ -53,6 +78,7 @@ impl Missing {
             learned: found.learned.clone(),
             next: found.next_experiment.clone(),
             second_opinion: found.second_opinion.clone(),
+            typed: found.drive.effects.iter().filter_map(OwnLaw::of).collect(),
             not_shown: found.not_shown().into_iter().map(not_shown).collect(),
         }
     }

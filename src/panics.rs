@@ -6,6 +6,10 @@ use std::panic::{self, PanicHookInfo};
 /// Replaces the standard message of a panic.
 pub(crate) fn install() {
     panic::set_hook(Box::new(|info| {
+        // A damaged recording that a foreign reader stumbles over becomes an error of its own.
+        if drivescope_recording::is_reading() {
+            return;
+        }
         let _ = writeln!(std::io::stderr(), "{}", line(info));
     }));
 }

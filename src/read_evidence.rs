@@ -52,6 +52,11 @@ pub(crate) fn read_evidence(
         recordings.push((name, reading.read(file, session)?.0));
     }
     let read = evidence_of(drive, &recordings, given)?;
+    for measured in &read.evidence.recordings {
+        if let Some(remark) = measured.driving.remark() {
+            session.remark(format_args!("{}: {remark}", measured.name));
+        }
+    }
     read.doubts.iter().for_each(|doubt| session.remark(doubt));
     Ok(read)
 }

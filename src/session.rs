@@ -4,9 +4,11 @@
 //! progress go to standard error, unless `--quiet`.
 
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use drivescope_recording::ReadOptions;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -23,6 +25,9 @@ pub(crate) struct Session {
     /// The seed that was asked for.
     pub(crate) given_seed: Option<u64>,
     quiet: bool,
+    /// How recordings are read, to be kept beside them once the answer is given: a command that is
+    /// refused leaves nothing.
+    to_keep: Mutex<Vec<(PathBuf, ReadOptions)>>,
 }
 
 /// Seed where none is given.
@@ -33,7 +38,13 @@ const REDRAW: Duration = Duration::from_millis(100);
 impl Session {
     pub(crate) fn new(common: &Common) -> Self {
         let (seed, given_seed) = (common.seed.unwrap_or(USUAL_SEED), common.seed);
-        Self { json: common.json.clone(), seed, given_seed, quiet: common.quiet }
+        Self {
+            json: common.json.clone(),
+            seed,
+            given_seed,
+            quiet: common.quiet,
+            to_keep: Mutex::default(),
+        }
     }
 
     /// Finds out whether the answer can be written, before the work.
@@ -50,6 +61,7 @@ impl Session {
     /// # Errors
     /// The file or standard output cannot be written.
     pub(crate) fn answer(&self, text: &str, json: &impl Serialize) -> Result<(), Failure> {
+        self.keep();
         match &self.json {
             Some(path) if path.as_os_str() == "-" => return output::print(&output::json(json)?),
             Some(path) => {
@@ -60,6 +72,23 @@ impl Session {
         }
         let end = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
         output::print(&format!("{text}{end}"))
+    }
+
+    /// Keeps how a recording is read beside it, once the answer is given.
+    pub(crate) fn keep_later(&self, recording: &Path, options: ReadOptions) {
+        let mut to_keep = self.to_keep.lock().unwrap_or_else(PoisonError::into_inner);
+        to_keep.push((recording.to_owned(), options));
+    }
+
+    fn keep(&self) {
+        let mut to_keep = self.to_keep.lock().unwrap_or_else(PoisonError::into_inner);
+        for (recording, options) in to_keep.drain(..) {
+            // A folder that cannot be written to is no reason not to answer.
+            match options.keep(&recording) {
+                Ok(kept) => self.remark(format_args!("columns kept in {}", kept.display())),
+                Err(error) => self.remark(format_args!("columns not kept for later: {error}")),
+            }
+        }
     }
 
     /// Whether standard output is for JSON alone.

@@ -216,6 +216,55 @@ def wrong_unit(page, server, check, folder):
     check.that(page.locator(".offer").count() == 0, "the offer stays after the correction")
 
 
+def mapped(page, server, check, folder, pictures):
+    """A log with names of its own and a time without a unit: said in words, read at once."""
+    lines = (Path(folder) / "one.csv").read_text().splitlines()
+    head = lines[0].split(",")
+    kept = [head.index(name) for name in ("time [s]", "u [V]", "omega [rad/s]")]
+    # The time stands second: a first column that runs like a clock is taken without a word.
+    rows = ["Steller,Marke,Welle"]
+    for line in lines[1:]:
+        time, u, omega = (float(line.split(",")[k]) for k in kept)
+        rows.append(f"{u!r},{1000 * time!r},{omega * 9.549296585513721!r}")
+    path = Path(folder) / "foreign.csv"
+    path.write_text("\n".join(rows) + "\n")
+    page.goto(re.sub(r"/\?.*", "/", server.url))
+    page.locator("#file").set_input_files(path)
+    page.get_by_text("foreign.csv is to be completed.").wait_for()
+    check.that(page.locator("svg.spark").count() == 3, "a column has no small plot")
+    picture(page, pictures, "incomplete.png")
+    page.get_by_role("button", name="Take `Marke` as time in ms").click()
+    shaft = page.locator("tr[data-column='Welle']")
+    expect(shaft.locator(".makes")).to_have_text("")
+    page.get_by_label("what column Steller is").select_option(
+        label="armature voltage or drive command, u"
+    )
+    expect(page.locator("tr[data-column='Steller'] .makes")).to_contain_text("V")
+    page.get_by_label("what column Welle is").select_option(label="speed of the shaft, omega")
+    expect(shaft.locator(".makes")).to_contain_text("rad/s")
+    before = shaft.locator(".makes").inner_text()
+    unit = page.get_by_label("unit of column Welle")
+    unit.fill("rpm")
+    unit.press("Enter")
+    expect(shaft.locator(".makes")).not_to_have_text(before)
+    page.locator("#see").wait_for()
+    at_rest(page)
+    page.locator("#drop-h").evaluate("it => it.scrollIntoView()")
+    picture(page, pictures, "columns.png")
+    # The sampling time, by a button.
+    asked = page.locator("form.sampling[data-what=resample]")
+    asked.locator("input").fill("2")
+    asked.get_by_role("button").click()
+    expect(page.locator("details.recording summary")).to_contain_text("every 2 ms")
+    page.get_by_role("button", name="As it was sampled").wait_for()
+    fits(page, check, "columns")
+    page.set_viewport_size(NARROW)
+    # The plots follow the window a moment later.
+    page.wait_for_timeout(1000)
+    fits(page, check, "columns, narrow")
+    page.set_viewport_size(WIDE)
+
+
 def begin(page, server, folder, *names):
     """A session of its own with these files, until the model is seen beside them."""
     page.goto(re.sub(r"/\?.*", "/", server.url))
@@ -315,6 +364,7 @@ def main():
             subprocess.run(run, cwd=folder, check=True, capture_output=True)
             report(context, check, Path(folder) / "found.html")
             wrong_unit(page, server, check, folder)
+            mapped(page, server, check, folder, pictures)
             large(page, server, check, folder)
             faults(page, server, check, pictures)
             # Before the server: the page would say that it is gone.

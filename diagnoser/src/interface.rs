@@ -147,16 +147,16 @@ mod tests {
             unit: unit.into(),
             values,
         };
-        Recording {
-            name: "bench".into(),
-            start_s: 0.0,
-            period_s: 0.005,
-            signals: vec![
+        Recording::new(
+            "bench",
+            0.0,
+            0.005,
+            vec![
                 signal("I_m", "A", vec![0.1, 0.2]),
                 signal("T", "rpm", vec![10.0, 20.0]),
                 signal("C_m", "V", vec![1.0, 2.0]),
             ],
-        }
+        )
     }
 
     #[test]

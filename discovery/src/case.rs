@@ -4,6 +4,8 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::integrate::longest_substep;
 use drivescope_plant::sampled::speed_bound;
 
+use crate::balances::begin;
+use crate::estimate::Evidence;
 use crate::measured::{Channel, Measured};
 use crate::observer::Observer;
 use crate::run::Runner;
@@ -37,6 +39,13 @@ impl Setting {
         let own = PACE * longest_substep(&model, 0.0);
         let passing = PASSING_PACE * longest_substep(&model, speed_bound(drive));
         Self { observer, longest_s: own.min(passing) }
+    }
+
+    /// The setting of a fit of the drive to these recordings. It is chosen at the values that the
+    /// balances give, so that it does not depend on where the search begins.
+    pub fn of_fit(drive: &Drive, evidence: &Evidence) -> Self {
+        let begun = begin(drive, evidence).drive;
+        Self::new(&begun, Observer::choose(&begun, &evidence.recordings, &evidence.noise))
     }
 }
 

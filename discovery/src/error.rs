@@ -5,13 +5,29 @@ use thiserror::Error as ThisError;
 /// Why a recording, or a drive with it, cannot be used.
 #[derive(Debug, Clone, PartialEq, ThisError)]
 pub enum Error {
-    /// There is no u.
-    #[error("{file}: there is no input `u` among {columns}: name its column by --columns u=COLUMN")]
+    /// Nothing could drive the model.
+    #[error(
+        "{file}: nothing drives the model: of {wanted} there is none among {columns}; name the \
+         column by --columns u=COLUMN"
+    )]
     MissingInput {
         /// The recording.
         file: String,
+        /// The signals that would do.
+        wanted: &'static str,
         /// The columns there are.
         columns: String,
+    },
+    /// No voltage, but what drives a drive of the torque balance alone.
+    #[error(
+        "{file}: there is no voltage `u`: with {instead} it shows the torque balance only; \
+         `drivescope init {file} -o DRIVE` makes a drive for that, with input = \"force\""
+    )]
+    NoVoltage {
+        /// The recording.
+        file: String,
+        /// The signal that would drive such a drive.
+        instead: String,
     },
     /// u is no voltage but the drive takes one.
     #[error(

@@ -138,7 +138,7 @@ mod tests {
             values,
         };
         let signals = vec![signal("u", "V", u.clone()), signal("x", "m", x)];
-        let recording = Recording { name: "motion".into(), start_s: 0.0, period_s: h, signals };
+        let recording = Recording::new("motion", 0.0, h, signals);
         let measured = Measured::new(&drive, &recording).expect("usable");
         let error = |drive: &Drive| {
             relative_force_error(drive, &measured, USUAL_BAND_HZ).expect("it has one")

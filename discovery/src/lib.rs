@@ -11,11 +11,13 @@
 //! [`Observer`] of fixed bandwidth where it cannot run free, and yields residuals and, for every
 //! [`Direction`], exact derivatives through stick-slip.
 
+mod balances;
 mod canonical;
 mod case;
 pub mod compare;
 mod discover;
 mod doubt;
+mod driving;
 mod error;
 mod estimate;
 mod force;
@@ -32,13 +34,15 @@ mod start;
 #[cfg(test)]
 mod testing;
 
+pub use balances::{Begun, Told, Unexplained, begin, small_inertia, unexplained};
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{
     Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung,
-    SecondOpinion, Step, Unwatched, Verdict, Watch, add, bic_of, discover, typed_apart,
+    SecondOpinion, Step, Unwatched, Verdict, Watch, add, bic_of, discover,
 };
 pub use doubt::{Doubt, doubts};
+pub use driving::{Driving, driving};
 pub use error::Error;
 pub use estimate::{
     Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Options, Seen, evaluate, fit,

@@ -3,14 +3,16 @@
 //! u and the load act from one sample to the next, held. The outputs are the current, and the
 //! speed or, where no speed was measured, the position. A position beside a speed is no output,
 //! for it only integrates the speed's error: it is the known angle of laws that depend on it.
-//! Samples that are not finite are left out; where u is missing the run ends and begins anew.
+//! Samples that are not finite are left out; where a segment ends or u is missing the run ends and
+//! begins anew.
 
 use std::ops::Range;
 
 use drivescope_plant::drive::{Drive, Input};
-use drivescope_recording::{Quantity, Recording, Signal, Unit};
+use drivescope_recording::{Clock, NoiseGain, Recording, Signal};
 
 use crate::canonical::{position, speed, with_canonical_names};
+use crate::driving::{Driving, driving, usable};
 use crate::error::Error;
 
 /// Missing samples of u over which its last value is held.
@@ -47,11 +49,13 @@ pub struct Channel {
 pub struct Measured {
     /// Where it comes from.
     pub name: String,
-    /// Time of the first sample, s.
-    pub start_s: f64,
+    /// When the samples were taken.
+    pub clock: Clock,
     /// Sampling time, s.
     pub period_s: f64,
-    /// Voltage, V, or force command; finite within the pieces.
+    /// What drives the model.
+    pub driving: Driving,
+    /// Its values: voltage, V, or what commands the force; finite within the pieces.
     pub u: Vec<f64>,
     /// Load torque, N m, or force, N; finite within the pieces.
     pub load: Option<Vec<f64>>,
@@ -62,28 +66,26 @@ pub struct Measured {
     pub angle: Option<Vec<f64>>,
     /// Stretches of samples in which u is known; each begins in a state of its own.
     pub pieces: Vec<Range<usize>>,
+    /// What interpolation did to white noise before.
+    pub noise_gain: NoiseGain,
 }
 
 impl Measured {
     /// The recording as that drive's.
     ///
     /// # Errors
-    /// [`Error::MissingInput`], [`Error::WrongInput`], [`Error::NoOutput`] or
-    /// [`Error::TooFewSamples`].
+    /// [`Error::MissingInput`], [`Error::NoVoltage`], [`Error::WrongInput`], [`Error::NoOutput`]
+    /// or [`Error::TooFewSamples`].
     pub fn new(drive: &Drive, recording: &Recording) -> Result<Self, Error> {
+        let (driving, _) = driving(drive, recording)?;
         let recording = with_canonical_names(drive, recording.clone());
         let columns = || {
             let all: Vec<String> = recording.signals.iter().map(Signal::header).collect();
             all.join(", ")
         };
         let file = || recording.name.clone();
-        let find = |name: &str| {
-            let usable = |signal: &&Signal| signal.values.iter().any(|value| value.is_finite());
-            recording.signal(name).filter(usable)
-        };
-        let u =
-            find("u").ok_or_else(|| Error::MissingInput { file: file(), columns: columns() })?;
-        check_input(drive, u, &recording.name)?;
+        let find = |name: &str| usable(&recording, name);
+        let u = find("u").expect("what drives is u");
         let load = find("T_l");
         let (speed, position) = (speed(drive), position(drive));
         let current = (drive.motor.input == Input::Voltage).then(|| ("i", "A".to_owned()));
@@ -101,7 +103,7 @@ impl Measured {
             return Err(Error::NoOutput { file: file(), wanted, columns: columns() });
         }
         let driven: Vec<&Signal> = [Some(u), load].into_iter().flatten().collect();
-        let pieces = pieces(&driven, recording.len());
+        let pieces = pieces(&driven, &recording.segments());
         if pieces.is_empty() {
             let samples = recording.len();
             return Err(Error::TooFewSamples { file: file(), samples, least: SHORTEST_PIECE });
@@ -112,13 +114,15 @@ impl Measured {
         });
         Ok(Self {
             name: recording.name.clone(),
-            start_s: recording.start_s,
+            clock: recording.clock(),
             period_s: recording.period_s,
+            driving,
             u: held(&u.values),
             load: load.map(|load| held(&load.values)),
             outputs,
             angle,
             pieces,
+            noise_gain: recording.noise_gain,
         })
     }
 
@@ -134,7 +138,7 @@ impl Measured {
 
     /// Time of sample `k`, s.
     pub fn time(&self, k: usize) -> f64 {
-        self.start_s + k as f64 * self.period_s
+        self.clock.time(k)
     }
 
     /// The output of that kind, if it was measured.
@@ -168,8 +172,9 @@ impl Measured {
         let take = |values: &Vec<f64>| values[range.clone()].to_vec();
         Ok(Self {
             name: self.name.clone(),
-            start_s: self.time(range.start),
+            clock: self.clock.part(&range),
             period_s: self.period_s,
+            driving: self.driving,
             u: take(&self.u),
             load: self.load.as_ref().map(take),
             outputs: self
@@ -179,6 +184,7 @@ impl Measured {
                 .collect(),
             angle: self.angle.as_ref().map(take),
             pieces,
+            noise_gain: self.noise_gain,
         })
     }
 }
@@ -189,24 +195,18 @@ fn channel(output: Output, of: &(&'static str, String), signal: &Signal) -> Opti
     Some(Channel { output, name, unit, values: values.collect() })
 }
 
-/// A voltage-driven motor takes volts.
-fn check_input(drive: &Drive, u: &Signal, file: &str) -> Result<(), Error> {
-    let quantity = Unit::parse(&u.unit).map(|unit| unit.quantity);
-    let fits = quantity.is_none_or(|quantity| quantity == Quantity::Voltage);
-    if drive.motor.input == Input::Voltage && !fits {
-        return Err(Error::WrongInput { file: file.to_owned(), unit: u.unit.clone() });
-    }
-    Ok(())
-}
-
-/// Stretches in which every one of these signals is known, holes of few samples bridged.
-fn pieces(signals: &[&Signal], samples: usize) -> Vec<Range<usize>> {
-    let known = |k: usize| signals.iter().all(|signal| signal.values[k].is_finite());
+/// Stretches of the segments in which every one of these signals is known, holes of few samples
+/// bridged.
+fn pieces(signals: &[&Signal], segments: &[Range<usize>]) -> Vec<Range<usize>> {
+    let known = |k: &usize| signals.iter().all(|signal| signal.values[*k].is_finite());
     let mut pieces: Vec<Range<usize>> = Vec::new();
-    for k in (0..samples).filter(|k| known(*k)) {
-        match pieces.last_mut() {
-            Some(last) if k - last.end <= HELD => last.end = k + 1,
-            _ => pieces.push(k..k + 1),
+    for segment in segments {
+        let before = pieces.len();
+        for k in segment.clone().filter(known) {
+            match pieces[before..].last_mut() {
+                Some(last) if k - last.end <= HELD => last.end = k + 1,
+                _ => pieces.push(k..k + 1),
+            }
         }
     }
     pieces.retain(|piece| piece.len() >= SHORTEST_PIECE);
@@ -276,7 +276,7 @@ mod tests {
             values: (0..100).map(|k| 1.0 + f64::from(k)).collect(),
         };
         let signals = columns.iter().map(signal).collect();
-        Recording { name: "bench.csv".into(), start_s: 2.0, period_s: 0.01, signals }
+        Recording::new("bench.csv", 2.0, 0.01, signals)
     }
 
     fn outputs(columns: &[(&str, &str)]) -> Vec<&'static str> {
@@ -315,7 +315,7 @@ mod tests {
         let angle = measured.angle.clone().expect("from the speed");
         assert!(angle.iter().all(|angle| angle.is_finite()));
         let part = measured.part(40..90).expect("long enough");
-        assert_eq!((part.pieces[0].clone(), part.start_s), (20..50, 2.4));
+        assert_eq!((part.pieces[0].clone(), part.clock.start_s), (20..50, 2.4));
         assert!(measured.part(45..55).is_err());
     }
 
@@ -326,6 +326,8 @@ mod tests {
         };
         let text = refused(&[("omega", "rad/s")]);
         assert!(text.contains("bench.csv") && text.contains("omega [rad/s]"), "{text}");
+        let text = refused(&[("i", "A"), ("omega", "rad/s")]);
+        assert!(text.contains("torque balance") && text.contains("init"), "{text}");
         let text = refused(&[("u", "V"), ("v", "m/s")]);
         assert!(text.contains("i, omega, theta") && text.contains("v [m/s]"), "{text}");
         let text = refused(&[("u", "A"), ("omega", "rad/s")]);

@@ -9,6 +9,9 @@
 //! stick-slip) are left out, and the scale made right for their absence. A signal on a grid q has
 //! at least q / sqrt(12).
 //!
+//! Where rows were interpolated onto a uniform grid, the differences are corrected by what that did
+//! to white noise ([`Measured::noise_gain`]).
+//!
 //! Bias on the cases of the tests: below 10 %; larger where the drive moves within fewer samples
 //! than d, for then a motion cannot be told from noise.
 
@@ -67,7 +70,11 @@ pub fn noise(drive: &Drive, measured: &Measured, given: &[(String, f64)]) -> Vec
     let of = |channel: &Channel| {
         let named = given.iter().find(|(name, _)| name == channel.name).map(|(_, sd)| *sd);
         match named.or_else(|| of_file(&drive.noise, &drive.sensors, channel.output)) {
-            Some(sd) => Noise { sd, source: NoiseSource::Given },
+            // What is given is the sensor's; interpolation left that much of it.
+            Some(sd) => {
+                let sd = sd * measured.noise_gain.of_difference(0);
+                Noise { sd, source: NoiseSource::Given }
+            }
             None => Noise { sd: estimated(measured, channel), source: NoiseSource::Estimated },
         }
     };
@@ -88,7 +95,10 @@ fn of_file(noise: &NoiseData, sensors: &SensorData, output: Output) -> Option<f6
 fn estimated(measured: &Measured, channel: &Channel) -> f64 {
     let rows = rows(measured, channel);
     let by_grid = Quantum::of(&channel.values).map_or(0.0, |quantum| quantum.step / 12f64.sqrt());
-    let gain = (1..=ORDER).map(|k| (ORDER + k) as f64 / k as f64).product::<f64>().sqrt();
+    let white = (1..=ORDER).map(|k| (ORDER + k) as f64 / k as f64).product::<f64>().sqrt();
+    // Interpolated noise is smooth: its differences are smaller than itself by more.
+    let smooth = &measured.noise_gain;
+    let gain = white * smooth.of_difference(ORDER) / smooth.of_difference(0);
     let by_differences = if rows.len() < FEWEST_ROWS {
         clipped(&differences(measured, channel))
     } else {

@@ -16,7 +16,9 @@ use std::f64::consts::TAU;
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
+use crate::balances::drift;
 use crate::case::{Case, Setting};
+use crate::estimate::Evidence;
 use crate::measured::{Channel, Measured, Output};
 use crate::start::first_starts;
 
@@ -28,18 +30,26 @@ const MOST_OF_RATE: f64 = 0.1;
 
 /// Share of a recording within which a free run must settle.
 const MOST_OF_RECORDING: f64 = 0.25;
+/// Share of the speed's root mean square by which a torque that nothing explains may move a free
+/// run: beyond, it shows that torque summed up and little else.
+const MOST_OF_SPEED: f64 = 0.1;
 /// Times the largest measured value beyond which a model has run away.
 const RUN_AWAY: f64 = 10.0;
 
-/// The time in which the speed of a drive settles, s: J over viscous friction and the braking by
-/// the back-EMF.
-pub fn mechanical_time_s(drive: &Drive) -> f64 {
+/// The torque that brakes a drive a unit of its speed, N m s/rad (N s/m): viscous friction, and the
+/// back-EMF through the armature.
+pub(crate) fn damping(drive: &Drive) -> f64 {
     let motor = &drive.motor;
     let braking = match (motor.r, motor.k_e) {
         (Some(r), Some(k_e)) => motor.k_m * k_e / r,
         _ => 0.0,
     };
-    motor.j / (motor.b_m + braking)
+    motor.b_m + braking
+}
+
+/// The time in which the speed of a drive settles, s: J over what brakes it.
+pub fn mechanical_time_s(drive: &Drive) -> f64 {
+    drive.motor.j / damping(drive)
 }
 
 /// Gains of the correction for one sampling time.
@@ -71,8 +81,9 @@ impl Observer {
     }
 
     /// The observer for a base drive: none where the drive returns to its input by itself, the
-    /// usual one where it integrates (a position is measured alone, or the speed takes a good
-    /// part of the recording to settle) or runs away. `noise` is that of each recording's outputs.
+    /// usual one where it integrates (a position is measured alone, the speed takes a good part
+    /// of the recording to settle, or it is braked so little that the torque the drive leaves
+    /// unexplained moves it far) or runs away. `noise` is that of each recording's outputs.
     pub fn choose(drive: &Drive, recordings: &[Measured], noise: &[Vec<f64>]) -> Self {
         let settles = mechanical_time_s(drive);
         let integrates = |one: &Measured| {
@@ -80,7 +91,13 @@ impl Observer {
             shows_an_integral(one) || settles > MOST_OF_RECORDING * longest as f64 * one.period_s
         };
         let away = |(one, noise): (&Measured, &Vec<f64>)| runs_away(drive, one, noise);
-        if recordings.iter().any(integrates) || recordings.iter().zip(noise).any(away) {
+        let each = || recordings.iter().zip(noise);
+        let far = || {
+            let (recordings, noise) = (recordings.to_vec(), noise.to_vec());
+            let share = drift(drive, &Evidence { recordings, noise });
+            share.is_some_and(|share| share > MOST_OF_SPEED)
+        };
+        if recordings.iter().any(integrates) || far() || each().any(away) {
             Self::usual(recordings)
         } else {
             Self::NONE
@@ -148,6 +165,7 @@ fn runs_away(drive: &Drive, measured: &Measured, noise: &[f64]) -> bool {
 mod tests {
     use super::*;
     use crate::testing::{bench, dr300};
+    use drivescope_recording::{Clock, NoiseGain};
 
     fn measured(output: Output) -> Measured {
         let values = vec![0.0; 100];
@@ -156,13 +174,15 @@ mod tests {
         let name = String::new();
         Measured {
             name,
-            start_s: 0.0,
+            clock: Clock { start_s: 0.0, period_s: 0.001, breaks: Vec::new() },
             period_s: 0.001,
+            driving: crate::Driving::Input,
             u: values,
             load: None,
             outputs,
             angle: None,
             pieces: std::iter::once(0..100).collect(),
+            noise_gain: NoiseGain::NONE,
         }
     }
 

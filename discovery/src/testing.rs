@@ -57,7 +57,7 @@ pub fn loaded(drive: &Drive, u: Vec<f64>, load: &[f64], period_s: f64) -> Record
         signal("omega", "rad/s", omega),
         signal("theta", "rad", theta),
     ];
-    Recording { name: "bench".into(), start_s: 0.0, period_s, signals }
+    Recording::new("bench", 0.0, period_s, signals)
 }
 
 /// Normal numbers of unit variance.
@@ -104,7 +104,7 @@ pub fn closed_loop(drive: &Drive, duration_s: f64, seed: u64) -> Recording {
         |name: &str, unit: &str, values| Signal { name: name.into(), unit: unit.into(), values };
     let omega = t.iter().map(|t| t / per_si).collect();
     let signals = vec![signal("u", "V", u), signal("i", "A", i), signal("omega", "rad/s", omega)];
-    Recording { name: "loop".into(), start_s: 0.0, period_s, signals }
+    Recording::new("loop", 0.0, period_s, signals)
 }
 
 /// The recording with white noise on current and speed.

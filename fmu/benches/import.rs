@@ -59,7 +59,7 @@ fn cosim(c: &mut Criterion) {
     let Some(fmu) = support::probe("3") else { return };
     let values = vec![1.0; 1000];
     let signals = vec![Signal { name: "u".into(), unit: "1".into(), values }];
-    let recording = Arc::new(Recording { name: "u".into(), start_s: 0.0, period_s: STEP, signals });
+    let recording = Arc::new(Recording::new("u", 0.0, STEP, signals));
     c.bench_function("cosim: 1000 steps of two coupled FMUs", |b| {
         b.iter(|| {
             let mut system = System::new(Experiment::new(0.0, 1000.0 * STEP, STEP));

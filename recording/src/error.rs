@@ -21,13 +21,15 @@ pub enum Error {
         /// The path as the user named it.
         file: String,
     },
-    /// The extension tells no format.
-    #[error("{file}: format `{extension}` is not known; use .csv, .parquet or .mat")]
+    /// Neither first bytes nor extension tell a format.
+    #[error(
+        "{file}: is a recording in no known format; read are {known}, so export it as one of them"
+    )]
     Format {
         /// The file as the user named it.
         file: String,
-        /// Its extension, perhaps empty.
-        extension: String,
+        /// The formats that are read.
+        known: String,
     },
     /// The file cannot be written.
     #[error("{file}: cannot be written: {source}")]
@@ -38,12 +40,12 @@ pub enum Error {
         source: io::Error,
     },
     /// Reading is all that is offered for the format.
-    #[error("{file}: `{extension}` files are not written; use .csv or .parquet")]
+    #[error("{file}: such files are not written; name it {known}")]
     WriteFormat {
         /// The file as the user named it.
         file: String,
-        /// Its extension.
-        extension: String,
+        /// The extensions that are written.
+        known: String,
     },
     /// Nothing in the file.
     #[error("{file}: is empty; a recording starts with a header such as `time [s],u [V],i [A]`")]
@@ -94,9 +96,9 @@ pub enum Error {
         /// What stands there.
         text: String,
     },
-    /// Bytes that are no UTF-8 text.
+    /// Bytes that are no text.
     #[error(
-        "{place}: column {position} is not UTF-8 text (byte 0x{byte:02x}); save the file as UTF-8"
+        "{place}: column {position} is no text (byte 0x{byte:02x}); save the recording as CSV text"
     )]
     NotUtf8 {
         /// The line.
@@ -105,12 +107,6 @@ pub enum Error {
         position: usize,
         /// The first byte that is none.
         byte: u8,
-    },
-    /// A carriage return that ends no line.
-    #[error("{place}: a carriage return inside the line; save the file with LF or CRLF line ends")]
-    LoneReturn {
-        /// The line.
-        place: Place,
     },
     /// A line is longer than any header.
     #[error("{place}: no line end within {limit} bytes; this is not a CSV file")]
@@ -187,6 +183,14 @@ pub enum Error {
         /// The item.
         text: String,
     },
+    /// A file of kept mappings that is none.
+    #[error("{file}: {reason}; mend it, or remove it to have the columns guessed again")]
+    Kept {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// A mapping to a column that is not there.
     #[error("{file}: has no column `{column}` to take as {signal}; it has {columns}")]
     MappedColumn {
@@ -206,7 +210,10 @@ pub enum Error {
         place: Place,
     },
     /// Time runs backwards.
-    #[error("{place}: time goes back from {from_s} s to {to_s} s; cut or sort the recording there")]
+    #[error(
+        "{place}: time goes back from {from_s} s to {to_s} s, and so on from row to row; sort the \
+         rows by time"
+    )]
     TimeBackwards {
         /// The row after the step.
         place: Place,
@@ -229,21 +236,6 @@ pub enum Error {
         /// Median step of the recording, s.
         median_s: f64,
     },
-    /// Samples are missing.
-    #[error(
-        "{place}: a gap of {step} s, where the median step is {median} s; cut the recording \
-         there, or resample (--resample {median}), which bridges it with a straight line",
-        step = digits(*.step_s),
-        median = digits(*.median_s)
-    )]
-    Gap {
-        /// The row after the gap.
-        place: Place,
-        /// Length of the gap, s.
-        step_s: f64,
-        /// Median step of the recording, s.
-        median_s: f64,
-    },
     /// A step that departs from the others.
     #[error(
         "{place}: a time step of {step} s, where the median step is {median} s: not uniform \
@@ -259,20 +251,18 @@ pub enum Error {
         /// Median step of the recording, s.
         median_s: f64,
     },
-    /// Steps that are each near the mean but drift away from the grid together.
+    /// A column that is no time.
     #[error(
-        "{place}: time is {off} s off a uniform grid of {period} s: the sampling time drifts; \
-         resample with --resample {period}",
-        off = digits(*.off_s),
-        period = digits(*.period_s)
+        "{file}: time jumps {jumps} times in {rows} rows; if another column is the time, name it \
+         with --columns time=NAME:UNIT"
     )]
-    Drift {
-        /// The row farthest off.
-        place: Place,
-        /// How far, s.
-        off_s: f64,
-        /// Mean step, s.
-        period_s: f64,
+    NoClock {
+        /// The file.
+        file: String,
+        /// How often time jumps.
+        jumps: usize,
+        /// Rows of the file.
+        rows: usize,
     },
     /// A sampling time that cannot be.
     #[error(
@@ -326,55 +316,49 @@ pub enum Error {
         /// Length of the first signal.
         expected: usize,
     },
-    /// The Parquet reader gives up.
-    #[error("{file}: is not a whole Parquet file: {source}")]
-    Parquet {
+    /// A file claims more numbers than are read.
+    #[error(
+        "{file}: holds more than {most} numbers in all its columns; cut it, keep every tenth row, \
+         or keep fewer columns"
+    )]
+    TooLarge {
         /// The file.
         file: String,
-        /// What the Parquet reader says.
-        source: Box<dyn std::error::Error + Send + Sync>,
+        /// Numbers that are read at most.
+        most: usize,
     },
-    /// A Parquet file packed in a way that is not unpacked here.
-    #[error(
-        "{file}: is packed with {compression}, which is not read; write it with \
-         compression=\"snappy\""
-    )]
-    Compression {
+    /// Bytes that are not what the format says.
+    #[error("{file}: is not a whole {format} file: {what}; copy or export it once more")]
+    Damaged {
         /// The file.
         file: String,
-        /// The packer's name.
-        compression: String,
+        /// The format's name.
+        format: &'static str,
+        /// What is wrong, and where.
+        what: String,
     },
-    /// A MAT file of another version than 5.
+    /// A variety of a format that is not read.
     #[error(
-        "{file}: is a MAT file of {version}, only version 5 little-endian is read; save it with \
-         `save -v7` in MATLAB or Octave, or with scipy.io.savemat in Python"
+        "{file}: is {what}, which is not read; {instead}, or convert it: python \
+         tools/convert_recording.py {file} OUT.csv"
     )]
-    MatVersion {
+    Variety {
         /// The file.
         file: String,
         /// What it is.
-        version: &'static str,
+        what: String,
+        /// What to do in the program that wrote it.
+        instead: &'static str,
     },
-    /// Bytes that are not what the format says.
-    #[error("{file}: is not a whole MAT file: {what} near byte {at}")]
-    MatDamaged {
-        /// The file.
-        file: String,
-        /// What is wrong.
-        what: &'static str,
-        /// Bytes read up to there.
-        at: u64,
-    },
-    /// No plain numeric series in a MAT file.
+    /// No numeric series in a file.
     #[error(
-        "{file}: holds no plain numeric series, but {found}; flatten it with \
-         scipy.io.loadmat(..., simplify_cells=True) and scipy.io.savemat(..., {{\"t\": t, \"u\": u}})"
+        "{file}: holds no series of numbers, but {found}; export the signals as plain columns \
+         beside a time, or convert it: python tools/convert_recording.py {file} OUT.csv"
     )]
-    MatNoSeries {
+    NoSeries {
         /// The file.
         file: String,
-        /// The variables that are there.
+        /// What is there instead.
         found: String,
     },
 }

@@ -1,30 +1,75 @@
-//! Files by their extension.
+//! Files: read in whatever format they are, written by their extension.
 
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use crate::csv;
 use crate::error::Error;
+use crate::formats::{Format, by_extension, recognise, written};
 use crate::mapping::ReadOptions;
+use crate::preview::Preview;
 use crate::report::Report;
 use crate::signal::Recording;
-use crate::{mat, parquet};
+use crate::table::Table;
 
-/// Reads a recording; the extension tells the format.
+thread_local! {
+    static READS: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread is reading a file's bytes at the moment. A panic then is a damaged file
+/// that a foreign reader stumbles over: [`read()`] returns it as an error, so a panic hook need
+/// say nothing.
+pub fn is_reading() -> bool {
+    READS.get()
+}
+
+/// Reads a recording in any of the [formats](crate::formats()): its first bytes tell which, then
+/// its extension.
 ///
 /// # Errors
 /// Any of [`Error`]; the file and, where there is one, the line are named.
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<(Recording, Report), Error> {
     let path = path.as_ref();
     let file = path.display().to_string();
-    let (opened, bytes) = open(path, &file)?;
-    match extension(path).as_str() {
-        "csv" | "txt" | "tsv" => csv::read_sized(opened, &file, bytes, options),
-        "parquet" | "pq" => parquet::read(opened, &file, options),
-        "mat" => mat::read(opened, &file, options),
-        extension => Err(Error::Format { file, extension: extension.to_owned() }),
-    }
+    opened_table(path, &file, options)?.into_recording(options)
+}
+
+/// What reading came to.
+pub type Outcome = Result<(Recording, Report), Error>;
+
+/// Reads a recording as [`read()`] does, and looks at its columns whether or not they make one.
+///
+/// # Errors
+/// The file holds no columns of numbers; what their names, units and time lack is within the
+/// result.
+pub fn read_with_preview(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> Result<(Preview, Outcome), Error> {
+    let path = path.as_ref();
+    let table = opened_table(path, &path.display().to_string(), options)?;
+    Ok((Preview::of(&table), table.into_recording(options)))
+}
+
+fn opened_table(path: &Path, file: &str, options: &ReadOptions) -> Result<Table, Error> {
+    let mut opened = open(path, file)?;
+    let format = recognise(&mut opened, path, file)?;
+    table(format, opened, file, options)
+}
+
+/// The file's columns. Readers of packed formats assert what a damaged file can break (about one
+/// in a thousand files with changed bytes), so that a panic is taken for damage here, once.
+fn table(format: &Format, opened: File, file: &str, options: &ReadOptions) -> Result<Table, Error> {
+    READS.set(true);
+    let table = catch_unwind(AssertUnwindSafe(|| (format.read)(opened, file, options)));
+    READS.set(false);
+    table.unwrap_or_else(|_| {
+        let what = "its parts contradict each other".to_owned();
+        Err(Error::Damaged { file: file.to_owned(), format: format.name, what })
+    })
 }
 
 /// Writes a recording; the extension tells the format. Nothing is left half-written: the file
@@ -34,13 +79,9 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<(Recording,
 /// [`Error::Write`], [`Error::WriteFormat`] or [`Error::UnequalLengths`].
 pub fn write(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error> {
     let path = path.as_ref();
-    match extension(path).as_str() {
-        "csv" => write_csv(path, recording),
-        "parquet" | "pq" => write_whole(path, recording, |out| parquet::write(out, recording)),
-        extension => {
-            let (file, extension) = (path.display().to_string(), extension.to_owned());
-            Err(Error::WriteFormat { file, extension })
-        }
+    match by_extension(path).and_then(|format| format.write) {
+        Some(content) => write_whole(path, recording, |out| content(out, recording)),
+        _ => Err(Error::WriteFormat { file: path.display().to_string(), known: written() }),
     }
 }
 
@@ -83,17 +124,12 @@ fn write_whole(
     written().map_err(|source| Error::Write { file: path.display().to_string(), source })
 }
 
-/// The file and its size; a pipe has none.
-fn open(path: &Path, file: &str) -> Result<(File, Option<u64>), Error> {
+fn open(path: &Path, file: &str) -> Result<File, Error> {
     let failed = |source| Error::Read { file: file.to_owned(), source };
     let opened = File::open(path).map_err(failed)?;
     let about = opened.metadata().map_err(failed)?;
     if about.is_dir() {
         return Err(Error::IsFolder { file: file.to_owned() });
     }
-    Ok((opened, about.is_file().then_some(about.len())))
-}
-
-fn extension(path: &Path) -> String {
-    path.extension().map(|text| text.to_string_lossy().to_lowercase()).unwrap_or_default()
+    Ok(opened)
 }

@@ -3,9 +3,13 @@
 use serde::Serialize;
 
 use crate::canonical::{self, Canonical};
+use crate::counts::is_counts;
 use crate::error::Error;
+use crate::given::Given;
+use crate::look::Look;
 use crate::mapping::Mapping;
-use crate::unit::{Unit, known};
+use crate::unit::{Quantity, Unit, known};
+use crate::words::words;
 
 /// How a column came to its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -50,6 +54,13 @@ impl Column {
         self.conversion.map_or(value, |unit| unit.to_si(value))
     }
 
+    /// Gives a column without a unit the one that its values turned out to be in.
+    pub(crate) fn take_unit(&mut self, unit: &str) {
+        self.conversion = Unit::parse(unit).filter(|unit| !unit.is_si());
+        self.note.given_unit = Some(unit.to_owned());
+        self.note.converted = self.conversion.is_some();
+    }
+
     pub(crate) fn convert_all(&self, values: &mut [f64]) {
         if let Some(unit) = self.conversion {
             values.iter_mut().for_each(|value| *value = unit.to_si(*value));
@@ -63,25 +74,19 @@ pub(crate) struct Header {
     pub(crate) columns: Vec<Column>,
     /// Position of the time column; none only where a file gives a sampling time instead.
     pub(crate) time: Option<usize>,
+    /// What could not be told, a sentence each.
+    pub(crate) notes: Vec<String>,
 }
 
-/// A header's text split into name and unit.
-struct Given {
-    text: String,
-    name: String,
-    unit: Option<String>,
-}
-
-/// Gives every column its name and unit.
-pub(crate) fn resolve(file: &str, texts: &[String], maps: &[Mapping]) -> Result<Header, Error> {
-    let given: Vec<Given> = texts.iter().map(|text| split(text)).collect();
-    for (second, column) in given.iter().enumerate() {
-        if let Some(first) = given[..second].iter().position(|other| other.name == column.name) {
-            let name = column.name.clone();
-            let (first, second) = (first + 1, second + 1);
-            return Err(Error::DuplicateColumn { file: file.to_owned(), name, first, second });
-        }
-    }
+/// Gives every column its name and unit. `looks` says what the values of the columns show, where
+/// they are known already.
+pub(crate) fn resolve(
+    file: &str,
+    texts: &[String],
+    maps: &[Mapping],
+    looks: &[Look],
+) -> Result<Header, Error> {
+    let given: Vec<Given> = texts.iter().map(|text| Given::of(text)).collect();
     let mut columns: Vec<Option<Column>> = vec![None; given.len()];
     for map in maps {
         let position = find(&given, &map.foreign).ok_or_else(|| Error::MappedColumn {
@@ -95,53 +100,211 @@ pub(crate) fn resolve(file: &str, texts: &[String], maps: &[Mapping]) -> Result<
         let column = place(file, &given[position], &map.canonical, known, unit, Taken::Mapped)?;
         columns[position] = Some(column);
     }
+    for (second, column) in given.iter().enumerate().filter(|(k, _)| columns[*k].is_none()) {
+        let same = |(k, other): (usize, &Given)| columns[k].is_none() && other.name == column.name;
+        if let Some(first) = given[..second].iter().enumerate().position(same) {
+            let name = column.name.clone();
+            let (first, second) = (first + 1, second + 1);
+            return Err(Error::DuplicateColumn { file: file.to_owned(), name, first, second });
+        }
+    }
+    let mut notes = Vec::new();
     let mut used: Vec<&str> = maps.iter().map(|map| map.canonical.as_str()).collect();
     // Exact names first, so that no guess takes a name that a later column carries itself.
-    for (slot, column) in columns.iter_mut().zip(&given).filter(|(slot, _)| slot.is_none()) {
+    for (k, column) in given.iter().enumerate() {
         let unit = column.unit.as_deref();
-        let Some(known) = canonical::exact(&column.name) else { continue };
-        let fits = unit.is_none_or(|unit| known.accepts(unit));
-        if fits || canonical::guess(&column.name, unit).is_none() {
+        let Some(known) = canonical::exact(&column.name).filter(|_| columns[k].is_none()) else {
+            continue;
+        };
+        if column.name == "T" && unit.is_none() {
+            let (capital, note) = capital_t(file, &given, k, looks.get(k), &used)?;
+            // Whatever it is, another column must not get its name.
+            used.push(if capital.note.signal == "temperature" { "temperature" } else { "T" });
+            columns[k] = Some(capital);
+            notes.extend(note);
+        } else if unit.is_some_and(is_counts) {
+            let name = format!("{}_counts", known.name);
+            columns[k] = Some(place(file, column, &name, None, column.unit.as_ref(), Taken::Kept)?);
+            notes.push(uncounted(column, known.name));
+        } else if unit.is_some_and(|unit| is_share(unit) && !known.accepts(unit)) {
+            let (name, share) = (format!("{}_share", known.name), unit.unwrap_or_default());
+            columns[k] = Some(place(file, column, &name, None, column.unit.as_ref(), Taken::Kept)?);
+            notes.push(format!(
+                "column `{}` [{share}] is kept as `{name}`: a share is no {1}; say its unit with \
+                 --columns {1}={0}:UNIT where it has one",
+                column.name, known.name
+            ));
+        } else if unit.is_none_or(|unit| known.accepts(unit))
+            || canonical::guess(&column.name, unit, None).is_none()
+        {
             let unit = column.unit.as_ref();
-            *slot = Some(place(file, column, known.name, Some(known), unit, Taken::Named)?);
+            columns[k] = Some(place(file, column, known.name, Some(known), unit, Taken::Named)?);
             used.push(known.name);
         }
     }
+    let rotary = rotary(&given);
+    // Of several columns for one signal one that moves wins, then the one nearest to a measurement.
+    let mut guesses: Vec<(bool, canonical::Rank, usize, &Canonical)> = Vec::new();
+    for (k, column) in given.iter().enumerate().filter(|(k, _)| columns[*k].is_none()) {
+        let constant = looks.get(k).is_some_and(|look| look.constant);
+        if let Some(guess) = canonical::guess(&column.name, column.unit.as_deref(), rotary) {
+            guesses.push((constant, guess.rank, k, guess.canonical));
+        } else if column.unit.as_deref().is_some_and(is_counts)
+            && let Some(guess) = canonical::guess(&column.name, None, rotary)
+        {
+            notes.push(uncounted(column, guess.canonical.name));
+        }
+    }
+    guesses.sort_by_key(|(constant, rank, k, _)| (*constant, *rank, *k));
+    for (_, _, k, known) in guesses {
+        if used.contains(&known.name) {
+            continue;
+        }
+        used.push(known.name);
+        let column = &given[k];
+        let own = canonical::unit_in_name(&column.name).filter(|unit| known.accepts(unit));
+        let unit = column.unit.clone().or(own.map(str::to_owned));
+        columns[k] =
+            Some(place(file, column, known.name, Some(known), unit.as_ref(), Taken::Guessed)?);
+    }
+    // What nothing else says is the time: the first column that runs like a clock.
+    let clock = |k: usize| columns[k].is_none() && looks.get(k).is_some_and(|look| look.like_clock);
+    if !used.contains(&"time")
+        && let Some(k) =
+            (0..given.len()).find(|k| clock(*k)).filter(|k| *k == 0 || nameless(&given))
+    {
+        let (known, unit) = (canonical::exact("time"), given[k].unit.as_ref());
+        let unit = unit.filter(|unit| known.is_some_and(|known| known.accepts(unit)));
+        columns[k] = Some(place(file, &given[k], "time", known, unit, Taken::Guessed)?);
+        notes.push(format!("column `{}` runs like a clock: taken as the time", given[k].name));
+    }
     for (slot, column) in columns.iter_mut().zip(&given).filter(|(slot, _)| slot.is_none()) {
-        let unit = column.unit.as_deref();
-        let guess = canonical::guess(&column.name, unit).filter(|it| !used.contains(&it.name));
-        *slot = Some(match guess {
-            Some(known) => {
-                used.push(known.name);
-                let own = canonical::unit_in_name(&column.name).map(str::to_owned);
-                let unit = column.unit.as_ref().or(own.as_ref());
-                place(file, column, known.name, Some(known), unit, Taken::Guessed)?
-            }
-            None => place(file, column, &column.name, None, column.unit.as_ref(), Taken::Kept)?,
-        });
+        let unit = column.unit.as_ref();
+        *slot = Some(place(file, column, &column.name, None, unit, Taken::Kept)?);
     }
     let columns: Vec<Column> = columns.into_iter().flatten().collect();
     no_name_twice(file, &columns)?;
     let time = columns.iter().position(|column| column.note.signal == "time");
-    Ok(Header { columns, time })
+    Ok(Header { columns, time, notes })
 }
 
-/// Whether a column of that text will be the time.
-pub(crate) fn is_time(text: &str, maps: &[Mapping]) -> bool {
-    let given = [split(text)];
-    match maps.iter().find(|map| map.canonical == "time") {
-        Some(map) => find(&given, &map.foreign).is_some(),
-        None => {
-            let Given { name, unit, .. } = &given[0];
-            let guess = || canonical::guess(name, unit.as_deref());
-            canonical::exact(name).or_else(guess).is_some_and(|known| known.name == "time")
+/// A column called `T` without a unit: the tachometer beside the other signals of a bench, a
+/// temperature where its values are like one, and otherwise whatever a user says.
+fn capital_t(
+    file: &str,
+    given: &[Given],
+    k: usize,
+    look: Option<&Look>,
+    used: &[&str],
+) -> Result<(Column, Option<String>), Error> {
+    let is = |names: &[&str]| {
+        let named = |other: &Given| {
+            let guess = || canonical::guess(&other.name, other.unit.as_deref(), None);
+            let known = canonical::exact(&other.name).or_else(|| Some(guess()?.canonical));
+            known.is_some_and(|known| names.contains(&known.name))
+        };
+        given.iter().enumerate().any(|(other, column)| other != k && named(column))
+    };
+    let column = &given[k];
+    let other_speed = is(&["omega", "v"]);
+    if is(&["C_m", "I_m"]) && !other_speed && !used.contains(&"T") {
+        return Ok((place(file, column, "T", canonical::exact("T"), None, Taken::Named)?, None));
+    }
+    let warm = look.is_some_and(|look| look.like_degrees);
+    if warm && !is(&["temperature"]) && !used.contains(&"temperature") {
+        let (known, unit) = (canonical::exact("temperature"), Some("degC".to_owned()));
+        return Ok((
+            place(file, column, "temperature", known, unit.as_ref(), Taken::Guessed)?,
+            Some("column `T` moves as a temperature in degC does".to_owned()),
+        ));
+    }
+    let note = "column `T` may be a tachometer, a torque or a temperature: it is kept as it is; \
+                say which with --columns T=T:rpm, torque=T:Nm or temperature=T:degC";
+    Ok((place(file, column, "T", None, None, Taken::Kept)?, Some(note.to_owned())))
+}
+
+/// Whether a unit is a share of something rated, as drives give torques in.
+fn is_share(unit: &str) -> bool {
+    Unit::parse(unit).is_some_and(|unit| unit.quantity == Quantity::Dimensionless)
+}
+
+/// What to say of a column of counts.
+fn uncounted(column: &Given, signal: &str) -> String {
+    let name = &column.name;
+    let unit = if matches!(signal, "x" | "x_load") { "counts*0.05um" } else { "counts/4096" };
+    format!(
+        "column `{name}` is kept in counts: say how many make a revolution (or how long one is) \
+         with --columns {signal}={name}:{unit}"
+    )
+}
+
+/// Whether the columns have numbers for names, because the file has none.
+fn nameless(given: &[Given]) -> bool {
+    given.iter().all(|column| column.name.starts_with(NAMELESS))
+}
+
+/// What a column without a name is called, with its number.
+pub(crate) const NAMELESS: &str = "column ";
+
+/// Whether the units tell of a turning machine (or of a straight one).
+fn rotary(given: &[Given]) -> Option<bool> {
+    let has = |quantities: [Quantity; 2]| {
+        given.iter().any(|column| {
+            let unit = column.unit.as_deref().and_then(Unit::parse);
+            let exact = canonical::exact(&column.name).filter(|_| column.unit.is_none());
+            unit.is_some_and(|unit| quantities.contains(&unit.quantity))
+                || exact.is_some_and(|known| quantities.contains(&known.quantities[0]))
+                    && !matches!(column.name.as_str(), "reference" | "T")
+        })
+    };
+    let turning = has([Quantity::Angle, Quantity::AngularSpeed]);
+    let straight = has([Quantity::Length, Quantity::Speed]);
+    // A torque turns, a force pushes.
+    let says = |wanted: [&str; 6]| {
+        let word = |word: &String| wanted.contains(&word.as_str());
+        given.iter().any(|column| words(&column.name).iter().any(word))
+    };
+    match (turning, straight) {
+        (true, true) => None,
+        (true, false) | (false, true) => Some(turning),
+        (false, false) => {
+            let torque = says(["torque", "trq", "moment", "drehmoment", "couple", "coppia"]);
+            let force = says(["force", "kraft", "fuerza", "forza", "thrust", "newton"]);
+            (torque != force).then_some(torque)
         }
     }
 }
 
+/// Whether a column of that text will be the signal.
+pub(crate) fn is_signal(text: &str, signal: &str, maps: &[Mapping]) -> bool {
+    let given = [Given::of(text)];
+    match maps.iter().find(|map| map.canonical == signal) {
+        Some(map) => find(&given, &map.foreign).is_some(),
+        None => {
+            let Given { name, unit, .. } = &given[0];
+            let guess = || Some(canonical::guess(name, unit.as_deref(), None)?.canonical);
+            canonical::exact(name).or_else(guess).is_some_and(|known| known.name == signal)
+        }
+    }
+}
+
+/// Whether a column of that text will be the time.
+pub(crate) fn is_time(text: &str, maps: &[Mapping]) -> bool {
+    is_signal(text, "time", maps)
+}
+
+/// Whether a column of that text will be a signal that the program knows or the user names.
+pub(crate) fn is_known(text: &str, maps: &[Mapping]) -> bool {
+    let given = [Given::of(text)];
+    let Given { name, unit, .. } = &given[0];
+    let guess = || Some(canonical::guess(name, unit.as_deref(), None)?.canonical);
+    maps.iter().any(|map| find(&given, &map.foreign).is_some())
+        || canonical::exact(name).or_else(guess).is_some()
+}
+
 /// The error of a file in which no column is the time.
 pub(crate) fn missing_time(file: &str, texts: &[String]) -> Error {
-    let given: Vec<Given> = texts.iter().map(|text| split(text)).collect();
+    let given: Vec<Given> = texts.iter().map(|text| Given::of(text)).collect();
     Error::MissingTime { file: file.to_owned(), columns: listed(&given) }
 }
 
@@ -167,7 +330,7 @@ fn place(
                     unit: text.clone(),
                     known: known(canonical.quantities),
                 })?;
-            if canonical.keeps_unit {
+            if canonical.kept.contains(&unit.quantity) {
                 (text.as_str(), None)
             } else {
                 (unit.quantity.si(), Some(unit).filter(|unit| !unit.is_si()))
@@ -200,49 +363,24 @@ fn no_name_twice(file: &str, columns: &[Column]) -> Result<(), Error> {
     Ok(())
 }
 
-/// By its name, by the header's whole text, then without regard to case.
+/// By its name, by the header's whole text, then without regard to case; `u#2` is the second of
+/// several columns called `u`.
 fn find(given: &[Given], wanted: &str) -> Option<usize> {
     given
         .iter()
         .position(|column| column.name == wanted || column.text == wanted)
+        .or_else(|| given.iter().position(|column| column.name == Given::of(wanted).name))
         .or_else(|| given.iter().position(|column| column.name.eq_ignore_ascii_case(wanted)))
+        .or_else(|| {
+            let (name, number) = wanted.rsplit_once('#')?;
+            let skipped = number.parse::<usize>().ok()?.checked_sub(1)?;
+            let mut same = given.iter().enumerate().filter(|(_, column)| column.name == name);
+            same.nth(skipped).map(|(position, _)| position)
+        })
 }
 
 fn listed(given: &[Given]) -> String {
     given.iter().map(|column| format!("`{}`", column.name)).collect::<Vec<_>>().join(", ")
-}
-
-/// `name [unit]`, `name (unit)`, `name/unit`, `name_unit` or a bare name.
-fn split(text: &str) -> Given {
-    let text = text.trim();
-    let made = |name: &str, unit: &str| Given {
-        text: text.to_owned(),
-        name: name.trim().to_owned(),
-        unit: Some(unit.trim().to_owned()),
-    };
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        if let Some(inside) = text.strip_suffix(close)
-            && let Some((name, unit)) = inside.rsplit_once(open)
-            && !name.trim().is_empty()
-        {
-            return made(name, unit);
-        }
-    }
-    if let Some((name, unit)) = text.split_once('/') {
-        let named =
-            canonical::exact(name.trim()).is_some() || canonical::guess(name, None).is_some();
-        if !name.trim().is_empty() && (named || Unit::parse(unit).is_some()) {
-            return made(name, unit);
-        }
-    }
-    // `speed_rpm`: only where word and unit fit each other, so that `I_m` stays a name.
-    if canonical::exact(text).is_none()
-        && let Some((name, unit)) = text.rsplit_once('_')
-        && canonical::guess(name, Some(unit)).is_some()
-    {
-        return made(name, unit);
-    }
-    Given { text: text.to_owned(), name: text.to_owned(), unit: None }
 }
 
 #[cfg(test)]
@@ -251,7 +389,7 @@ mod tests {
 
     fn header(texts: &[&str], maps: &str) -> Result<Header, Error> {
         let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
-        resolve("a.csv", &texts, &Mapping::parse_list(maps).unwrap())
+        resolve("a.csv", &texts, &Mapping::parse_list(maps).unwrap(), &[])
     }
 
     /// `column -> signal [unit]` of every column.
@@ -274,12 +412,78 @@ mod tests {
     #[test]
     fn sensors_and_inputs_keep_what_they_are_in() {
         assert_eq!(told(&["time", "T [rpm]"], "")[1], "T [rpm]");
-        assert_eq!(told(&["time", "T"], "")[1], "T [rpm]");
+        assert_eq!(told(&["time", "C_m", "T", "I_m"], "")[2], "T [rpm]");
         assert_eq!(told(&["time", "T [degC]"], "")[1], "temperature [K]");
         for (unit, si) in [("mA", "A"), ("kN", "N"), ("mN m", "N m"), ("V", "V")] {
             assert_eq!(told(&["time", &format!("u [{unit}]")], "")[1], format!("u [{si}]"));
         }
         assert_eq!(told(&["time", "I_m", "C_m"], "")[1..], ["I_m [A]", "C_m [V]"]);
+    }
+
+    #[test]
+    fn a_capital_t_alone_is_what_its_values_and_neighbours_say() {
+        let told = |texts: &[&str], looks: &[Look]| {
+            let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
+            let header = resolve("a.csv", &texts, &[], looks).unwrap();
+            let column = header.columns.last().unwrap().note.clone();
+            (format!("{} [{}]", column.signal, column.unit), header.notes.concat())
+        };
+        let warm = [Look { like_degrees: true, ..Look::default() }; 2];
+        assert_eq!(told(&["time", "T"], &warm).0, "temperature [K]");
+        let (kept, note) = told(&["time", "T"], &[]);
+        assert!(kept == "T [1]" && note.contains("--columns T=T:rpm"), "{kept}: {note}");
+        // Beside a speed it is no tachometer, not even on a bench.
+        assert_eq!(told(&["time", "omega", "C_m", "T"], &[]).0, "T [1]");
+        for (text, signal) in [
+            ("T [Nm]", "torque [N m]"),
+            ("T_Nm", "torque [N m]"),
+            ("T [rad/s]", "T [rad/s]"),
+            ("T [V]", "T [V]"),
+            ("T [K]", "temperature [K]"),
+        ] {
+            assert_eq!(told(&["time", text], &[]).0, signal, "{text}");
+        }
+        for (text, signal) in
+            [("C_m [1]", "C_m [1]"), ("C_m [%]", "C_m [%]"), ("C_m [mV]", "C_m [V]")]
+        {
+            assert_eq!(told(&["time", text], &[]).0, signal, "{text}");
+        }
+    }
+
+    #[test]
+    fn of_several_columns_for_a_signal_the_measured_one_that_moves_is_taken() {
+        let taken = |texts: &[&str]| told(texts, "");
+        let both = taken(&["t", "speed_filt [rpm]", "speed_meas [rpm]"]);
+        assert_eq!(both[1..], ["speed_filt [rpm]", "omega [rad/s]"]);
+        let exact = taken(&["t", "speed_meas [rpm]", "omega"]);
+        assert_eq!(exact[1..], ["speed_meas [rpm]", "omega [rad/s]"]);
+        let wanted = taken(&["t", "i_cmd [A]", "i_meas [A]", "theta_ref [rad]", "theta [rad]"]);
+        assert_eq!(wanted[1..], ["i_cmd [A]", "i [A]", "reference [rad]", "theta [rad]"]);
+        let load = taken(&["t", "theta [rad]", "theta_load [deg]", "torque_sensor [Nm]", "Nm_x"]);
+        assert_eq!(load[2..4], ["theta_load [rad]", "T_l [N m]"]);
+        let texts = ["t", "current [A]", "Strom [A]"].map(str::to_owned);
+        let still = Look { constant: true, ..Look::default() };
+        let looks = [Look::default(), still, Look::default()];
+        let header = resolve("a.csv", &texts, &[], &looks).unwrap();
+        assert_eq!(header.columns[2].note.signal, "i");
+        assert_eq!(taken(&["t", "velocity", "angle [deg]"])[1], "omega [rad/s]");
+    }
+
+    #[test]
+    fn counts_need_to_be_told_how_many() {
+        let header = |texts: &[&str], maps: &str| header(texts, maps).unwrap();
+        let kept = header(&["time", "theta [counts]", "encoder_cnt"], "");
+        assert_eq!(kept.columns[1].note.signal, "theta_counts");
+        assert_eq!(kept.columns[2].note.unit, "cnt");
+        assert!(kept.notes[0].contains("--columns theta=theta:counts/4096"), "{:?}", kept.notes);
+        let told = header(&["time", "enc"], "theta=enc:counts/4096");
+        assert_eq!(told.columns[1].note.unit, "rad");
+        assert_eq!(told.columns[1].convert(4096.0), std::f64::consts::TAU);
+        let share = header(&["time", "torque [%]"], "");
+        assert_eq!(share.columns[1].note.signal, "torque_share");
+        assert!(share.notes[0].contains("--columns torque=torque:UNIT"), "{:?}", share.notes);
+        assert_eq!(header(&["time", "pos [counts*0.05um]"], "").columns[1].note.signal, "x");
+        assert_eq!(header(&["time", "pos [counts(4096)]"], "").columns[1].note.signal, "theta");
     }
 
     #[test]
@@ -300,6 +504,8 @@ mod tests {
         assert!(unit.contains("`furlong`") && unit.contains("rpm"), "{unit}");
         assert!(error(&["time", "theta [V]"], "").contains("no unit of theta"));
         assert!(error(&["time", "u", "u"], "").contains("columns 2 and 3"));
+        // One of them said to be something else, the other is no duplicate.
+        assert_eq!(told(&["time", "u", "u"], "u_unused=u#2")[1..], ["u [V]", "u_unused [1]"]);
         assert!(error(&["time", "u [V]", "u [mV]"], "").contains("columns 2 and 3"));
         assert!(error(&["time", "a", "u"], "u=a").contains("both column `a` and column `u`"));
         assert!(error(&["time", "a"], "u=b").contains("it has `time`, `a`"));

@@ -5,40 +5,53 @@
 //!
 //! [`read`] takes a file through these steps: its format's reader delivers columns of numbers and
 //! their lines; `header` gives every column its canonical name and SI unit, by the user's
-//! [`Mapping`]s, by its own name, or by a guess that is reported; `time_axis` sees that sampling
-//! is uniform or resamples it; `quality` and [`suspicions`] look for what is wrong without being
+//! [`Mapping`]s, by its own name, or by a guess that is reported; `time` puts the rows on a uniform
+//! grid, in segments where they are parted; `quality` and [`suspicions`] look for what is wrong without being
 //! an error. The [`Report`] says all of that in words and numbers.
 //!
 //! [`CsvStream`] does the same row by row, for live data; [`write()`] writes a recording so that
 //! reading it again gives the same bits.
 
+mod budget;
 mod canonical;
+mod choices;
+mod clock;
+mod counts;
 mod csv;
 mod error;
 mod file;
+mod formats;
+mod given;
 mod header;
+mod kept;
+mod look;
 mod mapping;
-mod mat;
-mod parquet;
 mod place;
+mod preview;
 mod quality;
 mod quantum;
 mod report;
 mod signal;
 mod suspicion;
 mod table;
-mod time_axis;
+mod time;
+mod time_unit;
 mod unit;
+mod words;
 
+pub use choices::{Choice, choices, in_words};
+pub use clock::{Break, Clock};
 pub use csv::{CsvStream, Row, read_csv};
 pub use error::Error;
-pub use file::{read, write, write_csv};
+pub use file::{Outcome, is_reading, read, read_with_preview, write, write_csv};
+pub use formats::{Format, formats, formats_listed};
 pub use header::{ColumnNote, Taken};
 pub use mapping::{Mapping, ReadOptions};
 pub use place::{Counted, Place};
+pub use preview::{ColumnPreview, Preview};
 pub use quality::{Limit, SignalQuality};
 pub use quantum::Quantum;
-pub use report::{Report, Sampling, Stretch, Stretches};
-pub use signal::{Recording, Signal};
+pub use report::{Constant, Report, Sampling, Stretch, Stretches};
+pub use signal::{NoiseGain, Recording, Signal};
 pub use suspicion::{Suspicion, suspicions};
 pub use unit::{Quantity, Unit};

@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use crate::canonical;
 use crate::error::Error;
 
 /// One column that the user names: `canonical=foreign[:unit]`.
@@ -16,6 +17,13 @@ pub struct Mapping {
 }
 
 impl Mapping {
+    /// The column as a signal that no part of the program looks at.
+    pub fn unused(column: &str) -> Mapping {
+        let plain = canonical::exact(column).is_none() && !column.contains(['=', ',', ':', '#']);
+        let canonical = if plain { column.to_owned() } else { unused_name(column) };
+        Mapping { canonical, foreign: column.to_owned(), unit: None }
+    }
+
     /// Reads a comma-separated list of mappings, as the command line gives it.
     ///
     /// # Errors
@@ -23,6 +31,12 @@ impl Mapping {
     pub fn parse_list(text: &str) -> Result<Vec<Mapping>, Error> {
         text.split(',').map(str::trim).filter(|item| !item.is_empty()).map(str::parse).collect()
     }
+}
+
+/// A name that is no signal's, of letters that a mapping can hold.
+fn unused_name(column: &str) -> String {
+    let plain = column.replace(|c: char| !c.is_alphanumeric(), "_");
+    format!("{plain}_unused")
 }
 
 impl FromStr for Mapping {
@@ -48,8 +62,10 @@ impl FromStr for Mapping {
 pub struct ReadOptions {
     /// Columns that the user names; they win over every guess.
     pub columns: Vec<Mapping>,
-    /// Sampling time to interpolate linearly to, s; without it, time must be uniform within 1 %.
+    /// Sampling time to interpolate linearly to, s, in place of the one that the rows show.
     pub resample: Option<f64>,
+    /// Sampling time of the rows, s, where no column tells the time or where none is to be believed.
+    pub rows_every: Option<f64>,
 }
 
 #[cfg(test)]

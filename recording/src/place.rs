@@ -77,7 +77,12 @@ impl Lines {
     }
 
     pub(crate) fn place(&self, sample: usize) -> Place {
-        Place { file: self.file.clone(), at: self.line(sample), counted: self.counted }
+        self.place_at(self.line(sample))
+    }
+
+    /// The place of a line (or row) of that number.
+    pub(crate) fn place_at(&self, line: u64) -> Place {
+        Place { file: self.file.clone(), at: line, counted: self.counted }
     }
 }
 

@@ -60,7 +60,7 @@ impl Stretches {
         self.samples == 0
     }
 
-    fn text(&self, counted: Counted) -> String {
+    pub(crate) fn text(&self, counted: Counted) -> String {
         let one = match counted {
             Counted::Lines => "line",
             Counted::Rows => "row",
@@ -77,17 +77,88 @@ impl Stretches {
     }
 }
 
-/// How the recording is sampled.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// How the recording is sampled, and what was done to the file's rows to get there.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Sampling {
     /// Time of the first sample, s.
     pub start_s: f64,
     /// Sampling time, s.
     pub period_s: f64,
-    /// Largest departure of a time step from the mean, relative; 0 where none was measured.
+    /// Largest departure of the stamps from their grid (of uniform ones, of a step from the mean),
+    /// in steps.
     pub jitter: f64,
-    /// Median step of the file, s, where the recording was resampled.
+    /// Sampling time of the file, s, where the user asked for another.
     pub resampled_from_s: Option<f64>,
+    /// Whether the stamps were not uniform within 1 %.
+    pub uneven: bool,
+    /// Whether values were interpolated at their stamps; otherwise rows are samples, one by one.
+    pub by_stamps: bool,
+    /// Largest departure of a stamp from its place on the grid, s.
+    pub largest_shift_s: f64,
+    /// Share of the samples that lie between rows.
+    pub interpolated: f64,
+    /// Segments of the recording.
+    pub segments: usize,
+    /// Segments whose clock ran back and that were moved behind the one before.
+    pub moved: usize,
+    /// Rows that stood in disorder and were sorted.
+    pub disordered: usize,
+    /// Rows that were left out because nothing stands beside them.
+    pub stray: usize,
+}
+
+impl Sampling {
+    /// Samples as a file gives them without a time column.
+    pub(crate) fn plain(start_s: f64, period_s: f64) -> Self {
+        Self { start_s, period_s, segments: 1, ..Self::default() }
+    }
+
+    /// What was done to time, in one line; nothing where it was uniform.
+    fn line(&self, gaps: usize) -> Option<String> {
+        let mut done = Vec::new();
+        if self.uneven {
+            let (shift, period) = (digits(self.largest_shift_s), digits(self.period_s));
+            done.push(format!("stamps up to {shift} s off a uniform grid of {period} s"));
+            done.push(match self.by_stamps {
+                true => "values interpolated at their stamps".to_owned(),
+                false => "rows taken as evenly sampled".to_owned(),
+            });
+        }
+        if let Some(from_s) = self.resampled_from_s {
+            let (from, to) = (digits(from_s), self.period_s);
+            done.push(format!("resampled from {from} s to {to} s"));
+        }
+        if self.interpolated > 0.0 {
+            let share = 100.0 * self.interpolated;
+            done.push(format!("{share:.2} % of the samples between rows"));
+        }
+        if self.disordered > 0 {
+            done.push(format!("{} rows in disorder sorted", self.disordered));
+        }
+        if self.stray > 0 {
+            done.push(format!("{} rows that stand alone left out", self.stray));
+        }
+        if self.segments > 1 {
+            done.push(format!(
+                "{gaps} breaks: {} segments, each with its own start",
+                self.segments
+            ));
+        }
+        if self.moved > 0 {
+            let times = if self.moved == 1 { "once" } else { "several times" };
+            done.push(format!("the clock runs back {times}: what follows is set behind"));
+        }
+        (!done.is_empty()).then(|| format!("time: {}", done.join("; ")))
+    }
+}
+
+/// A number that stands beside the signals of a file: a parameter of the bench, perhaps.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Constant {
+    /// Its name in the file; with the groups it stands in only where the name alone is doubtful.
+    pub name: String,
+    /// Its value, in the unit in which the file has it.
+    pub value: f64,
 }
 
 /// What the reader found in a file.
@@ -101,14 +172,24 @@ pub struct Report {
     pub samples: usize,
     /// How it is sampled.
     pub sampling: Sampling,
+    /// Time of the last sample, s.
+    pub end_s: f64,
     /// What became of every column.
     pub columns: Vec<ColumnNote>,
+    /// What the reader made of the file beyond its columns' names, a sentence each.
+    pub notes: Vec<String>,
     /// Columns or variables that hold no series of numbers, and why.
     pub left_out: Vec<String>,
-    /// Gaps that resampling bridged, named by the row after each.
+    /// Numbers that stand beside the signals, as a MAT file may hold `J` and `K_m`.
+    pub constants: Vec<Constant>,
+    /// Signals of another rate that were interpolated onto the time of the others, a phrase each.
+    pub joined: Vec<String>,
+    /// Rows at which a new segment begins.
     pub gaps: Stretches,
-    /// Rows with the time of the row before, which resampling left out.
+    /// Rows that repeat the one before, left out.
     pub repeated: Stretches,
+    /// Rows without a time, left out.
+    pub unstamped: Stretches,
     /// Every signal by itself.
     pub signals: Vec<SignalQuality>,
     /// Signals whose units or signs contradict each other.
@@ -139,25 +220,26 @@ impl Report {
 
     /// What was assumed about columns, a sentence each.
     pub fn guesses(&self) -> Vec<String> {
-        self.columns.iter().filter_map(guess).collect()
+        self.notes.iter().cloned().chain(self.columns.iter().filter_map(guess)).collect()
     }
 
     /// What deserves attention before the recording is used, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings: Vec<String> =
             self.left_out.iter().map(|it| format!("left out: {it}")).collect();
-        if let Some(median_s) = self.sampling.resampled_from_s {
-            let period_s = self.sampling.period_s;
-            warnings
-                .push(format!("resampled from {} s (median) to {period_s} s", digits(median_s)));
-        }
+        warnings.extend(self.sampling.line(self.gaps.count));
+        warnings.extend(self.joined.iter().map(|it| format!("interpolated: {it}")));
         if !self.gaps.is_empty() {
             let places = self.gaps.text(self.counted);
-            warnings.push(format!("gaps bridged by straight lines before {places}"));
+            warnings.push(format!("a new segment begins at {places}"));
         }
         if !self.repeated.is_empty() {
             let places = self.repeated.text(self.counted);
-            warnings.push(format!("rows with a repeated time left out: {places}"));
+            warnings.push(format!("rows that repeat the one before left out: {places}"));
+        }
+        if !self.unstamped.is_empty() {
+            let places = self.unstamped.text(self.counted);
+            warnings.push(format!("rows without a time left out: {places}"));
         }
         for signal in &self.signals {
             if !signal.missing.is_empty() {
@@ -196,7 +278,7 @@ fn guess(column: &ColumnNote) -> Option<String> {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Sampling { start_s, period_s, .. } = self.sampling;
-        let end_s = start_s + self.samples.saturating_sub(1) as f64 * period_s;
+        let end_s = self.end_s;
         let samples = self.samples;
         writeln!(
             f,

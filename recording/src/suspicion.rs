@@ -58,8 +58,13 @@ impl fmt::Display for Suspicion {
             Suspicion::Ratio { signal, with, ratio, meaning } => {
                 write!(f, "{signal} is {ratio:.4} times what {with} says")?;
                 match meaning {
-                    Some(meaning) => write!(f, ": {meaning}"),
-                    None => write!(f, ": a gear, or a wrong unit or calibration?"),
+                    Some(meaning) => write!(f, ": {meaning}")?,
+                    None => write!(f, ": a gear, or a wrong unit or calibration?")?,
+                }
+                // No unit turns a sign.
+                match *ratio > 0.0 {
+                    true => write!(f, ". If it is a unit, say --columns {signal}=COLUMN:UNIT"),
+                    false => Ok(()),
                 }
             }
             Suspicion::TooFast { signal, largest } => {
@@ -198,7 +203,7 @@ mod tests {
             made("omega", "rad/s", &|t| scale * (20.0 + 80.0 * (7.0 * t).sin())),
             made("theta", "rad", &|t| turns * (20.0 * t - 80.0 / 7.0 * (7.0 * t).cos())),
         ];
-        Recording { name: "a".into(), start_s: 0.0, period_s, signals }
+        Recording::new("a", 0.0, period_s, signals)
     }
 
     fn only(recording: &Recording) -> (f64, Option<String>) {
@@ -232,6 +237,8 @@ mod tests {
                 "{words}: {meaning:?}"
             );
         }
+        let told = suspicions(&swinging(60.0 / TAU, 1.0))[0].to_string();
+        assert!(told.contains("say --columns omega=COLUMN:UNIT"), "{told}");
         let (ratio, meaning) = only(&swinging(14.0, 1.0));
         assert!((ratio - 14.0).abs() < 0.1 && meaning.is_none(), "a gear");
     }

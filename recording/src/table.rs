@@ -2,13 +2,15 @@
 
 use crate::error::Error;
 use crate::header::{self, Header};
+use crate::look::Look;
 use crate::mapping::ReadOptions;
 use crate::place::Lines;
-use crate::quality::inspect;
-use crate::report::{Report, Sampling, Stretches};
-use crate::signal::{Recording, Signal};
+use crate::quality::{SignalQuality, inspect};
+use crate::report::{Constant, Report, Sampling, Stretches};
+use crate::signal::{Recording, SEGMENT, Signal};
 use crate::suspicion::suspicions;
-use crate::time_axis;
+use crate::time;
+use crate::time_unit;
 
 /// What a format's reader delivers.
 pub(crate) struct Table {
@@ -18,26 +20,63 @@ pub(crate) struct Table {
     pub(crate) columns: Vec<Vec<f64>>,
     /// Where every row stands.
     pub(crate) lines: Lines,
+    /// What the reader has to say of the file, a sentence each.
+    pub(crate) notes: Vec<String>,
     /// What the reader could not take, and why.
     pub(crate) left_out: Vec<String>,
     /// Sampling time, s, where the file gives it in place of a time column.
     pub(crate) period_s: Option<f64>,
+    /// Numbers that stand beside the signals.
+    pub(crate) constants: Vec<Constant>,
+    /// Columns that were interpolated onto the time of the others, and from where.
+    pub(crate) joined: Vec<String>,
 }
 
 impl Table {
+    /// A table without columns.
+    pub(crate) fn new(lines: Lines) -> Table {
+        Table {
+            header: Vec::new(),
+            columns: Vec::new(),
+            lines,
+            notes: Vec::new(),
+            left_out: Vec::new(),
+            period_s: None,
+            constants: Vec::new(),
+            joined: Vec::new(),
+        }
+    }
+
     /// Names, converts, checks and reports; values are converted where they lie.
     pub(crate) fn into_recording(
         self,
         options: &ReadOptions,
     ) -> Result<(Recording, Report), Error> {
-        let Table { header, mut columns, lines, left_out, period_s } = self;
+        let Table { header, mut columns, lines, mut notes, left_out, constants, joined, .. } = self;
+        let mut period_s = self.period_s;
         let file = lines.file().to_owned();
-        let resolved = header::resolve(&file, &header, &options.columns)?;
+        let looks: Vec<Look> = columns.iter().map(|values| Look::at(values)).collect();
+        let mut resolved = header::resolve(&file, &header, &options.columns, &looks)?;
+        notes.append(&mut resolved.notes);
         let samples = columns.first().map_or(0, Vec::len);
+        if let Some(every_s) = options.rows_every {
+            if !(every_s.is_finite() && every_s > 0.0) {
+                let duration_s = samples as f64 * every_s;
+                return Err(Error::Period { file, period_s: every_s, duration_s });
+            }
+            period_s = Some(every_s);
+            // A time that is not to be believed is no signal either.
+            if let Some(position) = resolved.time.take() {
+                columns.remove(position);
+                let left = resolved.columns.remove(position).note.column;
+                notes.push(format!("column `{left}` is not used: rows lie {every_s} s apart"));
+            }
+        }
         let time = match (resolved.time, period_s) {
             (Some(position), _) => {
                 enough(&file, samples)?;
                 let mut time = columns.remove(position);
+                notes.extend(time_unit::settle(&mut resolved.columns[position], &mut time));
                 resolved.columns[position].convert_all(&mut time);
                 Some(time)
             }
@@ -45,7 +84,10 @@ impl Table {
                 enough(&file, samples)?;
                 None
             }
-            (None, None) => return Err(header::missing_time(&file, &header)),
+            (None, None) => {
+                enough(&file, samples)?;
+                return Err(header::missing_time(&file, &header));
+            }
         };
         if columns.is_empty() {
             return Err(Error::NoSignals { file });
@@ -53,46 +95,78 @@ impl Table {
         let mut signals = named(&resolved, columns);
         let looks = |it: &Signal| inspect(&it.name, &it.unit, &it.values, &lines);
         let qualities = signals.iter().map(looks).collect();
-        let (mut gaps, mut repeated) = (Stretches::default(), Stretches::default());
-        let sampling = match (&time, options.resample) {
-            (Some(time), Some(period_s)) => {
-                let repairs = time_axis::mendable(time, &lines)?;
-                let samples = time_axis::samples(&file, time, period_s)?;
-                for signal in &mut signals {
-                    signal.values = time_axis::interpolate(time, &signal.values, period_s, samples);
-                }
-                (gaps, repeated) = (repairs.gaps, repairs.repeated);
-                let resampled_from_s = Some(repairs.median_s);
-                Sampling { start_s: time[0], period_s, jitter: 0.0, resampled_from_s }
+        let Some(time) = time else {
+            let period_s = period_s.unwrap_or_default();
+            let mut recording = Recording::new(file.clone(), 0.0, period_s, signals);
+            let mut sampling = Sampling::plain(0.0, period_s);
+            if let Some(asked_s) = options.resample {
+                recording = recording.resample(asked_s)?;
+                sampling =
+                    Sampling { period_s: asked_s, resampled_from_s: Some(period_s), ..sampling };
             }
-            (Some(time), None) => time_axis::uniform(time, &lines)?,
-            (None, _) => {
-                let period_s = period_s.unwrap_or_default();
-                Sampling { start_s: 0.0, period_s, jitter: 0.0, resampled_from_s: None }
-            }
+            let report = Report {
+                notes,
+                constants,
+                joined,
+                ..Report::of(&recording, &lines, sampling, resolved, left_out, qualities)
+            };
+            return Ok((recording, report));
         };
-        drop(time);
-        let Sampling { start_s, period_s, .. } = sampling;
-        let mut recording = Recording { name: file.clone(), start_s, period_s, signals };
-        let mut sampling = sampling;
-        if let (None, Some(period_s)) = (resolved.time, options.resample) {
-            sampling.resampled_from_s = Some(recording.period_s);
-            sampling.period_s = period_s;
-            recording = recording.resample(period_s)?;
+        let run = signals.iter().position(|it| it.name == SEGMENT);
+        let run = run.map(|position| signals.remove(position).values);
+        let arranged = {
+            let columns: Vec<&[f64]> = signals.iter().map(|it| it.values.as_slice()).collect();
+            time::arrange(time, &columns, run.as_deref(), options.resample, &lines)?
+        };
+        for signal in &mut signals {
+            let held = signal.is_held();
+            signal.values = arranged.apply(std::mem::take(&mut signal.values), held);
         }
+        let Sampling { start_s, period_s, .. } = arranged.sampling;
+        let recording = Recording {
+            breaks: arranged.breaks(),
+            noise_gain: arranged.noise_gain,
+            ..Recording::new(file, start_s, period_s, signals)
+        };
         let report = Report {
-            file,
-            counted: lines.counted(),
-            samples: recording.len(),
-            sampling,
-            columns: resolved.columns.into_iter().map(|column| column.note).collect(),
-            left_out,
-            gaps,
-            repeated,
-            signals: qualities,
-            suspicions: suspicions(&recording),
+            gaps: arranged.gaps,
+            repeated: arranged.repeated,
+            unstamped: arranged.unstamped,
+            notes,
+            constants,
+            joined,
+            ..Report::of(&recording, &lines, arranged.sampling, resolved, left_out, qualities)
         };
         Ok((recording, report))
+    }
+}
+
+impl Report {
+    fn of(
+        recording: &Recording,
+        lines: &Lines,
+        sampling: Sampling,
+        header: Header,
+        left_out: Vec<String>,
+        signals: Vec<SignalQuality>,
+    ) -> Report {
+        Report {
+            file: recording.name.clone(),
+            counted: lines.counted(),
+            samples: recording.len(),
+            end_s: recording.time(recording.len().saturating_sub(1)),
+            sampling,
+            columns: header.columns.into_iter().map(|column| column.note).collect(),
+            notes: Vec::new(),
+            left_out,
+            constants: Vec::new(),
+            joined: Vec::new(),
+            gaps: Stretches::default(),
+            repeated: Stretches::default(),
+            unstamped: Stretches::default(),
+            signals,
+            suspicions: suspicions(recording),
+        }
     }
 }
 

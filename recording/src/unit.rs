@@ -8,6 +8,8 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use crate::counts::counted;
+
 /// What a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -60,28 +62,25 @@ impl Quantity {
 pub struct Unit {
     /// What it measures.
     pub quantity: Quantity,
-    numerator: f64,
-    denominator: f64,
-    offset: f64,
+    pub(crate) numerator: f64,
+    pub(crate) denominator: f64,
+    pub(crate) offset: f64,
 }
 
 impl Unit {
-    /// Looks a unit up by the text of a header: `rpm`, `1/min`, `N·m`, `µm`, `°/s`, ...
+    /// Looks a unit up by the text of a header: `rpm`, `1/min`, `N·m`, `µm`, `rad_per_s`,
+    /// `counts/4096` (counts a revolution), `counts*0.05um`, ...
     ///
     /// Case counts where it carries meaning (`mV`, `MV`); texts of three letters and more that
     /// are known in one case only are also found in another (`RPM`).
     pub fn parse(text: &str) -> Option<Unit> {
         let text = normalized(text);
-        let found = TABLE.iter().find(|row| row.0.contains(&text.as_str())).or_else(|| {
-            let folded = |alias: &&str| alias.len() > 2 && alias.eq_ignore_ascii_case(&text);
-            TABLE.iter().find(|row| row.0.iter().any(folded))
-        });
-        found.map(|&(_, quantity, numerator, denominator, offset)| Unit {
-            quantity,
-            numerator,
-            denominator,
-            offset,
-        })
+        let parted =
+            |mark: &str| text.replace("_per_", "/").replace(" per ", "/").replace('_', mark);
+        listed(&text)
+            .or_else(|| counted(&text))
+            .or_else(|| listed(&parted("/")))
+            .or_else(|| listed(&parted(" ")))
     }
 
     /// The value in the quantity's SI unit.
@@ -106,12 +105,38 @@ impl Quantity {
 /// Every text known for units of the given quantities (the first spelling of each), for messages.
 pub(crate) fn known(quantities: &[Quantity]) -> String {
     let rows = TABLE.iter().filter(|row| quantities.contains(&row.1));
-    rows.map(|row| row.0[0]).collect::<Vec<_>>().join(", ")
+    let mut names: Vec<&str> = rows.map(|row| row.0[0]).collect();
+    if quantities.contains(&Quantity::Angle) {
+        names.push("counts/4096 (counts a revolution)");
+    }
+    if quantities.contains(&Quantity::Length) {
+        names.push("counts*0.05um (length of a count)");
+    }
+    names.join(", ")
 }
 
-/// Micro signs, degree signs, product dots and runs of blanks in one spelling.
-fn normalized(text: &str) -> String {
-    let plain = text.replace(['µ', 'μ'], "u").replace('°', "deg").replace(['·', '*', '⋅'], " ");
+/// The unit of exactly that text, or in another case where that carries no meaning.
+pub(crate) fn listed(text: &str) -> Option<Unit> {
+    let found = TABLE.iter().find(|row| row.0.contains(&text)).or_else(|| {
+        let folded = |alias: &&str| alias.len() > 2 && alias.eq_ignore_ascii_case(text);
+        TABLE.iter().find(|row| row.0.iter().any(folded))
+    });
+    found.map(|&(_, quantity, numerator, denominator, offset)| Unit {
+        quantity,
+        numerator,
+        denominator,
+        offset,
+    })
+}
+
+/// Micro signs, degree signs, product dots, minus signs and runs of blanks in one spelling.
+pub(crate) fn normalized(text: &str) -> String {
+    let plain = text
+        .replace(['µ', 'μ'], "u")
+        .replace(['°', 'º'], "deg")
+        .replace(['·', '*', '⋅'], " ")
+        .replace("⁻¹", "^-1")
+        .replace('\u{2212}', "-");
     plain.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -119,31 +144,66 @@ fn normalized(text: &str) -> String {
 type Row = (&'static [&'static str], Quantity, f64, f64, f64);
 
 const TABLE: &[Row] = &[
-    (&["s", "sec", "second", "seconds"], Quantity::Time, 1.0, 1.0, 0.0),
-    (&["ms", "msec", "millisecond", "milliseconds"], Quantity::Time, 1.0, 1e3, 0.0),
-    (&["us", "usec", "microseconds"], Quantity::Time, 1.0, 1e6, 0.0),
-    (&["ns", "nanoseconds"], Quantity::Time, 1.0, 1e9, 0.0),
-    (&["min", "minutes"], Quantity::Time, 60.0, 1.0, 0.0),
-    (&["h", "hours"], Quantity::Time, 3600.0, 1.0, 0.0),
-    (&["V", "volt", "volts"], Quantity::Voltage, 1.0, 1.0, 0.0),
+    (
+        &["s", "sec", "second", "seconds", "sek", "sekunden", "secondes", "segundos", "secondi"],
+        Quantity::Time,
+        1.0,
+        1.0,
+        0.0,
+    ),
+    (&["ms", "msec", "millis", "millisecond", "milliseconds"], Quantity::Time, 1.0, 1e3, 0.0),
+    (&["us", "usec", "micros", "microseconds"], Quantity::Time, 1.0, 1e6, 0.0),
+    (&["ns", "nsec", "nanoseconds"], Quantity::Time, 1.0, 1e9, 0.0),
+    (&["min", "minutes", "minuten"], Quantity::Time, 60.0, 1.0, 0.0),
+    (&["h", "hours", "stunden"], Quantity::Time, 3600.0, 1.0, 0.0),
+    (&["V", "volt", "volts", "voltios"], Quantity::Voltage, 1.0, 1.0, 0.0),
     (&["mV"], Quantity::Voltage, 1.0, 1e3, 0.0),
     (&["kV"], Quantity::Voltage, 1e3, 1.0, 0.0),
-    (&["A", "amp", "amps", "ampere"], Quantity::Current, 1.0, 1.0, 0.0),
+    (&["A", "amp", "amps", "ampere", "amperes", "amperios"], Quantity::Current, 1.0, 1.0, 0.0),
     (&["mA"], Quantity::Current, 1.0, 1e3, 0.0),
     (&["uA"], Quantity::Current, 1.0, 1e6, 0.0),
     (&["kA"], Quantity::Current, 1e3, 1.0, 0.0),
-    (&["rad/s", "rad/sec", "rad s^-1"], Quantity::AngularSpeed, 1.0, 1.0, 0.0),
+    (&["rad/s", "rad/sec", "rad s^-1", "rad s-1", "rads"], Quantity::AngularSpeed, 1.0, 1.0, 0.0),
     (
-        &["rpm", "1/min", "r/min", "rev/min", "U/min", "min^-1"],
+        &[
+            "rpm",
+            "1/min",
+            "r/min",
+            "rev/min",
+            "U/min",
+            "min^-1",
+            "min-1",
+            "upm",
+            "tr/min",
+            "tours/min",
+            "giri/min",
+            "vueltas/min",
+            "Umdr/min",
+            "Umdrehungen/min",
+            "r.p.m.",
+            "turns/min",
+        ],
         Quantity::AngularSpeed,
         PI,
         30.0,
         0.0,
     ),
-    (&["krpm"], Quantity::AngularSpeed, 1e3 * PI, 30.0, 0.0),
-    (&["deg/s", "deg/sec", "dps"], Quantity::AngularSpeed, PI, 180.0, 0.0),
-    (&["rev/s", "rps", "r/s"], Quantity::AngularSpeed, 2.0 * PI, 1.0, 0.0),
-    (&["m/s", "m/sec", "m s^-1"], Quantity::Speed, 1.0, 1.0, 0.0),
+    (&["krpm", "k rpm"], Quantity::AngularSpeed, 1e3 * PI, 30.0, 0.0),
+    (
+        &["deg/s", "deg/sec", "dps", "Grad/s", "deg s-1", "deg s^-1"],
+        Quantity::AngularSpeed,
+        PI,
+        180.0,
+        0.0,
+    ),
+    (
+        &["rev/s", "rps", "r/s", "U/s", "tr/s", "giri/s", "vueltas/s", "turns/s", "turn/s"],
+        Quantity::AngularSpeed,
+        2.0 * PI,
+        1.0,
+        0.0,
+    ),
+    (&["m/s", "m/sec", "m s^-1", "m s-1"], Quantity::Speed, 1.0, 1.0, 0.0),
     (&["mm/s", "mm/sec"], Quantity::Speed, 1.0, 1e3, 0.0),
     (&["um/s"], Quantity::Speed, 1.0, 1e6, 0.0),
     (&["cm/s"], Quantity::Speed, 1.0, 1e2, 0.0),
@@ -151,23 +211,53 @@ const TABLE: &[Row] = &[
     (&["mm/min"], Quantity::Speed, 1.0, 6e4, 0.0),
     (&["rad"], Quantity::Angle, 1.0, 1.0, 0.0),
     (&["mrad"], Quantity::Angle, 1.0, 1e3, 0.0),
-    (&["deg", "degree", "degrees"], Quantity::Angle, PI, 180.0, 0.0),
-    (&["rev", "turn", "turns", "revolutions"], Quantity::Angle, 2.0 * PI, 1.0, 0.0),
-    (&["m"], Quantity::Length, 1.0, 1.0, 0.0),
+    (
+        &["deg", "degree", "degrees", "Grad", "degres", "degrés", "grados", "gradi"],
+        Quantity::Angle,
+        PI,
+        180.0,
+        0.0,
+    ),
+    (
+        &[
+            "rev",
+            "turn",
+            "turns",
+            "revs",
+            "revolutions",
+            "Umdr",
+            "Umdrehungen",
+            "tr",
+            "tours",
+            "vueltas",
+            "giri",
+        ],
+        Quantity::Angle,
+        2.0 * PI,
+        1.0,
+        0.0,
+    ),
+    (&["m", "meter", "metre", "meters", "metres"], Quantity::Length, 1.0, 1.0, 0.0),
     (&["cm"], Quantity::Length, 1.0, 1e2, 0.0),
     (&["mm"], Quantity::Length, 1.0, 1e3, 0.0),
     (&["um"], Quantity::Length, 1.0, 1e6, 0.0),
     (&["nm"], Quantity::Length, 1.0, 1e9, 0.0),
-    (&["N m", "Nm", "N-m"], Quantity::Torque, 1.0, 1.0, 0.0),
-    (&["mN m", "mNm", "mN-m"], Quantity::Torque, 1.0, 1e3, 0.0),
+    (&["N m", "Nm", "N-m", "N.m", "newton meter"], Quantity::Torque, 1.0, 1.0, 0.0),
+    (&["mN m", "mNm", "mN-m", "mN.m", "N mm", "Nmm"], Quantity::Torque, 1.0, 1e3, 0.0),
     (&["uN m", "uNm"], Quantity::Torque, 1.0, 1e6, 0.0),
-    (&["N cm", "Ncm"], Quantity::Torque, 1.0, 1e2, 0.0),
+    (&["N cm", "Ncm", "cN m", "cNm"], Quantity::Torque, 1.0, 1e2, 0.0),
     (&["kN m", "kNm"], Quantity::Torque, 1e3, 1.0, 0.0),
     (&["N", "newton"], Quantity::Force, 1.0, 1.0, 0.0),
     (&["mN"], Quantity::Force, 1.0, 1e3, 0.0),
     (&["kN"], Quantity::Force, 1e3, 1.0, 0.0),
     (&["K", "kelvin"], Quantity::Temperature, 1.0, 1.0, 0.0),
-    (&["degC", "C", "celsius"], Quantity::Temperature, 1.0, 1.0, 273.15),
+    (
+        &["degC", "C", "celsius", "deg C", "deg_C", "Grad C"],
+        Quantity::Temperature,
+        1.0,
+        1.0,
+        273.15,
+    ),
     (&["1", "-", "none", ""], Quantity::Dimensionless, 1.0, 1.0, 0.0),
     (&["%", "percent"], Quantity::Dimensionless, 1.0, 1e2, 0.0),
 ];
@@ -213,6 +303,34 @@ mod tests {
         assert_eq!(Unit::parse("MV"), None, "a megavolt is not a millivolt");
         assert_eq!(Unit::parse("furlong"), None);
         assert_ne!(Unit::parse("mN m").unwrap().quantity, Unit::parse("mN").unwrap().quantity);
+    }
+
+    #[test]
+    fn units_of_other_languages_and_of_names_are_known() {
+        for (text, same) in [
+            ("rad_s", "rad/s"),
+            ("rad_per_s", "rad/s"),
+            ("rad per s", "rad/s"),
+            ("m_s", "m/s"),
+            ("deg_s", "deg/s"),
+            ("N_m", "N m"),
+            ("mNm", "mN m"),
+            ("1_min", "rpm"),
+            ("min-1", "rpm"),
+            ("min⁻¹", "rpm"),
+            ("tr/min", "rpm"),
+            ("giri/min", "rpm"),
+            ("vueltas/min", "rpm"),
+            ("U_min", "rpm"),
+            ("°C", "degC"),
+            ("°", "deg"),
+        ] {
+            assert!(Unit::parse(text).is_some(), "{text}");
+            assert_eq!(Unit::parse(text), Unit::parse(same), "{text}");
+        }
+        for text in ["kHz", "V/1000rpm", "counts", "Ohm", "inc", "counts/parsec", "counts/0"] {
+            assert_eq!(Unit::parse(text), None, "{text}");
+        }
     }
 
     #[test]

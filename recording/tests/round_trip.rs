@@ -26,19 +26,14 @@ fn recording() -> impl Strategy<Value = Recording> {
     (2_usize..60, 0_usize..5, decimal(), prop_oneof![Just(0.0), decimal()]).prop_flat_map(
         move |(samples, more, period_s, start_s)| {
             let columns = prop::collection::vec(prop::collection::vec(value(), samples), more + 1);
-            columns.prop_map(move |columns| Recording {
-                name: String::new(),
-                start_s,
-                period_s,
-                signals: columns
-                    .into_iter()
-                    .zip(signals)
-                    .map(|(values, (name, unit))| Signal {
-                        name: name.into(),
-                        unit: unit.into(),
-                        values,
-                    })
-                    .collect(),
+            columns.prop_map(move |columns| {
+                let named = columns.into_iter().zip(signals);
+                let signal = |(values, (name, unit)): (Vec<f64>, (&str, &str))| Signal {
+                    name: name.into(),
+                    unit: unit.into(),
+                    values,
+                };
+                Recording::new("", start_s, period_s, named.map(signal).collect())
             })
         },
     )

@@ -188,7 +188,7 @@ impl Experiment {
     }
 
     fn recording(&self, signals: Vec<Signal>) -> Recording {
-        Recording { name: self.drive.name.clone(), start_s: 0.0, period_s: self.period_s, signals }
+        Recording::new(self.drive.name.clone(), 0.0, self.period_s, signals)
     }
 }
 

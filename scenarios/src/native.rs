@@ -68,7 +68,7 @@ fn empty(inputs: &Recording) -> Recording {
         values: vec![0.0; inputs.len()],
     });
     let name = inputs.name.clone();
-    Recording { name, start_s: inputs.start_s, period_s: inputs.period_s, signals: signals.into() }
+    Recording::new(name, inputs.start_s, inputs.period_s, signals.into())
 }
 
 /// Makes the recording of another run one over those inputs, its rows still to be written.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use drivescope_discovery::add;
 use drivescope_plant::effects::registry::REGISTRY;
+use drivescope_plant::file::{CUSTOM, LEARNED};
 
 use super::Run;
 use super::discover::Search;
@@ -12,11 +13,6 @@ use crate::drive_source;
 use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, Failure};
 use crate::session::Session;
-
-/// The kind of a typed law.
-const CUSTOM: &str = "custom";
-/// Curves are no entry of the library, but can be added as effects are.
-const LEARNED: &str = "learned";
 
 /// Add one effect to a drive, fit everything, and print the error before and after.
 #[derive(Debug, Args)]

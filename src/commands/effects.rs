@@ -7,6 +7,7 @@ use comfy_table::{ContentArrangement, Table, presets};
 use drivescope_plant::effects::custom::Target;
 use drivescope_plant::effects::learned::Over;
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
+use drivescope_plant::file::{CUSTOM, LEARNED};
 use serde::Serialize;
 
 use super::Run;
@@ -48,11 +49,6 @@ struct Quantity {
     range: Option<(Option<f64>, Option<f64>)>,
     description: &'static str,
 }
-
-/// An effect that the registry does not list: the user types its law.
-const CUSTOM: &str = "custom";
-/// Another: a curve by its values at knots, as a discovery learns it.
-const LEARNED: &str = "learned";
 
 impl Run for Effects {
     fn run(self, session: &Session) -> miette::Result<Ending> {

@@ -5,21 +5,23 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use drivescope_discovery::with_canonical_names;
-use drivescope_plant::drive::{Drive, Input};
-use drivescope_recording::Recording;
+use drivescope_discovery::Unexplained;
+use drivescope_plant::drive::Input;
 use serde::Serialize;
 
 use super::Run;
 use super::recording_options::RecordingOptions;
 use crate::failure::{Ending, told};
-use crate::first_drive::{FirstDrive, Origin};
+use crate::first_drive::{FirstDrive, Given, Origin, Value};
 use crate::output;
 use crate::session::Session;
-use crate::simulation::replay::{Fit, fits, replay, start};
-use crate::simulation::without_noise;
+use crate::simulation::replay::Fit;
 
-/// Make a first drive file from a recording: signals recognised, rough values, what to fill in.
+/// Signals that a first drive is made from: none may have holes.
+const USED: [&str; 10] = ["u", "torque", "i", "I_m", "omega", "v", "theta", "x", "T", "T_l"];
+
+/// Make a first drive file from a recording: what was measured decides what is modelled, least
+/// squares and a fit give the values, and what the recording does not tell is marked.
 #[derive(Debug, Args)]
 pub(crate) struct Init {
     /// Recording of the drive.
@@ -30,6 +32,9 @@ pub(crate) struct Init {
     /// What u is: the armature voltage, or a command that u x K_m turns into torque or force.
     #[arg(long, value_name = "voltage|force", hide_possible_values = true)]
     input: Option<Kind>,
+    /// Values of a data sheet, SI, that are taken as they are: `K_m=0.05,R=2.1`.
+    #[arg(long, value_name = "NAME=VALUE,..")]
+    given: Option<String>,
     #[command(flatten)]
     reading: RecordingOptions,
 }
@@ -41,88 +46,126 @@ enum Kind {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer {
+struct Answer<'a> {
     output: PathBuf,
     motion: drivescope_plant::drive::Motion,
     input: Input,
-    parameters: Vec<Parameter>,
+    /// What was modelled, and why.
+    choice: &'a str,
+    parameters: Vec<Parameter<'a>>,
     /// How well the file's drive reproduces the recording.
-    fit: Vec<Fit>,
+    fit: &'a [Fit],
+    /// Bandwidth of the observer with which it does, Hz; 0 in free run.
+    observer_hz: f64,
+    /// What the balances leave unexplained.
+    unexplained: Balances,
+    /// The command to type next.
+    next: String,
 }
 
 #[derive(Debug, Serialize)]
-struct Parameter {
-    name: &'static str,
+struct Balances {
+    torque: Option<Unexplained>,
+    voltage: Option<Unexplained>,
+}
+
+#[derive(Debug, Serialize)]
+struct Parameter<'a> {
+    name: &'a str,
     value: f64,
+    std_error: Option<f64>,
+    unit: &'a str,
     /// Whether the recording tells it.
     estimated: bool,
-    origin: &'static str,
+    origin: &'a str,
 }
 
 impl Run for Init {
     fn run(self, session: &Session) -> miette::Result<Ending> {
+        let given = Given::parse(self.given.as_deref().unwrap_or_default())?;
         session.check_writable(&[&self.output])?;
         let (recording, report) = self.reading.read(&self.recording, session)?;
-        let needed = ["u", "i", "omega", "v", "theta", "x", "T", "I_m", "T_l"];
-        let needed =
-            needed.into_iter().filter(|name| *name == "u" || recording.signal(name).is_some());
-        report.require(&recording, &needed.collect::<Vec<_>>()).map_err(told)?;
+        let used = USED.into_iter().filter(|name| recording.signal(name).is_some());
+        report.require(&recording, &used.collect::<Vec<_>>()).map_err(told)?;
         let input = self.input.map(|kind| match kind {
             Kind::Voltage => Input::Voltage,
             Kind::Force => Input::Force,
         });
-        let first = FirstDrive::of(&recording, input)?;
-        let (text, drive) = first.file(&self.output.display().to_string())?;
-        let fit = tried(&drive, recording, session)?;
+        let first = FirstDrive::of(&recording, input, &given)?;
+        first.choice.remarks.iter().for_each(|remark| session.remark(remark));
+        let (text, _) = first.file(&self.output.display().to_string())?;
         output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
+        let [torque, voltage] = first.quality.unexplained;
         let answer = Answer {
             output: self.output.clone(),
-            motion: first.motion,
-            input: first.input,
-            parameters: parameters(&first),
-            fit,
+            motion: first.choice.motion,
+            input: first.choice.input,
+            choice: &first.choice.sentence,
+            parameters: first.values.iter().map(parameter).collect(),
+            fit: &first.quality.fits,
+            observer_hz: first.quality.observer_hz,
+            unexplained: Balances { torque, voltage },
+            next: self.next(),
         };
         session.answer(&said(&first, &answer), &answer)?;
         Ok(Ending::Done)
     }
 }
 
-/// Runs the new drive on the recording that it comes from.
-fn tried(drive: &Drive, recording: Recording, session: &Session) -> miette::Result<Vec<Fit>> {
-    let drive = without_noise(drive);
-    let measured = with_canonical_names(&drive, recording);
-    let start = start(&drive, &measured)?;
-    let bar = session.progress(measured.len() as u64, "trying");
-    let model = replay(&drive, &measured, start, &bar)?;
-    Ok(fits(&measured, &model))
-}
-
-fn parameters(first: &FirstDrive) -> Vec<Parameter> {
-    let parameter = |(name, value): (&'static str, &crate::first_drive::Value)| {
-        let (estimated, origin) = match value.origin {
-            Origin::Estimated(how) => (true, how),
-            Origin::Guessed(todo) => (false, todo),
+impl Init {
+    /// The command to type next, with the columns that were named here.
+    fn next(&self) -> String {
+        let quoted = |path: &PathBuf| {
+            let text = path.display().to_string();
+            if text.contains(char::is_whitespace) { format!("\"{text}\"") } else { text }
         };
-        Parameter { name, value: value.value, estimated, origin }
-    };
-    first.values().into_iter().map(parameter).collect()
+        let options = self.reading.typed();
+        format!(
+            "drivescope fit {} {}{options} -o fitted.toml",
+            quoted(&self.output),
+            quoted(&self.recording)
+        )
+    }
 }
 
-fn said(first: &FirstDrive, answer: &Answer) -> String {
-    let mut text = format!("{}: input u is ", answer.output.display());
-    let kind = if first.input == Input::Voltage { "the voltage" } else { "a force command" };
-    let _ = writeln!(text, "{kind} ({})", first.because);
-    for parameter in &answer.parameters {
-        let mark = if parameter.estimated { "estimated" } else { "FILL IN" };
-        let _ = writeln!(text, "  {:<12} {:<12.4e} {mark}", parameter.name, parameter.value);
+fn parameter(value: &Value) -> Parameter<'_> {
+    let (estimated, origin) = match value.origin {
+        Origin::Estimated(how) => (true, how),
+        Origin::Given(how) | Origin::Guessed(how) => (false, how),
+    };
+    let Value { name, value, unit, std_error, .. } = value;
+    Parameter { name, value: *value, std_error: *std_error, unit, estimated, origin }
+}
+
+fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
+    let mut text = format!("{}: {}\n", answer.output.display(), first.choice.sentence);
+    for Value { name, value, unit, std_error, origin } in &first.values {
+        let known = match (origin, std_error) {
+            (Origin::Estimated(_), Some(error)) => format!("+- {error:.1e}"),
+            (Origin::Estimated(_), None) => "estimated".to_owned(),
+            (Origin::Given(_), _) => "given".to_owned(),
+            (Origin::Guessed(_), _) => "FILL IN".to_owned(),
+        };
+        let row = format!("  {name:<18} {value:<12.4e} {known:<12} {unit}");
+        let _ = writeln!(text, "{}", row.trim_end());
     }
     for (name, todo) in first.guesses() {
         let _ = writeln!(text, "fill in {name}: {todo}");
     }
-    for Fit { signal, percent, .. } in &answer.fit {
-        if let Some(percent) = percent {
-            let _ = writeln!(text, "  {signal:<8} fit {percent:.1} % before any fitting");
+    let how = match answer.observer_hz {
+        0.0 => "in free run".to_owned(),
+        hz => format!("with an observer of {hz:.3} Hz, for the plant integrates its errors"),
+    };
+    for Fit { signal, percent, rms, unit } in answer.fit {
+        let percent = percent.map_or("constant".to_owned(), |it| format!("{it:.1} %"));
+        let _ = writeln!(text, "  {signal:<8} fit {percent}, rms {rms:.3e} {unit}, {how}");
+    }
+    let Balances { torque, voltage } = answer.unexplained;
+    for (name, left) in [("torque", torque), ("voltage", voltage)] {
+        if let Some(Unexplained { share, .. }) = left {
+            let _ = writeln!(text, "  {:.1} % of the {name} unexplained", 100.0 * share);
         }
     }
+    let _ = writeln!(text, "next: {}", answer.next);
     text
 }

@@ -12,18 +12,54 @@ use crate::session::Session;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Reading the recording")]
 pub(crate) struct RecordingOptions {
-    /// Columns by name: `u=Voltage,omega=Speed:rpm`.
+    /// Columns by name: `u=Voltage,omega=Speed:rpm`. Kept in a small file beside the recording and
+    /// used by later commands.
     #[arg(long, value_name = "NAME=COLUMN[:UNIT],..")]
     columns: Option<String>,
-    /// Interpolate to this sampling time, s, where time is not uniform.
+    /// Interpolate to this sampling time, s, in place of the one that the rows show.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     resample: Option<f64>,
+    /// Sampling time of the rows, s, of a recording without a time that can be used.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    rows_every: Option<f64>,
 }
 
 impl RecordingOptions {
     /// The columns that were named.
     pub(crate) fn columns(&self) -> Option<&str> {
         self.columns.as_deref()
+    }
+
+    /// The options as they are typed, each after a space.
+    pub(crate) fn typed(&self) -> String {
+        let columns = self.columns.iter().map(|columns| format!(" --columns \"{columns}\""));
+        let resample = self.resample.iter().map(|period| format!(" --resample {period}"));
+        columns.chain(resample).collect()
+    }
+
+    /// Whether the command line says how to read.
+    fn is_said(&self) -> bool {
+        self.columns.is_some() || self.resample.is_some() || self.rows_every.is_some()
+    }
+
+    /// What the command line says, or else what was said before of this recording.
+    fn options(&self, path: &Path, session: &Session) -> miette::Result<ReadOptions> {
+        let said = self.columns.as_deref().map(Mapping::parse_list).transpose().map_err(told)?;
+        let kept = match said {
+            // Columns that are named anew are all that counts.
+            Some(_) => None,
+            None => ReadOptions::kept(path).map_err(told)?,
+        };
+        if kept.is_some() {
+            let file = ReadOptions::kept_at(path);
+            session.remark(format_args!("columns as kept in {}", file.display()));
+        }
+        let kept = kept.unwrap_or_default();
+        Ok(ReadOptions {
+            columns: said.unwrap_or(kept.columns),
+            resample: self.resample.or(kept.resample),
+            rows_every: self.rows_every.or(kept.rows_every),
+        })
     }
 
     /// Reads the recording and says what was assumed and what deserves attention.
@@ -35,10 +71,11 @@ impl RecordingOptions {
         path: &Path,
         session: &Session,
     ) -> miette::Result<(Recording, Report)> {
-        let columns = self.columns.as_deref().map(Mapping::parse_list).transpose();
-        let columns = columns.map_err(told)?.unwrap_or_default();
-        let options = ReadOptions { columns, resample: self.resample };
+        let options = self.options(path, session)?;
         let (recording, report) = read(path, &options).map_err(told)?;
+        if self.is_said() {
+            session.keep_later(path, options);
+        }
         for remark in report.guesses().iter().chain(&report.warnings()) {
             session.remark(format_args!("{}: {remark}", report.file));
         }

@@ -1,6 +1,6 @@
 //! `serve`: the local page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -26,9 +26,19 @@ pub(crate) struct Serve {
     largest_upload: u64,
 }
 
+/// Whether the argument is a file other than a drive file.
+fn is_recording(argument: &str) -> bool {
+    let path = Path::new(argument);
+    path.is_file() && path.extension().is_none_or(|extension| extension != "toml")
+}
+
 impl Run for Serve {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let Self { drive, recordings, port, largest_upload } = self;
+        let Self { mut drive, mut recordings, port, largest_upload } = self;
+        // `serve log.csv`: a file that is no drive file begins the recordings.
+        if let Some(first) = drive.take_if(|it| is_recording(it)) {
+            recordings.insert(0, PathBuf::from(first));
+        }
         let served = Served { port, drive, recordings, most_bytes: largest_upload * 1_000_000 };
         serve(&served, session)?;
         Ok(Ending::Done)

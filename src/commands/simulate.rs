@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use drivescope_discovery::with_canonical_names;
+use drivescope_discovery::{driving, with_canonical_names};
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::sampled::speed_bound;
 use drivescope_recording::{Quantity, Recording};
@@ -99,10 +99,13 @@ impl Run for Simulate {
 impl Simulate {
     fn replayed(&self, drive: &Drive, measured: &Path, session: &Session) -> miette::Result<()> {
         let (measured, report) = self.reading.read(measured, session)?;
-        let has = |name: &&str| measured.signal(name).is_some();
-        let driving: Vec<&str> =
-            ["u", "T_l"].into_iter().filter(|name| *name == "u" || has(name)).collect();
-        report.require(&measured, &driving).map_err(told)?;
+        let (what, driver) = driving(drive, &measured).map_err(told)?;
+        let load = measured.signal("T_l").map(|load| load.name.as_str());
+        let needed: Vec<&str> = [Some(driver.name.as_str()), load].into_iter().flatten().collect();
+        report.require(&measured, &needed).map_err(told)?;
+        if let Some(remark) = what.remark() {
+            session.remark(format_args!("{}: {remark}", measured.name));
+        }
         let measured = with_canonical_names(drive, measured);
         let drive = without_noise(drive);
         let start = start(&drive, &measured)?;

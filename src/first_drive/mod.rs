@@ -1,19 +1,24 @@
-//! A first drive file from a recording: what its columns say about the drive, rough values for a
-//! fit to start from, and what a person has to fill in.
+//! A first drive file from a recording: what was measured decides what is modelled, least squares
+//! on the balances and a fit give its values, and what the recording does not tell is marked.
 //!
-//! [`signals`] tells what was measured; [`estimate`] finds values by regression; [`text`] writes
-//! the file with its comments.
+//! [`choice`] says what is modelled; [`given`] reads what a data sheet says; [`estimate`] finds the
+//! values and how well they fit; [`text`] writes the file with its comments.
 
+mod choice;
 mod estimate;
-mod signals;
+mod given;
 mod text;
 
-use drivescope_plant::drive::{Drive, Input, Motion};
+use drivescope_discovery::Unexplained;
+use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 use miette::Diagnostic;
 use thiserror::Error;
 
-pub(crate) use signals::Signals;
+pub(crate) use choice::{Choice, Constant};
+pub(crate) use given::Given;
+
+use crate::simulation::replay::Fit;
 
 /// Why no drive file can be made.
 #[derive(Debug, Error, Diagnostic)]
@@ -27,6 +32,33 @@ pub(crate) enum FirstDriveError {
         /// What is there.
         signals: String,
     },
+    /// Nothing tells what drove the motion.
+    #[error("{file}: has none of voltage or command `u`, current `i`, `torque`; it has {signals}")]
+    #[diagnostic(help("name the column with --columns u=COLUMN:UNIT (or i, torque)"))]
+    NoInput {
+        /// The recording.
+        file: String,
+        /// What is there.
+        signals: String,
+    },
+    /// A voltage-driven drive was asked for.
+    #[error("{file}: has no voltage `u`; it has {signals}")]
+    #[diagnostic(help("name it with --columns u=COLUMN:V, or leave --input voltage out"))]
+    NoVoltage {
+        /// The recording.
+        file: String,
+        /// What is there.
+        signals: String,
+    },
+    /// A value of the command line.
+    #[error("--given: `{item}` is no NAME=VALUE above zero, SI, of {names}")]
+    #[diagnostic(help("give values such as --given K_m=0.05,R=2.1"))]
+    Given {
+        /// What was given.
+        item: String,
+        /// What may be.
+        names: String,
+    },
     /// The file that was made is wrong: an error of this program.
     #[error("the values found make no drive: {reason}")]
     #[diagnostic(help("check the units of the columns; the recording may not move the drive"))]
@@ -39,9 +71,15 @@ pub(crate) enum FirstDriveError {
 /// A value and where it comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Value {
+    /// Name in the drive file.
+    pub(crate) name: &'static str,
     /// SI.
     pub(crate) value: f64,
-    /// What was done to get it, or that it is a guess to be replaced.
+    /// Its unit.
+    pub(crate) unit: String,
+    /// Standard error where it was estimated.
+    pub(crate) std_error: Option<f64>,
+    /// Where it comes from.
     pub(crate) origin: Origin,
 }
 
@@ -50,8 +88,21 @@ pub(crate) struct Value {
 pub(crate) enum Origin {
     /// From this recording.
     Estimated(&'static str),
+    /// From a data sheet, or by definition.
+    Given(&'static str),
     /// The recording does not tell: what to do about it.
     Guessed(&'static str),
+}
+
+/// How well the first drive fits its recording.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Quality {
+    /// Every measured output.
+    pub(crate) fits: Vec<Fit>,
+    /// Bandwidth of the observer with which, Hz; 0 in free run.
+    pub(crate) observer_hz: f64,
+    /// What the torque balance and the voltage balance leave unexplained.
+    pub(crate) unexplained: [Option<Unexplained>; 2],
 }
 
 /// What a recording says of a drive.
@@ -59,37 +110,28 @@ pub(crate) enum Origin {
 pub(crate) struct FirstDrive {
     /// The recording.
     pub(crate) recording: String,
-    /// Rotary or linear.
-    pub(crate) motion: Motion,
-    /// What u is.
-    pub(crate) input: Input,
-    /// Why u is taken as that.
-    pub(crate) because: &'static str,
-    /// Unit of u.
-    pub(crate) u_unit: String,
-    /// Armature resistance; none where force-driven.
-    pub(crate) r: Option<Value>,
-    /// Armature inductance; none where force-driven.
-    pub(crate) l: Option<Value>,
-    /// Voltage and torque constant, or K_m alone where force-driven.
-    pub(crate) k: Value,
-    /// Inertia.
-    pub(crate) j: Value,
-    /// Viscous friction.
-    pub(crate) b_m: Value,
-    /// Coulomb friction.
-    pub(crate) t_c: Value,
-    /// Whether a reference was recorded: there is a controller that nobody described.
-    pub(crate) controlled: bool,
+    /// What is modelled.
+    pub(crate) choice: Choice,
+    /// Every parameter, in the order of the file.
+    pub(crate) values: Vec<Value>,
+    /// Parameters that a fit leaves as they are.
+    pub(crate) fixed: Vec<&'static str>,
+    /// How well it fits.
+    pub(crate) quality: Quality,
 }
 
 impl FirstDrive {
-    /// Finds what the recording says; `input` overrules what its columns suggest.
+    /// Finds what the recording says; `input` overrules what its columns suggest, what is `given`
+    /// is taken as it is.
     ///
     /// # Errors
-    /// There is no u, or nothing that tells the motion.
-    pub(crate) fn of(recording: &Recording, input: Option<Input>) -> miette::Result<Self> {
-        Ok(estimate::first_drive(&Signals::of(recording, input)?))
+    /// Nothing drives, or nothing tells the motion, or the recording cannot be used.
+    pub(crate) fn of(
+        recording: &Recording,
+        input: Option<drivescope_plant::drive::Input>,
+        given: &Given,
+    ) -> miette::Result<Self> {
+        estimate::first_drive(recording, Choice::of(recording, input)?, given)
     }
 
     /// The text of the drive file, and the drive in it.
@@ -106,24 +148,15 @@ impl FirstDrive {
 
     /// The parameters that are guesses, by name, each with what to do about it.
     pub(crate) fn guesses(&self) -> Vec<(&'static str, &'static str)> {
-        self.values()
-            .into_iter()
-            .filter_map(|(name, value)| match value.origin {
-                Origin::Guessed(todo) => Some((name, todo)),
-                Origin::Estimated(_) => None,
-            })
-            .collect()
+        let guess = |value: &Value| match value.origin {
+            Origin::Guessed(todo) => Some((value.name, todo)),
+            Origin::Estimated(_) | Origin::Given(_) => None,
+        };
+        self.values.iter().filter_map(guess).collect()
     }
 
-    /// Every parameter with its name in the drive file.
-    pub(crate) fn values(&self) -> Vec<(&'static str, &Value)> {
-        let force = self.input == Input::Force;
-        let electrical = [("R", self.r.as_ref()), ("L", self.l.as_ref())];
-        let electrical = electrical.into_iter().filter_map(|(name, value)| Some((name, value?)));
-        let constants = if force { &["K_m"][..] } else { &["K_e", "K_m"] };
-        electrical
-            .chain(constants.iter().map(|name| (*name, &self.k)))
-            .chain([("J", &self.j), ("B_m", &self.b_m), ("coulomb.T_c", &self.t_c)])
-            .collect()
+    /// The value of a parameter, if the drive has it.
+    pub(crate) fn value(&self, name: &str) -> Option<&Value> {
+        self.values.iter().find(|value| value.name == name)
     }
 }

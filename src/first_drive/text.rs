@@ -5,7 +5,7 @@ use std::fmt::Write;
 use drivescope_plant::drive::{Input, Motion};
 use drivescope_plant::units::for_motion;
 
-use super::{FirstDrive, Origin, Value};
+use super::{Choice, FirstDrive, Origin};
 
 /// Significant digits of a rough value.
 const DIGITS: i32 = 4;
@@ -31,73 +31,86 @@ fn short(recording: &str) -> String {
     stem.map_or(recording.to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
+/// The word of a drive file for the motion.
+pub(super) fn motion(motion: Motion) -> &'static str {
+    if motion == Motion::Rotary { "rotary" } else { "linear" }
+}
+
 /// The drive file.
-pub(super) fn drive_file(drive: &FirstDrive) -> String {
-    let force = drive.input == Input::Force;
-    let (motion, input) = (
-        if drive.motion == Motion::Rotary { "rotary" } else { "linear" },
-        if force { "force" } else { "voltage" },
-    );
-    let unit = |rotary: &str| for_motion(drive.motion, rotary);
+pub(super) fn drive_file(first: &FirstDrive) -> String {
+    let choice = &first.choice;
+    let force = choice.input == Input::Force;
     let mut text = format!(
         "# A first drive file, made from a recording: values for a fit to start from.\n\
          # Marked with FILL IN: what the recording does not tell.\n\
-         schema = 1\nname = {}\nmotion = \"{motion}\"\n\n[motor]\n",
-        quoted(&short(&drive.recording))
+         # {}.\n\
+         schema = 1\nname = {}\nmotion = \"{}\"\n\n[motor]\ninput = \"{}\"\n",
+        choice.sentence,
+        quoted(&short(&first.recording)),
+        motion(choice.motion),
+        if force { "force" } else { "voltage" },
     );
-    let _ = writeln!(text, "input = \"{input}\"  # {}", drive.because);
-    let torque_constant = match (force, drive.u_unit.as_str()) {
-        (true, u) => format!("{}/{u}", unit("N m")),
-        (false, _) => unit("N m/A"),
-    };
-    let mut line = |name: &str, value: &Value, unit: &str| {
-        let todo = match value.origin {
+    let mut line = |key: &str, name: &str| {
+        let Some(value) = first.value(name) else { return };
+        let unit = &value.unit;
+        let remark = match value.origin {
             Origin::Guessed(todo) => format!("; FILL IN: {todo}"),
-            Origin::Estimated(_) => String::new(),
+            Origin::Given(_) | Origin::Estimated(_) => String::new(),
         };
-        let _ = writeln!(text, "{name} = {}  # {unit}{todo}", rounded(value.value));
+        let _ = writeln!(text, "{key} = {}  # {unit}{remark}", rounded(value.value));
     };
-    if let (Some(r), Some(l)) = (&drive.r, &drive.l) {
-        line("R", r, "ohm");
-        line("L", l, "H");
-        line("K_e", &drive.k, &unit("V s/rad"));
-    }
-    line("K_m", &drive.k, &torque_constant);
-    line("J", &drive.j, &unit("kg m^2"));
-    line("B_m", &drive.b_m, &unit("N m s/rad"));
-    if !force {
+    ["R", "L", "K_e", "K_m", "J", "B_m"].into_iter().for_each(|name| line(name, name));
+    if !force && first.value("K_e").map(|it| it.value) == first.value("K_m").map(|it| it.value) {
         text.push_str("tie_K = true  # a fit keeps K_m = K_e, which are equal in SI units\n");
     }
-    text.push_str("\n[[effect]]\nkind = \"coulomb\"\n");
-    let todo = match drive.t_c.origin {
-        Origin::Guessed(todo) => format!("; FILL IN: {todo}"),
-        Origin::Estimated(_) => String::new(),
-    };
-    let _ = writeln!(text, "T_c = {}  # {}{todo}", rounded(drive.t_c.value), unit("N m"));
-    if force {
-        text.push_str("\n[fit]\nfixed = [\"K_m\"]  # only ratios to it can be measured\n");
+    for (kind, key) in [("coulomb", "T_c"), ("constant_load", "T_0")] {
+        let name = format!("{kind}.{key}");
+        let Some(value) = first.value(&name) else { continue };
+        let remark = match value.origin {
+            Origin::Guessed(todo) => format!("; FILL IN: {todo}"),
+            Origin::Given(_) | Origin::Estimated(_) => String::new(),
+        };
+        let (unit, value) = (&value.unit, rounded(value.value));
+        let _ =
+            writeln!(text, "\n[[effect]]\nkind = \"{kind}\"\n{key} = {value}  # {unit}{remark}");
+    }
+    let per_recording = first.value("constant_load.T_0").map(|it| quoted(it.name));
+    let fixed: Vec<String> = first.fixed.iter().map(|name| quoted(name)).collect();
+    if per_recording.is_some() || !fixed.is_empty() {
+        text.push_str("\n[fit]\n");
+    }
+    if let Some(name) = per_recording {
+        let _ = writeln!(text, "per_recording = [{name}]");
+    }
+    if !fixed.is_empty() {
+        let _ =
+            writeln!(text, "fixed = [{}]  # what the recording does not tell", fixed.join(", "));
     }
     text.push_str("\n[origin]\n");
-    for (name, value) in drive.values() {
-        let origin = match value.origin {
-            Origin::Estimated(how) => format!("{how}; {}", short(&drive.recording)),
-            Origin::Guessed(todo) => format!("guessed: {todo}"),
+    for value in &first.values {
+        let origin = match (value.origin, value.std_error) {
+            (Origin::Estimated(how), Some(error)) => {
+                format!("{how}, standard error {error:.1e}; {}", short(&first.recording))
+            }
+            (Origin::Estimated(how), None) => format!("{how}; {}", short(&first.recording)),
+            (Origin::Given(how), _) => how.to_owned(),
+            (Origin::Guessed(todo), _) => format!("guessed: {todo}"),
         };
-        let _ = writeln!(text, "{} = {}", quoted(name), quoted(&origin));
+        let _ = writeln!(text, "{} = {}", quoted(value.name), quoted(&origin));
     }
-    text.push_str(&by_hand(drive));
+    text.push_str(&by_hand(choice));
     text
 }
 
 /// Tables that no recording tells, as comments to be completed.
-fn by_hand(drive: &FirstDrive) -> String {
-    let controller = if drive.controlled {
+fn by_hand(choice: &Choice) -> String {
+    let controller = if choice.controlled {
         "# A reference was recorded, so there is a controller. FILL IN to simulate the closed loop:\n"
     } else {
         "# To simulate a closed loop, FILL IN:\n"
     };
-    let speed = for_motion(drive.motion, "rad/s");
-    let angle = for_motion(drive.motion, "rad");
+    let speed = for_motion(choice.motion, "rad/s");
+    let angle = for_motion(choice.motion, "rad");
     format!(
         "\n{controller}\
          # [controller]\n# K_p =      # V s/{angle}\n# K_i =      # V/{angle}\n\

@@ -6,6 +6,7 @@ use axum::response::{IntoResponse, Response};
 use serde_json::json;
 
 use super::bench::words;
+use super::plain::plain;
 use super::upload::UploadError;
 use crate::failure::Failure;
 
@@ -46,7 +47,7 @@ impl From<UploadError> for Refusal {
     fn from(error: UploadError) -> Self {
         let status = match error {
             UploadError::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
-            UploadError::Kind { .. } | UploadError::Broken(_) => StatusCode::UNPROCESSABLE_ENTITY,
+            UploadError::Broken(_) => StatusCode::UNPROCESSABLE_ENTITY,
         };
         Self::new(status, error.to_string())
     }
@@ -54,6 +55,6 @@ impl From<UploadError> for Refusal {
 
 impl IntoResponse for Refusal {
     fn into_response(self) -> Response {
-        (self.status, Json(json!({ "problem": self.words }))).into_response()
+        (self.status, Json(json!({ "problem": plain(&self.words) }))).into_response()
     }
 }

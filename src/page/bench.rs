@@ -14,8 +14,10 @@ use drivescope_plant::drive::Drive;
 use tokio::sync::watch;
 
 use super::job::{Cancelled, Job, Progress};
-use super::recordings::{Taken, UnitFix};
+use super::plain::plain;
+use super::recordings::Taken;
 use super::rung::Rung;
+use super::unit_fix::UnitFix;
 use super::work;
 use crate::evidence::Gathered;
 use crate::failure::Failure;
@@ -124,12 +126,13 @@ impl Bench {
     }
 
     /// Begins to analyse the recordings from the start; what was done before is dropped. Nothing
-    /// happens without a recording.
+    /// more happens without a recording, or while one is to be completed.
     pub(super) fn analyse(self: &Arc<Self>) {
         let anew = |state: &mut State| {
             state.end_job();
             state.forget();
-            !state.recordings.is_empty()
+            let whole = state.recordings.iter().all(|it| it.incomplete.is_none());
+            whole && !state.recordings.is_empty()
         };
         self.begin("Analysing", anew, work::analyse);
     }
@@ -186,7 +189,7 @@ impl Bench {
                 match done {
                     Ok(Ok(change)) => change(state),
                     Ok(Err(error)) if error.downcast_ref::<Cancelled>().is_some() => {}
-                    Ok(Err(error)) => state.problem = Some(words(&error)),
+                    Ok(Err(error)) => state.problem = Some(plain(&words(&error))),
                     Err(_) => state.problem = Some("an internal error ended the work".to_owned()),
                 }
             });

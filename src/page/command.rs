@@ -9,6 +9,7 @@ use serde::Deserialize;
 use super::bench::{Bench, words};
 use super::example::Example;
 use super::law::TypedLaw;
+use super::recordings::Taken;
 use super::rung::Rung;
 use super::work;
 use crate::failure::{Failure, told};
@@ -32,6 +33,25 @@ pub(super) enum Command {
         signal: String,
         /// The unit.
         unit: String,
+    },
+    /// Sample a recording every so many milliseconds, or as it was sampled.
+    Resample {
+        /// Which.
+        recording: usize,
+        /// Sampling time, ms.
+        ms: Option<f64>,
+    },
+    /// Take the rows of a recording as sampled every so many milliseconds.
+    RowsEvery {
+        /// Which.
+        recording: usize,
+        /// Sampling time, ms.
+        ms: Option<f64>,
+    },
+    /// Forget what was said of a recording.
+    Again {
+        /// Which.
+        recording: usize,
     },
     /// Drop a recording.
     Remove {
@@ -98,15 +118,15 @@ impl Command {
                 Ok(())
             }
             Self::Column { recording, column, signal, unit } => {
-                bench.change(|state| {
-                    let taken = state.recordings.get_mut(recording);
-                    let taken =
-                        taken.ok_or_else(|| format!("there is no recording {recording}"))?;
-                    taken.map(&column, &signal, &unit)
-                })?;
-                bench.analyse();
-                Ok(())
+                again(bench, recording, |taken| taken.map(&column, &signal, &unit))
             }
+            Self::Resample { recording, ms } => {
+                again(bench, recording, |taken| taken.resample(ms.map(|ms| ms / 1e3)))
+            }
+            Self::RowsEvery { recording, ms } => {
+                again(bench, recording, |taken| taken.rows_every(ms.map(|ms| ms / 1e3)))
+            }
+            Self::Again { recording } => again(bench, recording, Taken::again),
             Self::Remove { recording } => {
                 bench.change(|state| {
                     if recording < state.recordings.len() {
@@ -151,6 +171,20 @@ impl Command {
             }
         }
     }
+}
+
+/// Changes how a recording is read, and begins anew.
+fn again(
+    bench: &Arc<Bench>,
+    recording: usize,
+    change: impl FnOnce(&mut Taken) -> Result<(), String>,
+) -> Result<(), String> {
+    bench.change(|state| {
+        let taken = state.recordings.get_mut(recording);
+        change(taken.ok_or_else(|| format!("there is no recording {recording}"))?)
+    })?;
+    bench.analyse();
+    Ok(())
 }
 
 /// What is done, and the drive file of the rung with that value in it.

@@ -32,6 +32,7 @@ fn news(bench: &Bench, site: &Site) -> Event {
         "problem": state.problem,
         "recordings": state.recordings.len(),
         "rungs": state.rungs.len(),
+        "beginning": state.beginnings,
         "asked": state.missing.keys().collect::<Vec<_>>(),
         "study": *site.study.changes.borrow(),
         "running": study.running,

@@ -1,15 +1,15 @@
-//! Recordings of a session: read, their columns matched, wrong units found and corrected.
+//! Recordings of a session: read, their columns matched, and what was said of them kept.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use drivescope_discovery::{Error, Measured, doubts};
-use drivescope_plant::drive::Drive;
 use drivescope_recording::{
-    Mapping, Quantity, ReadOptions, Recording, Report, Suspicion, Unit, read,
+    Choice, Mapping, Preview, ReadOptions, Recording, Report, choices, read_with_preview,
 };
 use tempfile::TempPath;
 
+use super::incomplete::Incomplete;
+use super::plain::plain;
 use crate::failure::told;
 
 /// Where a recording lies.
@@ -23,43 +23,37 @@ enum Source {
     Made,
 }
 
-/// A recording that was read.
+/// A recording that was read, or that is to be completed.
 #[derive(Debug)]
 pub(super) struct Taken {
     /// What it is called.
     pub(super) name: String,
-    /// Its signals.
-    pub(super) recording: Arc<Recording>,
-    /// What became of its columns; none where it was simulated.
+    /// Its signals; none where it is to be completed.
+    pub(super) recording: Option<Arc<Recording>>,
+    /// What became of its columns; none where it was simulated or is to be completed.
     pub(super) report: Option<Report>,
-    /// Columns that the user named.
-    pub(super) columns: Vec<Mapping>,
+    /// Its columns as they stand in the file; none where it was simulated.
+    pub(super) preview: Option<Preview>,
+    /// What it lacks.
+    pub(super) incomplete: Option<Incomplete>,
+    /// What was said of its columns and its time.
+    pub(super) options: ReadOptions,
+    /// Where that is kept, or why it is not, in words.
+    pub(super) kept: Option<String>,
     source: Source,
 }
 
-/// A unit that looks wrong.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct UnitFix {
-    /// Number of the recording.
-    pub(super) recording: usize,
-    /// The column.
-    pub(super) column: String,
-    /// The signal that it holds.
-    pub(super) signal: String,
-    /// The unit that it is likely in.
-    pub(super) unit: &'static str,
-    /// Why.
-    pub(super) words: String,
-}
-
 impl Taken {
-    /// The recording of a file that the command line named.
+    /// The recording of a file that the command line named, as what was kept beside it says.
     ///
     /// # Errors
     /// Why it cannot be read.
     pub(super) fn named(path: &Path) -> Result<Self, String> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Self::read(name, Source::Given(path.to_owned()), Vec::new())
+        let kept = ReadOptions::kept(path).map_err(|error| told(error).to_string())?;
+        let said = kept.is_some().then(|| format!("As kept in {}.", shown_place(path)));
+        let taken = Self::read(name, Source::Given(path.to_owned()), kept.unwrap_or_default())?;
+        Ok(Self { kept: said, ..taken })
     }
 
     /// The recording of a file of this server, under the name that the user knows.
@@ -67,170 +61,300 @@ impl Taken {
     /// # Errors
     /// Why it cannot be read.
     pub(super) fn uploaded(name: String, path: TempPath) -> Result<Self, String> {
-        Self::read(name, Source::Own(path), Vec::new())
+        Self::read(name, Source::Own(path), ReadOptions::default())
     }
 
     /// A recording that was simulated.
     pub(super) fn made(name: String, recording: Recording) -> Self {
-        let recording = Arc::new(recording);
-        Self { name, recording, report: None, columns: Vec::new(), source: Source::Made }
+        let content = Content { recording: Some(recording), ..Content::default() };
+        Self::of(name, Source::Made, ReadOptions::default(), content)
     }
 
-    fn read(name: String, source: Source, columns: Vec<Mapping>) -> Result<Self, String> {
-        let path: &Path = match &source {
-            Source::Own(path) => path,
-            Source::Given(path) => path,
-            Source::Made => return Err(format!("{name}: it has no file")),
-        };
-        let (recording, report) = read_named(path, &name, &columns)?;
-        Ok(Self { name, recording: Arc::new(recording), report: Some(report), columns, source })
+    /// Whether it was simulated.
+    pub(super) fn is_made(&self) -> bool {
+        matches!(self.source, Source::Made)
     }
 
-    /// Takes the column as that signal in that unit.
+    fn read(name: String, source: Source, options: ReadOptions) -> Result<Self, String> {
+        let path = source.path().ok_or_else(|| format!("{name}: it has no file"))?;
+        let content = read_named(path, &name, &options)?;
+        Ok(Self::of(name, source, options, content))
+    }
+
+    fn of(name: String, source: Source, options: ReadOptions, content: Content) -> Self {
+        let Content { recording, report, preview, incomplete } = content;
+        let recording = recording.map(Arc::new);
+        Self { name, recording, report, preview, incomplete, options, kept: None, source }
+    }
+
+    /// Takes the column as that signal in that unit (as none where the signal has no name; in the
+    /// unit of its header where none is given).
     ///
     /// # Errors
     /// Why the recording cannot be read so; it stays as it was.
     pub(super) fn map(&mut self, column: &str, signal: &str, unit: &str) -> Result<(), String> {
-        let mut columns = self.columns.clone();
-        columns.retain(|it| it.foreign != column && it.canonical != signal);
-        columns.push(Mapping {
-            canonical: signal.to_owned(),
-            foreign: column.to_owned(),
-            unit: Some(unit.to_owned()).filter(|unit| !unit.is_empty()),
-        });
-        let path: &Path = match &self.source {
-            Source::Own(path) => path,
-            Source::Given(path) => path,
-            Source::Made => return Err(format!("{}: its units are right", self.name)),
+        let unknown = || format!("{}: it has no column `{column}`", self.name);
+        let preview = self.preview.as_ref().ok_or_else(unknown)?;
+        let there = preview.find(column).ok_or_else(unknown)?;
+        let is =
+            |map: &Mapping, key: &str| preview.find(&map.foreign).is_some_and(|it| it.key == key);
+        let mut columns = self.options.columns.clone();
+        columns.retain(|it| !is(it, &there.key) && it.canonical != signal);
+        if signal.is_empty() {
+            columns.push(Mapping::unused(&there.key));
+        } else {
+            let choice = choices().find(|it| it.signal == signal);
+            let choice = choice.ok_or_else(|| format!("there is no signal `{signal}`"))?;
+            // Another column of that very name gives way.
+            let others =
+                preview.columns.iter().filter(|it| it.name == signal && it.key != there.key);
+            let free: Vec<Mapping> = others
+                .filter(|it| !columns.iter().any(|map| is(map, &it.key)))
+                .map(|it| Mapping::unused(&it.key))
+                .collect();
+            columns.extend(free);
+            let now = self.signal_of(&there.key);
+            let unit = unit_for(&choice, there.unit.as_deref(), unit, now == Some(signal));
+            let (canonical, foreign) = (signal.to_owned(), there.key.clone());
+            columns.push(Mapping { canonical, foreign, unit });
+        }
+        let key = there.key.clone();
+        self.re_read(ReadOptions { columns, ..self.options.clone() }, Some(&key))
+    }
+
+    /// The signal that a column stands for at present, or would.
+    fn signal_of(&self, key: &str) -> Option<&str> {
+        let mapped = self.options.columns.iter().find(|it| it.foreign == key);
+        let note = || self.report.as_ref()?.columns.iter().find(|it| it.column == key);
+        let guess = || self.preview.as_ref()?.find(key)?.guess;
+        let mapped = mapped.map(|it| it.canonical.as_str());
+        mapped.or_else(|| Some(note()?.signal.as_str())).or_else(guess)
+    }
+
+    /// Samples it every `period_s`, s, or as it was sampled.
+    ///
+    /// # Errors
+    /// Why it cannot be; it stays as it was.
+    pub(super) fn resample(&mut self, period_s: Option<f64>) -> Result<(), String> {
+        self.re_read(ReadOptions { resample: period_s, ..self.options.clone() }, None)
+    }
+
+    /// Takes its rows as sampled every `period_s`, s, or by their time.
+    ///
+    /// # Errors
+    /// Why it cannot be; it stays as it was.
+    pub(super) fn rows_every(&mut self, period_s: Option<f64>) -> Result<(), String> {
+        self.re_read(ReadOptions { rows_every: period_s, ..self.options.clone() }, None)
+    }
+
+    /// Forgets what was said of it.
+    ///
+    /// # Errors
+    /// Why it cannot be read so; it stays as it was.
+    pub(super) fn again(&mut self) -> Result<(), String> {
+        self.re_read(ReadOptions::default(), None)
+    }
+
+    /// Reads it anew. What was said of `column` must not be what is wrong then.
+    fn re_read(&mut self, options: ReadOptions, column: Option<&str>) -> Result<(), String> {
+        let own = || format!("{}: it was simulated, nothing is to be said of it", self.name);
+        let path = self.source.path().ok_or_else(own)?;
+        let content = read_named(path, &self.name, &options)?;
+        if let Some(incomplete) = &content.incomplete {
+            let blamed = column.is_some() && incomplete.unit_of.as_deref() == column;
+            if self.incomplete.is_none() || blamed {
+                return Err(format!("{}: {}", self.name, incomplete.missing));
+            }
+        }
+        let kept = match &self.source {
+            Source::Given(path) if content.incomplete.is_none() => Some(keep(&options, path)),
+            _ => self.kept.clone(),
         };
-        let (recording, report) = read_named(path, &self.name, &columns)?;
-        (self.recording, self.report) = (Arc::new(recording), Some(report));
-        self.columns = columns;
+        let (name, source) =
+            (std::mem::take(&mut self.name), std::mem::replace(&mut self.source, Source::Made));
+        *self = Self { kept, ..Self::of(name, source, options, content) };
         Ok(())
     }
 
-    /// Units that look wrong, as recording `number` of a session with that drive.
-    pub(super) fn fixes(&self, number: usize, drive: &Drive) -> Vec<UnitFix> {
-        let suspicions = self.report.iter().flat_map(|report| &report.suspicions);
-        let mut fixes: Vec<UnitFix> =
-            suspicions.filter_map(|it| self.suspected(number, it)).collect();
-        let impossible = Measured::new(drive, &self.recording)
-            .and_then(|measured| doubts(drive, &measured).map(drop))
-            .err();
-        if let Some(Error::ImpossibleSpeed { name, largest, possible, .. }) = impossible {
-            let words = format!(
-                "{name} reaches {:.0} times what u and K_e of the drive allow",
-                largest / possible
-            );
-            // The speed that a motor is recorded at is near its no-load speed.
-            let fix = self
-                .fix(number, name, words, |si| (0.15..1.5).contains(&(si * largest / possible)));
-            fixes.extend(fix);
-        }
-        fixes.dedup_by(|a, b| a.column == b.column);
-        fixes
-    }
-
-    fn suspected(&self, number: usize, suspicion: &Suspicion) -> Option<UnitFix> {
-        let words = suspicion.to_string();
-        let near = |value: f64| (value - 1.0).abs() < 0.05;
-        match suspicion {
-            Suspicion::Ratio { signal, with, ratio, .. } => self
-                .fix(number, signal, words.clone(), |si| near(si * ratio))
-                .or_else(|| self.fix(number, with, words, |si| near(si / ratio))),
-            Suspicion::TooFast { signal, .. } => {
-                self.fix(number, signal, words, |si| near(si * 30.0 / std::f64::consts::PI))
-            }
-            Suspicion::TooSlow { .. } => self.fix(number, "time", words, |si| near(si * 1e3)),
-        }
-    }
-
-    /// The unit, other than that of now, whose value in SI units `is` right for.
-    fn fix(
-        &self,
-        number: usize,
-        signal: &str,
-        words: String,
-        is: impl Fn(f64) -> bool,
-    ) -> Option<UnitFix> {
-        let notes = &self.report.as_ref()?.columns;
-        let note = notes.iter().find(|note| note.signal == signal)?;
-        let now = Unit::parse(note.given_unit.as_deref().unwrap_or(&note.unit))?;
-        let right = |unit: &&str| {
-            Unit::parse(unit).is_some_and(|unit| is(unit.to_si(1.0) / now.to_si(1.0)))
-        };
-        let unit = now.quantity.units().find(right)?;
-        let (column, signal) = (note.column.clone(), note.signal.clone());
-        Some(UnitFix { recording: number, column, signal, unit, words })
-    }
-
-    /// What `--columns` would say.
-    pub(super) fn columns_option(&self) -> String {
+    /// What a command line would say of its columns and its time, word by word.
+    pub(super) fn said(&self) -> Vec<String> {
+        let ReadOptions { columns, resample, rows_every } = &self.options;
         let one = |it: &Mapping| {
             let unit = it.unit.as_ref().map_or(String::new(), |unit| format!(":{unit}"));
             format!("{}={}{unit}", it.canonical, it.foreign)
         };
-        self.columns.iter().map(one).collect::<Vec<_>>().join(",")
+        let columns = columns.iter().map(one).collect::<Vec<_>>().join(",");
+        let columns = Some(columns).filter(|it| !it.is_empty());
+        let number = |it: &Option<f64>| it.map(|it| it.to_string());
+        let options = [
+            ("--columns", columns),
+            ("--resample", number(resample)),
+            ("--rows-every", number(rows_every)),
+        ];
+        let said = options.into_iter().filter_map(|(name, value)| Some([name.to_owned(), value?]));
+        said.flatten().collect()
     }
 }
 
-/// Units that a column may be in, given the one of now.
-pub(super) fn units_like(unit: &str) -> Vec<&'static str> {
-    Unit::parse(unit)
-        .filter(|it| it.quantity != Quantity::Dimensionless)
-        .map(|it| it.quantity.units().collect())
-        .unwrap_or_default()
+impl Source {
+    fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Own(path) => Some(path),
+            Self::Given(path) => Some(path),
+            Self::Made => None,
+        }
+    }
+}
+
+/// The unit to map with: the one that was said where it can be; that of the header where it fits;
+/// else the signal's own, to be corrected.
+fn unit_for(choice: &Choice, header: Option<&str>, said: &str, same: bool) -> Option<String> {
+    let said = Some(said).filter(|it| !it.is_empty() && (same || choice.accepts(it)));
+    let own = || Some(choice.bare_unit).filter(|_| header.is_some_and(|it| !choice.accepts(it)));
+    said.or_else(own).map(str::to_owned)
+}
+
+/// Keeps what was said beside the file; where, or why not.
+fn keep(options: &ReadOptions, path: &Path) -> String {
+    match options.keep(path) {
+        Ok(_) => format!("Kept in {} for later.", shown_place(path)),
+        Err(error) => format!("Not kept for later: {error}."),
+    }
+}
+
+fn shown_place(path: &Path) -> String {
+    let kept = ReadOptions::kept_at(path);
+    kept.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// What a file holds.
+#[derive(Debug, Default)]
+struct Content {
+    recording: Option<Recording>,
+    report: Option<Report>,
+    preview: Option<Preview>,
+    incomplete: Option<Incomplete>,
 }
 
 /// Reads the file; what is said of it names what the user called it.
-fn read_named(path: &Path, name: &str, columns: &[Mapping]) -> Result<(Recording, Report), String> {
-    let options = ReadOptions { columns: columns.to_vec(), resample: None };
-    let read = read(path, &options);
+fn read_named(path: &Path, name: &str, options: &ReadOptions) -> Result<Content, String> {
     let own = path.display().to_string();
-    let (mut recording, mut report) =
-        read.map_err(|error| told(error).to_string().replace(&own, name))?;
-    name.clone_into(&mut recording.name);
-    name.clone_into(&mut report.file);
-    Ok((recording, report))
+    let said = |error| plain(&told(error).to_string()).replace(&own, name);
+    let (preview, read) = read_with_preview(path, options).map_err(said)?;
+    match read {
+        Ok((mut recording, mut report)) => {
+            name.clone_into(&mut recording.name);
+            name.clone_into(&mut report.file);
+            let (recording, report, preview) = (Some(recording), Some(report), Some(preview));
+            Ok(Content { recording, report, preview, incomplete: None })
+        }
+        Err(error) => match Incomplete::of(&error, &preview) {
+            None => Err(said(error)),
+            incomplete => Ok(Content { incomplete, preview: Some(preview), ..Content::default() }),
+        },
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
     use super::*;
+    use crate::page::incomplete::Repair;
 
-    /// The speed of the built-in motor in rpm under a header that says rad/s.
-    fn mistaken() -> Taken {
-        let mut file = tempfile::Builder::new().suffix(".csv").tempfile().expect("a file");
-        writeln!(file, "time [s],u [V],omega [rad/s]").expect("written");
-        for k in 0..2000 {
-            let t = f64::from(k) * 1e-3;
-            let u = 10.0 * (6.0 * t).sin();
-            writeln!(file, "{t},{u},{}", 1500.0 * (6.0 * t - 0.3).sin()).expect("written");
-        }
-        Taken::uploaded("bench.csv".to_owned(), file.into_temp_path()).expect("it can be read")
+    fn rows(header: &str, row: impl Fn(f64) -> String) -> String {
+        let rows = (0..1000).map(|k| row(f64::from(k)));
+        std::iter::once(header.to_owned()).chain(rows).collect::<Vec<_>>().join("\n")
     }
 
-    #[test]
-    fn rpm_under_a_wrong_header_is_found_and_corrected() {
-        let drive = crate::drive_source::drive("dr300").expect("it is built in");
-        let mut taken = mistaken();
-        let fixes = taken.fixes(0, &drive);
-        assert_eq!(fixes.len(), 1, "{fixes:?}");
-        assert_eq!((fixes[0].column.as_str(), fixes[0].unit), ("omega", "rpm"));
-        taken.map("omega", "omega", fixes[0].unit).expect("it can be read so");
-        assert_eq!(taken.fixes(0, &drive), []);
-        assert_eq!(taken.columns_option(), "omega=omega:rpm");
-        let speed = taken.recording.signal("omega").expect("it is there");
-        assert!(speed.values.iter().all(|it| it.abs() < 158.0));
+    fn taken(text: &str) -> Taken {
+        let file = tempfile::Builder::new().suffix(".csv").tempfile().expect("a file");
+        std::fs::write(file.path(), text).expect("written");
+        Taken::uploaded("bench.csv".to_owned(), file.into_temp_path()).expect("it has numbers")
+    }
+
+    fn range(taken: &Taken, signal: &str) -> (f64, f64) {
+        let values =
+            &taken.recording.as_ref().and_then(|it| it.signal(signal)).expect(signal).values;
+        values.iter().fold((f64::MAX, f64::MIN), |(low, high), it| (low.min(*it), high.max(*it)))
+    }
+
+    /// Takes the first way out.
+    fn repair(taken: &mut Taken) {
+        let repairs = taken.incomplete.as_ref().map(|it| it.repairs.clone()).expect("incomplete");
+        match repairs.first().expect("a way out") {
+            Repair::Column { column, signal, unit, .. } => taken.map(column, signal, unit),
+            Repair::Again => taken.again(),
+        }
+        .expect("it can be read so");
     }
 
     #[test]
     fn a_unit_of_another_quantity_changes_nothing() {
-        let mut taken = mistaken();
+        let mut taken = taken(&rows("time [ms],u [V],omega [rad/s]", |k| format!("{k},{k},{k}")));
         let said = taken.map("omega", "omega", "V").expect_err("no speed");
         assert!(said.contains("bench.csv") && !said.contains("tmp"), "{said}");
-        assert_eq!(taken.columns, []);
+        assert_eq!(taken.options, ReadOptions::default());
+        assert!(taken.map("omega", "power", "").is_err(), "no such signal");
+    }
+
+    #[test]
+    fn every_first_way_out_completes_a_recording() {
+        for header in ["time,u [V],u [V]", "time,u [V],u [mV]", "time,u [V],omega [furlong]"] {
+            let mut taken = taken(&rows(header, |k| format!("{k},{},{}", k % 7.0, 5.0 - k % 3.0)));
+            assert!(taken.recording.is_none(), "{header}");
+            repair(&mut taken);
+            assert!(taken.recording.is_some(), "{header}: {:?}", taken.incomplete);
+        }
+    }
+
+    #[test]
+    fn rows_without_a_time_are_sampled_as_was_said() {
+        let mut taken = taken(&rows("u [V],omega [rad/s]", |k| format!("{},{}", k % 7.0, k % 5.0)));
+        assert!(
+            taken.incomplete.as_ref().is_some_and(|it| it.asks_period && it.repairs.is_empty())
+        );
+        taken.rows_every(Some(0.002)).expect("a time");
+        assert_eq!(taken.recording.as_ref().map(|it| it.period_s), Some(0.002));
+        taken.resample(Some(0.004)).expect("a time");
+        assert_eq!(taken.recording.as_ref().map(|it| it.period_s), Some(0.004));
+        assert_eq!(taken.said(), ["--resample", "0.004", "--rows-every", "0.002"]);
+        assert!(taken.resample(Some(-1.0)).is_err());
+        assert_eq!(taken.recording.as_ref().map(|it| it.period_s), Some(0.004));
+    }
+
+    #[test]
+    fn a_column_changes_its_meaning_and_others_give_way() {
+        let header = "time [ms],u [V],omega [rad/s],enc [counts],speed2";
+        let mut taken = taken(&rows(header, |k| format!("{k},1,{k},{},{}", 2.0 * k, 3.0 * k)));
+        taken.map("enc", "theta", "").expect("counts are taken as rad first");
+        assert_eq!(range(&taken, "theta"), (0.0, 1998.0));
+        taken.map("enc", "theta", "counts/999").expect("a unit");
+        assert!((range(&taken, "theta").1 - 2.0 * std::f64::consts::TAU).abs() < 1e-12);
+        // The column called omega is not used then; it can be again.
+        taken.map("speed2", "omega", "rpm").expect("a unit");
+        assert!((range(&taken, "omega").1 - 2997.0 * std::f64::consts::PI / 30.0).abs() < 1e-9);
+        taken.map("omega", "omega", "").expect("its own name");
+        assert_eq!(range(&taken, "omega").1, 999.0);
+        taken.map("enc", "", "").expect("any column may be left out");
+        assert!(taken.recording.as_ref().is_some_and(|it| it.signal("theta").is_none()));
+    }
+
+    #[test]
+    fn what_was_said_of_a_named_file_is_kept_beside_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let log = folder.path().join("log.csv");
+        let text = rows("clock,Volt,Turns", |k| format!("{k},{},{}", k % 7.0, k % 5.0));
+        std::fs::write(&log, text).expect("written");
+        let mut taken = Taken::named(&log).expect("it has numbers");
+        taken.map("clock", "time", "ms").expect("a time");
+        taken.map("Turns", "omega", "rpm").expect("a speed");
+        assert!(taken.kept.as_ref().is_some_and(|it| it.contains("log.csv.columns.toml")));
+        let again = Taken::named(&log).expect("it was kept");
+        assert_eq!(again.options.columns.len(), 2);
+        assert_eq!(range(&again, "omega"), range(&taken, "omega"));
+        // A file of that name with other columns: what was kept is said to be wrong, and forgotten.
+        std::fs::write(&log, rows("time,u", |k| format!("{},1", k * 1e-3))).expect("written");
+        let mut other = Taken::named(&log).expect("it has numbers");
+        repair(&mut other);
+        assert!(other.recording.is_some());
     }
 }

@@ -3,6 +3,7 @@
 use maud::{DOCTYPE, Markup, html};
 
 use super::example::EXAMPLES;
+use super::upload;
 use crate::report::words::number;
 
 /// The page of a session.
@@ -32,7 +33,7 @@ pub(super) fn page(bench: &str, most_bytes: u64) -> String {
                         a href="/" { "New session" }
                     }
                 }
-                noscript { p.problem { "This page draws with JavaScript, which is switched off. Reports need none: drivescope compare --out." } }
+                noscript { p.problem { "This page draws with JavaScript, which is switched off. Reports, which the command line writes, need none." } }
                 div #status role="status" aria-live="polite" {}
                 div #problem role="alert" {}
                 main #loop tabindex="-1" {
@@ -61,11 +62,11 @@ fn drop_zone(most_bytes: u64) -> Markup {
             label.zone for="file" {
                 span { strong { "Drop recordings here" } " or " span.choose { "choose files" } }
                 span.note {
-                    "CSV, Parquet or MAT with the input u and a current, speed or position; a drive \
+                    (upload::named()) " with the input u and a current, speed or position; a drive \
                      file (.toml) is the model to begin with. Up to "
                     (number(most_bytes as f64 / 1e6)) " MB. Nothing leaves this machine."
                 }
-                input #file type="file" multiple accept=".csv,.txt,.tsv,.parquet,.pq,.mat,.toml";
+                input #file type="file" multiple accept=(upload::accepted());
             }
             p.examples {
                 "Or begin with an example: "

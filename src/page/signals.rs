@@ -30,8 +30,9 @@ struct Column {
 
 #[derive(Debug, Serialize)]
 struct Head {
-    /// Time of the first point, s.
-    start: f64,
+    /// Of every segment: its first point, and the time of that, s. The point before it has no
+    /// values.
+    segments: Vec<(usize, f64)>,
     /// Time between points, s.
     step: f64,
     /// Points of every column.
@@ -72,8 +73,8 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
             instead: "reload the page".to_owned(),
         });
     };
-    let sample =
-        |time: f64| ((time - measured.start_s) / measured.period_s).round().max(0.0) as usize;
+    // The nearest sample.
+    let sample = |time: f64| measured.clock.sample(time + 0.5 * measured.period_s);
     let all = measured.len();
     let (from, to) = wanted.window.map_or((0, all), |(from, to)| (sample(from), sample(to) + 1));
     let to = to.min(all);
@@ -81,11 +82,17 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
     let most = wanted.points.clamp(4, MOST_POINTS);
     let bucket = bucket(to - from, most);
     let mut columns = vec![Column { output: "u", unit: input_unit(&rung.drive), role: "measured" }];
-    let mut values = vec![reduced(&measured.u[from..to], bucket)];
+    // Nothing is drawn through the gap between segments: a point without values stands there.
+    let segments = measured.clock.part(&(from..to)).segments(to - from);
+    let parted = |column: &[f64]| {
+        let parts = segments.iter().map(|segment| reduced(&column[segment.clone()], bucket));
+        parts.collect::<Vec<_>>().join(&f32::NAN)
+    };
+    let mut values = vec![parted(&measured.u[from..to])];
     for (place, output) in compared.outputs.iter().enumerate() {
         let mut push = |role, of: &dyn Fn(usize) -> f64| {
             let column: Vec<f64> = (from..to).map(of).collect();
-            values.push(reduced(&column, bucket));
+            values.push(parted(&column));
             columns.push(Column { output: output.name, unit: output.unit.clone(), role });
         };
         push("measured", &|k| output.model[k] + output.residual[k]);
@@ -101,8 +108,14 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
         }
     }
     let step = if bucket == 1 { 1.0 } else { bucket as f64 / 2.0 };
+    let mut point = 0;
+    let begins = segments.iter().map(|segment| {
+        let begin = (point, measured.time(from + segment.start));
+        point += reduced(&measured.u[from..to][segment.clone()], bucket).len() + 1;
+        begin
+    });
     let head = Head {
-        start: measured.time(from),
+        segments: begins.collect(),
         step: step * measured.period_s,
         count: values[0].len(),
         bucket,
@@ -218,7 +231,13 @@ mod tests {
     #[test]
     fn columns_begin_at_whole_words() {
         let column = Column { output: "u", unit: "V".to_owned(), role: "measured" };
-        let head = Head { start: 0.0, step: 0.5, count: 2, bucket: 1, columns: vec![column] };
+        let head = Head {
+            segments: vec![(0, 0.0)],
+            step: 0.5,
+            count: 2,
+            bucket: 1,
+            columns: vec![column],
+        };
         let bytes = packed(&head, &[vec![1.5, -2.0]]);
         let length = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
         assert_eq!(length % 4, 0);

@@ -4,13 +4,12 @@
 use std::io::Write;
 
 use axum::body::Body;
+use drivescope_recording::formats;
 use futures_util::StreamExt;
 use tempfile::{NamedTempFile, TempPath};
 
 use super::site::Site;
 
-/// Kinds of recordings by their extensions.
-const KINDS: [&str; 6] = ["csv", "txt", "tsv", "parquet", "pq", "mat"];
 /// Greatest size of a text, such as a drive file, bytes.
 const MOST_TEXT: usize = 1_000_000;
 /// Longest name that is kept, characters.
@@ -20,16 +19,12 @@ const LONGEST_NAME: usize = 120;
 #[derive(Debug, thiserror::Error)]
 pub(super) enum UploadError {
     /// It is too large.
-    #[error("the file is larger than {most} MB; start the server with a greater --largest-upload")]
+    #[error(
+        "the file is larger than {most} MB, the most that this server takes; keep fewer rows or columns"
+    )]
     TooLarge {
         /// What is taken, MB.
         most: u64,
-    },
-    /// Nobody can read it.
-    #[error("`{name}` is no recording: CSV, Parquet (.parquet) and MAT (.mat) can be read")]
-    Kind {
-        /// Its name.
-        name: String,
     },
     /// It did not arrive.
     #[error("the file did not arrive: {0}")]
@@ -43,6 +38,30 @@ pub(super) fn shown(name: &str) -> String {
     if kept.trim().is_empty() { "recording".to_owned() } else { kept }
 }
 
+/// The extensions of recordings and of drive files, as a file picker wants them.
+pub(super) fn accepted() -> String {
+    let extensions = formats().iter().flat_map(|format| format.extensions);
+    extensions.chain(&["toml"]).map(|it| format!(".{it}")).collect::<Vec<_>>().join(",")
+}
+
+/// The formats by name, for a sentence: `CSV, Parquet or MAT`.
+pub(super) fn named() -> String {
+    let names: Vec<&str> = formats().iter().map(|format| format.name).collect();
+    match names.split_last() {
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// What the file here ends in; other files are known by their first bytes, or refused when they
+/// are read.
+fn suffix(name: &str) -> String {
+    let given = name.rsplit_once('.').map(|(_, given)| given).unwrap_or_default();
+    let mut extensions = formats().iter().flat_map(|format| format.extensions);
+    let known = extensions.find(|it| it.eq_ignore_ascii_case(given));
+    known.map_or(String::new(), |it| format!(".{it}"))
+}
+
 /// Takes a recording into a file whose name the client does not choose.
 ///
 /// # Errors
@@ -52,11 +71,8 @@ pub(super) async fn recording(
     name: &str,
     body: Body,
 ) -> Result<TempPath, UploadError> {
-    let given = name.rsplit_once('.').map(|parts| parts.1.to_lowercase()).unwrap_or_default();
-    let kind = KINDS.into_iter().find(|kind| *kind == given);
-    let kind = kind.ok_or_else(|| UploadError::Kind { name: name.to_owned() })?;
+    let suffix = suffix(name);
     let broken = |error: std::io::Error| UploadError::Broken(error.to_string());
-    let suffix = format!(".{kind}");
     let mut file =
         tempfile::Builder::new().suffix(&suffix).tempfile_in(site.folder.path()).map_err(broken)?;
     let mut left = site.most_bytes;
@@ -91,6 +107,19 @@ pub(super) async fn text(body: Body, most: Option<usize>) -> Result<String, Uplo
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_format_can_be_picked() {
+        for format in formats() {
+            for extension in format.extensions {
+                assert!(accepted().split(',').any(|it| it == format!(".{extension}")));
+                let name = format!("A.{}", extension.to_uppercase());
+                assert_eq!(suffix(&name), format!(".{extension}"));
+            }
+            assert!(named().contains(format.name));
+        }
+        assert_eq!((suffix("bench3"), suffix("a.xls")), (String::new(), String::new()));
+    }
 
     #[test]
     fn a_name_is_only_a_name() {

@@ -23,8 +23,8 @@ pub(super) fn compared(
     else {
         return Err(miette::Report::msg(format!("there is no recording {recording}")));
     };
-    let sample =
-        |time: f64| ((time - measured.start_s) / measured.period_s).round().max(0.0) as usize;
+    // The nearest sample.
+    let sample = |time: f64| measured.clock.sample(time + 0.5 * measured.period_s);
     let end = (sample(to) + 1).min(measured.len());
     let part = measured.part(sample(from).min(end)..end).map_err(told)?;
     let evidence = Evidence { recordings: vec![part], noise: vec![noise.clone()] };

@@ -4,20 +4,19 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use drivescope_discovery::{
-    Estimate, Evidence, Observer, Options, Setting, add, discover, fit_seen,
-};
+use drivescope_discovery::{Estimate, Evidence, Options, Setting, add, discover, fit_seen};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
 use super::bench::{GivenDrive, State};
 use super::fresh::{Drawn, Fresh};
 use super::job::{Cancelled, Progress};
+use super::recordings::Taken;
 use super::rung::Rung;
 use crate::drive_text::with_effects;
 use crate::evidence::Gathered;
 use crate::failure::told;
-use crate::first_drive::FirstDrive;
+use crate::first_drive::{FirstDrive, Given};
 use crate::read_evidence::{ReadEvidence, evidence_of, given_noise};
 use crate::report::discover::Missing;
 
@@ -55,10 +54,16 @@ impl Basis {
 
 /// The recordings as a command line names them.
 fn files(state: &State) -> String {
-    let names = state.recordings.iter().map(|it| quoted(&it.name));
-    let columns = state.recordings.iter().map(super::recordings::Taken::columns_option);
-    let option = columns.filter(|it| !it.is_empty()).map(|it| format!("--columns {}", quoted(&it)));
-    names.chain(option.take(1)).collect::<Vec<_>>().join(" ")
+    // A command line says the same of every recording.
+    let said = state.recordings.iter().map(Taken::said).find(|it| !it.is_empty());
+    let names: Vec<&str> = state.recordings.iter().map(|it| it.name.as_str()).collect();
+    line(&names, &said.unwrap_or_default())
+}
+
+/// Files and options, as a command line has them.
+fn line(names: &[&str], said: &[String]) -> String {
+    let options = said.iter().map(|it| if it.starts_with("--") { it.clone() } else { quoted(it) });
+    names.iter().map(|it| quoted(it)).chain(options).collect::<Vec<_>>().join(" ")
 }
 
 /// A word of a command line.
@@ -77,15 +82,17 @@ pub(super) fn file_of(rung: usize) -> String {
 
 /// Reads the recordings as evidence, fits the drive, looks where it fails, and asks what it lacks.
 pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let (recordings, given, files) = {
+    let (recordings, given, files, first) = {
         let state = progress.bench.state();
-        let of = |it: &super::recordings::Taken| (it.name.clone(), Arc::clone(&it.recording));
-        let recordings: Vec<(String, Arc<Recording>)> = state.recordings.iter().map(of).collect();
-        (recordings, state.drive.clone(), files(&state))
+        let of = |it: &Taken| Some((it.name.clone(), Arc::clone(it.recording.as_ref()?)));
+        let recordings: Vec<(String, Arc<Recording>)> =
+            state.recordings.iter().filter_map(of).collect();
+        let first = state.recordings.first().map(|it| line(&[&it.name], &it.said()));
+        (recordings, state.drive.clone(), files(&state), first.unwrap_or_default())
     };
     progress.doing("reading the recordings")?;
     // Whoever removed the last one began anew.
-    let (first, recording) = recordings.first().ok_or(Cancelled)?;
+    let (_, recording) = recordings.first().ok_or(Cancelled)?;
     let given = match given {
         Some(given) => given,
         None => first_drive(recording)?,
@@ -112,17 +119,16 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
         seed: progress.bench.seed,
     };
     let Gathered { estimation, .. } = &*basis.gathered;
-    let observer = Observer::choose(&given.drive, &estimation.recordings, &estimation.noise);
-    let setting = Setting::new(&given.drive, observer);
+    let setting = Setting::of_fit(&given.drive, estimation);
     progress.doing("fitting the drive")?;
-    let options = Options { seed: basis.seed, ..Options::default() };
+    let options = Options { seed: basis.seed, balanced: false, ..Options::default() };
     let fitted =
         fit_seen(&given.drive, estimation, &setting, &options, &|error| progress.fitting(error))
             .map_err(told)?;
     let name = quoted(&given.name);
     let fit = format!("drivescope fit {name} {} -o {}", basis.files, file_of(0));
     let command = match given.made {
-        true => format!("drivescope init {} -o {name}\n{fit}", quoted(first)),
+        true => format!("drivescope init {first} -o {name}\n{fit}"),
         false => fit,
     };
     let text =
@@ -142,7 +148,7 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
 
 /// The first drive that a recording tells.
 fn first_drive(recording: &Recording) -> miette::Result<GivenDrive> {
-    let (text, drive) = FirstDrive::of(recording, None)?.file(FIRST)?;
+    let (text, drive) = FirstDrive::of(recording, None, &Given::default())?.file(FIRST)?;
     Ok(GivenDrive { name: FIRST.to_owned(), text, drive, made: true })
 }
 
@@ -206,7 +212,7 @@ pub(super) fn refit(
     let drive = Drive::parse(&text, &name).map_err(told)?;
     let setting = Setting::new(&drive, rung.setting.observer);
     progress.doing("fitting")?;
-    let options = Options { seed: basis.seed, ..Options::default() };
+    let options = Options { seed: basis.seed, balanced: false, ..Options::default() };
     let seen = |error| progress.fitting(error);
     let fitted =
         fit_seen(&drive, &basis.gathered.estimation, &setting, &options, &seen).map_err(told)?;

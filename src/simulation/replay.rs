@@ -1,6 +1,7 @@
 //! The model driven by a recording: the recorded u, and T_l where there is one, held between
 //! samples; the answer is what ideal sensors would show on the recording's own time axis.
 
+use drivescope_discovery::driving;
 use drivescope_plant::drive::Drive;
 use drivescope_plant::unit::Unit;
 use drivescope_recording::{Recording, Signal};
@@ -8,6 +9,7 @@ use indicatif::ProgressBar;
 
 use super::start::{FIRST, Start};
 use super::{SAMPLES_A_LOOK, column, has_current, place, position, shaft_states, speed};
+use crate::failure::told;
 use crate::interrupt;
 
 /// How well the model reproduces a measured signal.
@@ -34,13 +36,13 @@ pub(crate) fn start(drive: &Drive, measured: &Recording) -> miette::Result<Start
         ..signal.clone()
     };
     let signals = measured.signals.iter().map(head).collect();
-    let first = Recording { signals, name: measured.name.clone(), ..*measured };
+    let first = Recording::new(measured.name.clone(), measured.start_s, measured.period_s, signals);
     let mut best = None;
     for start in Start::candidates(drive, measured) {
         let model = replay(drive, &first, start, &ProgressBar::hidden())?;
         let misfit: f64 = fits(&first, &model)
             .iter()
-            .filter_map(|fit| Some(fit.rms / swing(measured.signal(&fit.signal)?)))
+            .filter_map(|fit| Some(fit.rms / swing(&measured.signal(&fit.signal)?.values)))
             .filter(|misfit| misfit.is_finite())
             .sum();
         if best.is_none_or(|(least, _)| misfit < least) {
@@ -52,8 +54,8 @@ pub(crate) fn start(drive: &Drive, measured: &Recording) -> miette::Result<Start
 }
 
 /// Standard deviation of the samples there are, or 1 for a constant signal.
-fn swing(signal: &Signal) -> f64 {
-    let values: Vec<f64> = signal.values.iter().copied().filter(|y| y.is_finite()).collect();
+fn swing(values: &[f64]) -> f64 {
+    let values: Vec<f64> = values.iter().copied().filter(|y| y.is_finite()).collect();
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n;
@@ -70,7 +72,7 @@ pub(crate) fn replay(
     start: Start,
     progress: &ProgressBar,
 ) -> miette::Result<Recording> {
-    let u = measured.needed("u").map_err(|error| miette::miette!("{error}"))?;
+    let u = driving(drive, measured).map_err(told)?.1;
     let load = measured.signal("T_l");
     let mut unit = Unit::new(drive.clone(), true);
     let [at_u, at_load] = ["u", "T_l"].map(|name| place(&unit, name));
@@ -119,7 +121,7 @@ pub(crate) fn replay(
         let load = signals.remove(1);
         signals.push(load);
     }
-    Ok(Recording { name: drive.name.clone(), signals, ..*measured })
+    Ok(Recording { name: drive.name.clone(), signals, ..measured.like() })
 }
 
 /// The fit of every signal that is both measured and modelled.
@@ -129,19 +131,23 @@ pub(crate) fn fits(measured: &Recording, model: &Recording) -> Vec<Fit> {
     modelled
         .filter_map(|y| Some((measured.signal(&y.name)?, y)))
         .map(|(measured, model)| {
-            // Holes of the measurement do not count.
-            let pairs = measured.values.iter().zip(&model.values).filter(|(y, _)| y.is_finite());
-            let squares: Vec<f64> = pairs.map(|(y, model)| (y - model).powi(2)).collect();
-            let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
-            let constant = measured.values.iter().all(|y| *y == measured.values[0]);
-            Fit {
-                signal: measured.name.clone(),
-                percent: (!constant).then(|| 100.0 * (1.0 - rms / swing(measured))),
-                rms,
-                unit: measured.unit.clone(),
-            }
+            let (name, unit) = (measured.name.clone(), measured.unit.clone());
+            Fit::of(name, unit, &measured.values, &model.values)
         })
         .collect()
+}
+
+impl Fit {
+    /// Of a signal with what the model shows; holes of either do not count.
+    pub(crate) fn of(signal: String, unit: String, measured: &[f64], model: &[f64]) -> Self {
+        let pairs =
+            measured.iter().zip(model).filter(|(y, model)| y.is_finite() && model.is_finite());
+        let squares: Vec<f64> = pairs.map(|(y, model)| (y - model).powi(2)).collect();
+        let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+        let constant = measured.iter().all(|y| *y == measured[0]);
+        let percent = (!constant).then(|| 100.0 * (1.0 - rms / swing(measured)));
+        Self { signal, percent, rms, unit }
+    }
 }
 
 #[cfg(test)]
@@ -154,7 +160,7 @@ mod tests {
     }
 
     fn recording(signals: Vec<Signal>) -> Recording {
-        Recording { name: "bench".into(), start_s: 1.5, period_s: 0.002, signals }
+        Recording::new("bench", 1.5, 0.002, signals)
     }
 
     fn signal(name: &str, unit: &str, of: impl Fn(f64) -> f64) -> Signal {

@@ -112,7 +112,7 @@ mod tests {
             unit: String::new(),
             values: (0..100).map(|k| of(f64::from(k) * 0.01)).collect(),
         });
-        Recording { name: "r".into(), start_s: 3.0, period_s: 0.01, signals: signals.collect() }
+        Recording::new("r", 3.0, 0.01, signals.collect())
     }
 
     fn dr300() -> Drive {

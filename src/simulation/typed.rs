@@ -152,12 +152,7 @@ impl Run {
             unit.step(self.period_s).map_err(impossible)?;
         }
         progress.finish_and_clear();
-        Ok(Recording {
-            name: self.drive.name.clone(),
-            start_s: 0.0,
-            period_s: self.period_s,
-            signals: columns.into_signals(),
-        })
+        Ok(Recording::new(self.drive.name.clone(), 0.0, self.period_s, columns.into_signals()))
     }
 }
 

@@ -34,11 +34,16 @@ fn record(folder: &Path, name: &str, input: &str, seed: &str) {
     done(folder, &[&run[..], &["--period", "0.001", "--duration", "5"]].concat());
 }
 
-/// The answer of a discovery where that is hidden.
-fn discovered(folder: &Path, hidden: &str) -> Value {
+/// Two recordings, `one.csv` and `two.csv`, of the machine in which that is hidden.
+fn recorded(folder: &Path, hidden: &str) {
     truth(folder, hidden);
     record(folder, "one.csv", INPUT, "3");
     record(folder, "two.csv", OTHER, "4");
+}
+
+/// The answer of a discovery where that is hidden.
+fn discovered(folder: &Path, hidden: &str) -> Value {
+    recorded(folder, hidden);
     let run = ["discover", "base.toml", "one.csv", "--validate", "two.csv", "-o", "found.toml"];
     done(folder, &[&run[..], &["--json", "-"]].concat()).json()
 }
@@ -142,9 +147,7 @@ fn a_typed_law_is_ranked_and_only_what_is_named_gets_a_value() {
     };
     let here = folder();
     let here = here.path();
-    truth(here, &law("0.2"));
-    record(here, "one.csv", INPUT, "3");
-    record(here, "two.csv", OTHER, "4");
+    recorded(here, &law("0.2"));
     let base = std::fs::read_to_string(here.join("base.toml")).expect("it is there");
     let other = "[[effect]]\nkind = \"custom\"\nid = \"swell\"\n\
                  torque = \"-w * sin(omega / 30)\"\nparameters = { w = 0 }\n";
@@ -195,9 +198,7 @@ fn a_typed_law_that_overflows_is_named_and_the_rest_goes_on() {
 fn one_effect_is_added_or_refused_in_words() {
     let here = folder();
     let here = here.path();
-    truth(here, "[[effect]]\nkind = \"brush_drop\"\nV_b = 0.6\ni_b = 0.1");
-    record(here, "one.csv", INPUT, "3");
-    record(here, "two.csv", OTHER, "4");
+    recorded(here, "[[effect]]\nkind = \"brush_drop\"\nV_b = 0.6\ni_b = 0.1");
     let add = |effect: &'static str| {
         ["add", "base.toml", effect, "one.csv", "--validate", "two.csv", "-o", "added.toml"]
     };
@@ -220,9 +221,7 @@ fn one_effect_is_added_or_refused_in_words() {
 fn validation_data_of_another_machine_are_said() {
     let here = folder();
     let here = here.path();
-    truth(here, "");
-    record(here, "one.csv", INPUT, "3");
-    record(here, "two.csv", OTHER, "4");
+    recorded(here, "");
     let text = std::fs::read_to_string(here.join("truth.toml")).expect("it was written");
     put(here, "truth.toml", text.replace("J = 8.2e-5", "J = 12.2e-5"));
     record(here, "strange.csv", OTHER, "5");
@@ -240,9 +239,7 @@ fn validation_data_of_another_machine_are_said() {
 fn the_report_shows_what_is_missing_and_how_the_error_fell() {
     let here = folder();
     let here = here.path();
-    truth(here, "[[effect]]\nkind = \"quadratic_drag\"\nc = 4e-7");
-    record(here, "one.csv", INPUT, "3");
-    record(here, "two.csv", OTHER, "4");
+    recorded(here, "[[effect]]\nkind = \"quadratic_drag\"\nc = 4e-7");
     let run = ["base.toml", "one.csv", "--validate", "two.csv", "--out", "report.html"];
     done(here, &[&["discover"], &run[..]].concat());
     let text = std::fs::read_to_string(here.join("report.html")).expect("it was written");

@@ -135,14 +135,13 @@ fn what_cannot_be_fitted_is_refused_with_the_next_step() {
     let fast = table("time [s],u [V],omega [rad/s]", &|k| {
         format!("{},{},{}", time[k], u[k], 60.0 * omega[k])
     });
-    let uneven = table("time [s],u [V],omega [rad/s]", &|k| {
-        format!("{},{},{}", time[k] + if k > 700 { 0.0004 } else { 0.0 }, u[k], omega[k])
-    });
+    let backwards =
+        table("time [s],u [V],omega [rad/s]", &|k| format!("{},{},{}", -time[k], u[k], omega[k]));
     let alone = table("time [s],u [V]", &|k| format!("{},{}", time[k], u[k]));
     let driven = table("time [s],omega [rad/s]", &|k| format!("{},{}", time[k], omega[k]));
     for (text, said) in [
         (fast, "looks like"),
-        (uneven, "--resample"),
+        (backwards, "sort the rows by time"),
         (alone, "nothing to compare"),
         (driven, "--columns u=COLUMN"),
         ("time [s],u [V],omega [rad/s]\n".to_owned(), "log.csv"),

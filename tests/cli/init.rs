@@ -42,6 +42,67 @@ fn what_a_recording_does_not_tell_is_marked() {
 }
 
 #[test]
+fn what_was_measured_decides_what_is_modelled() {
+    let here = folder();
+    let rows: String = (0..2000)
+        .map(|k| {
+            let t = 0.005 * f64::from(k);
+            // J = 0.01, B_m = 0.02, T_c = 0.3 under a speed of two sines.
+            let (speed, slope) = (20.0 + 15.0 * (3.0 * t).sin(), 45.0 * (3.0 * t).cos());
+            format!("{t},{},{speed}\n", 0.01 * slope + 0.02 * speed + 0.3)
+        })
+        .collect();
+    for (header, given, said) in [
+        ("i [A]", "", "measured current"),
+        ("torque [N m]", "", "recorded torque"),
+        ("i [A]", "K_m=1", "measured current"),
+    ] {
+        put(here.path(), "log.csv", format!("time [s],{header},omega [rad/s]\n{rows}"));
+        let mut line = vec!["init", "log.csv", "-o", "first.toml", "--json", "-"];
+        if !given.is_empty() {
+            line.extend(["--given", given]);
+        }
+        let answer = done(here.path(), &line).json();
+        assert!(answer["choice"].as_str().is_some_and(|it| it.contains(said)), "{answer}");
+        assert_eq!(answer["input"], "force");
+        let value = |name: &str| {
+            let all = answer["parameters"].as_array().expect("a list");
+            all.iter().find(|p| p["name"] == name).expect("it is there")["value"].as_f64()
+        };
+        for (name, truth) in [("J", 0.01), ("B_m", 0.02), ("coulomb.T_c", 0.3)] {
+            let found = value(name).expect("a number");
+            assert!((found / truth - 1.0).abs() < 0.05, "{name} {found}: {answer}");
+        }
+        let share = answer["unexplained"]["torque"]["share"].as_f64();
+        assert!(share.is_some_and(|share| share < 0.02), "{answer}");
+        // Every later command takes the same file as it is.
+        done(here.path(), &["fit", "first.toml", "log.csv", "-o", "fitted.toml"]);
+        done(here.path(), &["compare", "fitted.toml", "log.csv"]);
+        done(here.path(), &["simulate", "fitted.toml", "--measured", "log.csv", "-o", "model.csv"]);
+    }
+    let message = refused(here.path(), &["compare", "dr300", "log.csv"]);
+    assert!(message.contains("torque balance") && message.contains("init"), "{message}");
+    let message = refused(here.path(), &["init", "log.csv", "-o", "a.toml", "--given", "R=x"]);
+    assert!(message.contains("--given") && message.contains("R=x"), "{message}");
+}
+
+#[test]
+fn steady_speeds_give_friction_and_say_that_inertia_is_not_told() {
+    let here = folder();
+    let rows: String = (0..36)
+        .map(|k| {
+            let speed = 10.0 + 5.0 * f64::from(k / 3);
+            format!("{k},{},{speed}\n", 0.5 + 0.01 * speed)
+        })
+        .collect();
+    put(here.path(), "map.csv", format!("time [s],torque [N m],omega [rad/s]\n{rows}"));
+    let ran = done(here.path(), &["init", "map.csv", "-o", "first.toml"]);
+    assert!(ran.out.contains("fill in J") && ran.out.contains("kept"), "{}", ran.out);
+    let text = std::fs::read_to_string(here.path().join("first.toml")).expect("it was written");
+    assert!(text.contains("fixed = [\"K_m\", \"J\"]"), "{text}");
+}
+
+#[test]
 fn what_is_no_recording_of_a_drive_is_refused() {
     let here = folder();
     for (text, said) in [

@@ -93,11 +93,13 @@ fn a_replay_takes_foreign_names_and_says_what_is_missing() {
     let answer = done(here.path(), &[&replay[..], &named, &["--json", "-"]].concat()).json();
     assert_eq!(answer["fit"][0]["signal"], "omega");
     assert_eq!(answer["fit"][0]["unit"], "rad/s");
-    let message = refused(here.path(), &[&replay[..], &["--columns", "time=Seconds:s"]].concat());
+    let message =
+        refused(here.path(), &[&replay[..], &["--columns", "time=Seconds:s,a=Volts"]].concat());
     assert!(message.contains("log.csv") && message.contains("`u`"), "{message}");
-    put(here.path(), "log.csv", "time [s],u [V]\n0,6\n0.01,\n0.02,6\n0.03,6\n");
+    put(here.path(), "holes.csv", "time [s],u [V]\n0,6\n0.01,\n0.02,6\n0.03,6\n");
+    let replay = ["simulate", "dr300", "--measured", "holes.csv", "-o", "model.csv"];
     let message = refused(here.path(), &replay);
-    assert!(message.contains("log.csv:3") && message.contains("`u`"), "{message}");
+    assert!(message.contains("holes.csv:3") && message.contains("`u`"), "{message}");
 }
 
 #[test]

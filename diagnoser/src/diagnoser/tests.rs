@@ -38,7 +38,7 @@ fn recording(run: &Run) -> Recording {
         values: values.to_vec(),
     };
     let signals = vec![signal("C_m", "V", &run.control), signal("T", "rpm", &run.speed)];
-    Recording { name: "motor".into(), start_s: 0.0, period_s: PERIOD, signals }
+    Recording::new("motor", 0.0, PERIOD, signals)
 }
 
 fn process_model() -> &'static Trained {

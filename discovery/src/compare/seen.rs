@@ -87,7 +87,7 @@ impl Seen<'_> {
             path: &self.maker.paths[place],
             scales: self.maker.scales,
             squares: &squares,
-            start_s: case.measured.start_s,
+            clock: case.measured.clock.clone(),
             floor: self.floor,
             explained: self.explained,
             limit: self.maker.limit,

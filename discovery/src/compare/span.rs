@@ -5,6 +5,7 @@
 //! is usual in this recording, so that an error which is everywhere is no span. What happens in a
 //! span more often than elsewhere makes its sentence.
 
+use drivescope_recording::Clock;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -55,7 +56,7 @@ pub(super) struct View<'a> {
     /// Squared error of each sample over its outputs, in units of the noise, and how many values
     /// it is of.
     pub(super) squares: &'a [(f64, usize)],
-    pub(super) start_s: f64,
+    pub(super) clock: Clock,
     /// Squared error of a perfect model, per value.
     pub(super) floor: f64,
     /// Whether a cause was found.
@@ -110,13 +111,21 @@ fn smooth(squares: &[(f64, usize)], half: usize) -> Vec<f64> {
 }
 
 impl View<'_> {
+    fn begin_s(&self, from: usize) -> f64 {
+        self.clock.time(from)
+    }
+
+    /// End of the sample before that one, which may begin another segment.
+    fn end_s(&self, to: usize) -> f64 {
+        self.clock.time(to - 1) + self.clock.period_s
+    }
+
     fn told(&self, (from, to): (usize, usize)) -> Span {
-        let at = |k: usize| self.start_s + k as f64 * self.path.period_s;
         let inside = &self.squares[from..to];
         let (sum, count) = inside.iter().fold((0.0, 0), |(s, n), it| (s + it.0, n + it.1));
         Span {
-            from: at(from),
-            to: at(to),
+            from: self.begin_s(from),
+            to: self.end_s(to),
             sentence: self.sentence(from, to),
             error: (sum / count.max(1) as f64).sqrt(),
         }
@@ -156,8 +165,8 @@ impl View<'_> {
         if said.len() < 2 {
             said.extend(self.motion(from, to));
         }
-        let at = |k: usize| self.start_s + k as f64 * path.period_s;
-        format!("fails at {:.2} to {:.2} s: {}", at(from), at(to), said.join(", "))
+        let (from, to) = (self.begin_s(from), self.end_s(to));
+        format!("fails at {from:.2} to {to:.2} s: {}", said.join(", "))
     }
 }
 
@@ -268,7 +277,7 @@ mod tests {
             path: &path,
             scales: &scales,
             squares: &squares,
-            start_s: 0.5,
+            clock: Clock { start_s: 0.5, period_s: 1e-3, breaks: Vec::new() },
             floor: 1.0,
             explained: true,
             limit: None,

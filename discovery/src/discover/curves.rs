@@ -97,7 +97,7 @@ impl Curve {
             Over::Current => run.current[k],
             Over::CurrentMagnitude => run.current[k].abs(),
             Over::Position => run.position[k],
-            Over::Time => measured.time(k) - measured.start_s,
+            Over::Time => measured.time(k) - measured.clock.start_s,
             Over::Acceleration => acceleration(k),
         };
         let factor = |k: usize| match self.factor {

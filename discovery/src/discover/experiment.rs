@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use drivescope_plant::drive::Drive;
+use drivescope_recording::{Clock, NoiseGain};
 use serde::Serialize;
 
 use super::columns::{At, Columns};
@@ -14,6 +15,7 @@ use super::projection::Projection;
 use super::refit::{Model, squared};
 use super::scales::Scales;
 use crate::case::Setting;
+use crate::driving::Driving;
 use crate::estimate::{Evidence, Fit};
 use crate::measured::{Channel, Measured};
 use crate::observer::Observer;
@@ -146,12 +148,14 @@ fn scripted(of: &Measured, amplitude: f64, script: fn(f64) -> f64) -> Measured {
     let outputs = of.outputs.iter().map(|one| Channel { values: zeros.clone(), ..one.clone() });
     Measured {
         name: "scripted".to_owned(),
-        start_s: 0.0,
+        clock: Clock { start_s: 0.0, period_s: of.period_s, breaks: Vec::new() },
         period_s: of.period_s,
+        driving: Driving::Input,
         u: (0..samples).map(|k| amplitude * script(k as f64 * of.period_s)).collect(),
         load: None,
         outputs: outputs.collect(),
         angle: None,
         pieces: std::iter::once(0..samples).collect(),
+        noise_gain: NoiseGain::NONE,
     }
 }

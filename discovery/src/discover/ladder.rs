@@ -212,13 +212,13 @@ fn begin(
     validation: &Evidence,
     watch: &dyn Watch,
 ) -> Result<(Model, Discovery), Error> {
-    let observer = Observer::choose(drive, &estimation.recordings, &estimation.noise);
-    let setting = Setting::new(drive, observer);
+    let setting = Setting::of_fit(drive, estimation);
     watch.step(&Step::Doing("fitting the base drive"));
-    let options = Options { starts: STARTS, ..Options::default() };
+    let options = Options { starts: STARTS, balanced: false, ..Options::default() };
     let seen = |error| seen_by(watch, error);
     let model = Model::fit(drive, estimation, validation, setting, &options, &seen)?;
     let mut found = Discovery {
+        base: model.fitted.drive.clone(),
         drive: model.fitted.drive.clone(),
         parameters: Vec::new(),
         ladder: Vec::new(),
@@ -232,7 +232,7 @@ fn begin(
         next_experiment: None,
         second_opinion: None,
         doubts: other_machine::doubt(&model, validation).into_iter().collect(),
-        observer,
+        observer: setting.observer,
     };
     found.climb(None, &model, watch);
     Ok((model, found))

@@ -44,4 +44,3 @@ pub use inverse::SecondOpinion;
 pub use ladder::{add, bic_of, discover};
 pub use learned::LearnedCurve;
 pub use report::{Coefficient, Discovery, Ranked, Rung, Step, Unwatched, Verdict, Watch};
-pub use typed::apart as typed_apart;

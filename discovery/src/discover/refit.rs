@@ -1,7 +1,5 @@
 //! A candidate in the drive, everything fitted again, and what this proves.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use drivescope_plant::drive::{Drive, EffectData};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -114,9 +112,8 @@ pub(crate) fn refit(
     }
     let first_steps = |variant: &usize| {
         let drive = begin(*variant);
-        let steps = AtomicUsize::new(0);
-        let enough = |error| seen(error) || steps.fetch_add(1, Ordering::Relaxed) == FIRST_STEPS;
-        fit_seen(&drive, estimation, &finer(&base.setting, &drive), &options, &enough)
+        let options = Options { steps: FIRST_STEPS, ..options };
+        fit_seen(&drive, estimation, &finer(&base.setting, &drive), &options, seen)
     };
     let variants: Vec<usize> =
         std::iter::once(screened.variant).chain(screened.others.iter().copied()).collect();

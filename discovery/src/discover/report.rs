@@ -108,6 +108,8 @@ pub enum Verdict {
 /// What a discovery found.
 #[derive(Debug, Clone)]
 pub struct Discovery {
+    /// The base, fitted, before anything was added.
+    pub base: Drive,
     /// The drive with everything that was named in it, fitted.
     pub drive: Drive,
     /// Its parameters with their standard errors.

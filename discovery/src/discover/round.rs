@@ -14,7 +14,6 @@ use super::report::{Coefficient, Ranked, Step, Watch};
 use super::scales::Scales;
 use super::screen::{Screen, Screened, screen};
 use super::sight::Sight;
-use super::typed::fails_over;
 use crate::estimate::{Estimate, Evidence};
 
 /// What a round has to go on.
@@ -125,7 +124,7 @@ impl Round<'_> {
             let is = |effect: &&EffectData| effect.kind == *named || effect.id == *named;
             effects.iter().filter(is).any(|effect| {
                 let knocks = Entry::find(&effect.kind).is_some_and(|entry| entry.info.knocks);
-                knocks || fails_over(effect).iter().any(|variable| own.contains(variable))
+                knocks || effect.fails_over().iter().any(|variable| own.contains(variable))
             })
         };
         match self.named {

@@ -1,27 +1,19 @@
 //! Laws that the user typed and left at their null in the drive file (`parameters = { c = 0 }`):
 //! candidates like those of the library, screened, fitted, ranked and named by the user's own name.
 
-use drivescope_plant::drive::{Drive, EffectData, LawData};
-use drivescope_plant::effects::custom::Law;
-use drivescope_plant::effects::law::{Info, Variable};
+use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::effects::law::Info;
 use drivescope_plant::effects::registry::Entry;
+use drivescope_plant::file::CUSTOM;
 
 use super::candidates::{Candidate, Variant};
 
 /// What is known of any typed law.
-static TYPED: Info = Info::new("custom", "a law of the user", "");
-
-/// The variables over which a model without the effect fails.
-pub(crate) fn fails_over(effect: &EffectData) -> Vec<Variable> {
-    match typed(effect) {
-        Some(law) => law.fails_over(),
-        None => Entry::find(&effect.kind).map_or(vec![], |entry| entry.info.fails_over.to_vec()),
-    }
-}
+static TYPED: Info = Info::new(CUSTOM, "a law of the user", "");
 
 /// The drive without the typed laws that stand at their null in it, and these: what a discovery
 /// begins with, and what it ranks among the library.
-pub fn apart(drive: &Drive) -> (Drive, Vec<EffectData>) {
+pub(crate) fn apart(drive: &Drive) -> (Drive, Vec<EffectData>) {
     let mut bare = drive.clone();
     let (at_null, rest) = bare.effects.into_iter().partition(|effect| is_at_null(effect, drive));
     bare.effects = rest;
@@ -49,7 +41,7 @@ pub(crate) fn candidate(effect: &EffectData) -> Candidate {
     Candidate {
         name: effect.id.clone(),
         info: &TYPED,
-        fails_over: fails_over(effect),
+        fails_over: effect.fails_over(),
         id: effect.id.clone(),
         ranges: vec![(f64::NEG_INFINITY, f64::INFINITY); coefficients.len()],
         coefficients,
@@ -62,12 +54,6 @@ fn zero(effect: &EffectData) -> impl Iterator<Item = &str> {
     effect.parameters.iter().filter(|(_, value)| *value == 0.0).map(|(name, _)| name.as_str())
 }
 
-fn typed(effect: &EffectData) -> Option<Law> {
-    let Some(LawData::Typed { target, text }) = &effect.law else { return None };
-    let names: Vec<String> = effect.parameters.iter().map(|(name, _)| name.clone()).collect();
-    Law::parse(*target, text, &names).ok()
-}
-
 /// Whether it is a typed law that changes nothing, with a coefficient that may be fitted; one that
 /// bears the name of a kind of the library would be mistaken for it, and stays in the drive.
 fn is_at_null(effect: &EffectData, drive: &Drive) -> bool {
@@ -76,5 +62,5 @@ fn is_at_null(effect: &EffectData, drive: &Drive) -> bool {
     Entry::find(&effect.id).is_none()
         && zero(effect).next().is_some()
         && zero(effect).all(free)
-        && typed(effect).is_some_and(|law| law.vanishes(&values))
+        && effect.typed().is_some_and(|law| law.vanishes(&values))
 }

@@ -65,6 +65,9 @@ pub struct Fitted {
     pub block_s: f64,
     /// Starts of the search that were tried.
     pub starts_tried: usize,
+    /// Whether the values are those of least squares on the balances, because the least error of
+    /// the observed motion would explain these worse.
+    pub by_balances: bool,
 }
 
 impl Fitted {

@@ -1,11 +1,13 @@
 //! The one estimator: all parameters jointly, over all recordings, by the error of the observed
 //! run in units of the noise (SCIENCE: output error with a frozen observer).
 //!
-//! [`fit`] searches by Levenberg and Marquardt with exact sensitivities, from the drive's own
-//! values and, where these do not lead to the noise floor, from further starts drawn around them.
+//! [`fit`] searches by Levenberg and Marquardt with exact sensitivities: from the values that least
+//! squares on the balances give and, where these do not lead to the noise floor, from the drive's
+//! own and from further starts drawn around the best.
 //! Parameters that the recordings do not tell are named and kept. [`evaluate`] judges a drive on
 //! recordings it was not fitted to: there only what belongs to a recording is estimated.
 
+mod balanced;
 mod evidence;
 mod fitted;
 mod identifiable;
@@ -24,14 +26,19 @@ pub use evidence::Evidence;
 pub use fitted::{Estimate, Evaluated, Fit, Fitted, with_own};
 pub use identifiable::NotIdentifiable;
 
+use crate::balances::begin;
 use crate::case::{Setting, Squares};
 use crate::error::Error;
 use crate::start::{Start, first_starts};
+use balanced::balanced;
 use problem::Problem;
+pub(crate) use scale::recorded_speeds;
 use search::Found;
 use solved::{Solved, started};
 use starts::search;
-use unknowns::{Unknown, Unknowns, Which, set};
+pub(crate) use uncertainty::correlation_samples;
+pub(crate) use unknowns::set;
+use unknowns::{Unknown, Unknowns, Which};
 
 /// Who sees a search: told the error, in units of the noise, after every step; true ends it.
 pub type Seen<'a> = &'a (dyn Fn(f64) -> bool + Sync);
@@ -39,26 +46,35 @@ pub type Seen<'a> = &'a (dyn Fn(f64) -> bool + Sync);
 /// The usual [`Options::worth_a_step`]: the parameters are then within a few per cent of a standard
 /// error of the minimum.
 const WORTH_A_STEP: f64 = 1e-3;
+/// The usual [`Options::steps`].
+const STEPS: usize = 60;
 
 /// How hard to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Starts at most, the drive's own values among them.
+    /// Starts at most; one is the drive's own values, of several the first is that of the
+    /// balances.
     pub starts: usize,
     /// Seed of the further starts.
     pub seed: u64,
     /// Decrease of the squared error, in units of the noise, that is no longer worth a step.
     pub worth_a_step: f64,
+    /// Steps from each start at most.
+    pub steps: usize,
+    /// Whether a fit that explains the balances worse than least squares on them gives way to
+    /// these; not where errors of several models are compared.
+    pub balanced: bool,
 }
 
 impl Options {
     /// One start, the drive's own values: it is near the minimum.
-    pub(crate) const NEAR: Self = Self { starts: 1, seed: 1, worth_a_step: WORTH_A_STEP };
+    pub(crate) const NEAR: Self =
+        Self { starts: 1, seed: 1, worth_a_step: WORTH_A_STEP, steps: STEPS, balanced: false };
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { starts: 3, ..Self::NEAR }
+        Self { starts: 3, balanced: true, ..Self::NEAR }
     }
 }
 
@@ -89,7 +105,8 @@ pub fn fit_seen(
 ) -> Result<Fitted, Error> {
     let base = &tied(base);
     let mut kept: Vec<NotIdentifiable> = Vec::new();
-    let mut from = base.clone();
+    let begun = (options.starts > 1).then(|| begin(base, evidence));
+    let mut from = begun.as_ref().map_or(base, |begun| &begun.drive).clone();
     let mut starts = guesses(&from, evidence, setting);
     let mut tried = 0;
     loop {
@@ -98,15 +115,19 @@ pub fn fit_seen(
         let problem = Problem { base: &from, evidence, setting, unknowns };
         // Once what cannot be told is out, the search goes on from where it was.
         let found = if tried == 0 {
-            let (found, count) = search(&problem, options, seen)?;
+            let (found, count) = search(&problem, base, options, seen)?;
             tried = count;
             found
         } else {
-            search(&problem, &Options { starts: 1, ..*options }, seen)?.0
+            search(&problem, base, &Options { starts: 1, ..*options }, seen)?.0
         };
         let more = not_identifiable(&problem, &found, base);
         if more.is_empty() {
-            return conclude(&problem, &found, base, kept, tried);
+            let fitted = conclude(&problem, &found, base, kept, tried)?;
+            return match begun.filter(|_| options.balanced) {
+                Some(begun) => balanced(fitted, &begun, base, evidence, setting),
+                None => Ok(fitted),
+            };
         }
         // What cannot be told goes back to the file's value, the rest starts from where it is.
         let mut next = problem.unknowns.at(&from, 0, &found.coordinates).0;
@@ -132,7 +153,7 @@ pub fn evaluate(
     let which = if own { Which::Own } else { Which::StartsOnly };
     let unknowns = Unknowns::new(drive, evidence, guesses(drive, evidence, setting), which);
     let problem = Problem { base: drive, evidence, setting, unknowns };
-    let (found, _) = search(&problem, &Options::NEAR, &|_| false)?;
+    let (found, _) = search(&problem, drive, &Options::NEAR, &|_| false)?;
     let has_own = problem.unknowns.all.iter().any(|it| matches!(it, Unknown::Own { .. }));
     let recordings = if has_own {
         Solved::new(&problem, &found).recordings(drive)
@@ -241,5 +262,6 @@ fn conclude(
         squares,
         block_s: at.block_s,
         starts_tried,
+        by_balances: false,
     })
 }

@@ -1,8 +1,10 @@
-//! The search from several starts: the drive's own values, and points drawn around them.
+//! The search from several starts: the values of the balances, the drive's own, and points drawn
+//! around the best.
 
 use std::cell::Cell;
 
 use drivescope_numerics::{Limits, Residuals};
+use drivescope_plant::drive::Drive;
 use rand::SeedableRng;
 use rand::distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
@@ -14,18 +16,21 @@ use super::{Options, Seen};
 use crate::case::Case;
 use crate::error::Error;
 
-/// Steps of a search.
-const STEPS: usize = 60;
 /// Error over the noise floor up to which a search has found it and no further start is tried.
 const AT_THE_FLOOR: f64 = 1.05;
 /// Points that are looked at for each further start.
 const LOOKED_AT: usize = 8;
-/// Further starts lie within this factor of the drive's values.
+/// Sums of squares that differ by less, relative, are of one minimum.
+const ALIKE: f64 = 1e-4;
+/// Further starts lie within this factor of the best values.
 const AROUND: f64 = 3.0;
 
-/// The best minimum from up to that many starts, and how many were tried.
+/// The best minimum from up to that many starts, and how many were tried: the guess, the values of
+/// `own`, and points around the best so far. Once two starts have ended alike there is no need for
+/// another.
 pub(super) fn search(
     problem: &Problem<'_>,
+    own: &Drive,
     options: &Options,
     seen: Seen<'_>,
 ) -> Result<(Found, usize), Error> {
@@ -37,18 +42,29 @@ pub(super) fn search(
         least.set(least.get().min(sse));
         seen((least.get() / values).sqrt())
     };
-    let limits = Limits { steps: STEPS, relative_decrease: options.worth_a_step / values };
+    let limits = Limits { steps: options.steps, relative_decrease: options.worth_a_step / values };
+    let from = |start: &[f64]| minimise_within(problem, start, &reaches, limits, &told);
     let mut random = Pcg64::seed_from_u64(options.seed);
-    let mut best = minimise_within(problem, &problem.unknowns.guess, &reaches, limits, &told);
+    let mut best = from(&problem.unknowns.guess);
     let mut tried = 1;
     let floors = problem.evidence.recordings.iter().map(|it| problem.setting.observer.floor(it));
     let floor = AT_THE_FLOOR * floors.fold(1.0, f64::max);
-    while tried < options.starts && (best.at.sse / values).sqrt().total_cmp(&floor).is_gt() {
-        let drawn: Vec<Vec<f64>> =
-            (0..LOOKED_AT).map(|_| around(&problem.unknowns, &mut random)).collect();
-        let looked = drawn.into_iter().map(|point| (problem.sse(&point), point));
-        let Some((_, start)) = looked.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        let found = minimise_within(problem, &start, &reaches, limits, &told);
+    let mut confirmed = false;
+    while tried < options.starts
+        && !confirmed
+        && (best.at.sse / values).sqrt().total_cmp(&floor).is_gt()
+    {
+        let start = if tried == 1 {
+            problem.unknowns.with_values_of(own)
+        } else {
+            let drawn =
+                (0..LOOKED_AT).map(|_| around(&problem.unknowns, &best.coordinates, &mut random));
+            let looked = drawn.map(|point| (problem.sse(&point), point));
+            let Some((_, start)) = looked.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            start
+        };
+        let found = from(&start);
+        confirmed = (found.at.sse / best.at.sse - 1.0).abs() < ALIKE;
         if found.at.sse < best.at.sse || !best.at.sse.is_finite() {
             best = found;
         }
@@ -77,12 +93,12 @@ fn overflowing(problem: &Problem<'_>) -> Vec<String> {
     typed.map(|effect| effect.id.clone()).filter(runs_without).collect()
 }
 
-/// A start drawn around the guess: parameters within a factor, states as they are.
-fn around(unknowns: &Unknowns, random: &mut Pcg64) -> Vec<f64> {
+/// A start drawn around coordinates: parameters within a factor, states as they are.
+fn around(unknowns: &Unknowns, coordinates: &[f64], random: &mut Pcg64) -> Vec<f64> {
     let range = Uniform::new_inclusive(-AROUND.ln(), AROUND.ln()).expect("a range");
     let draw = |k: usize| {
         let factor = range.sample(random).exp();
-        let (guess, scale) = (unknowns.guess[k], &unknowns.scales[k]);
+        let (guess, scale) = (coordinates[k], &unknowns.scales[k]);
         match unknowns.all[k] {
             Unknown::Start { .. } => guess,
             _ => scale.coordinate(scale.value(guess) * factor),

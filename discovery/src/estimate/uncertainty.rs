@@ -37,7 +37,7 @@ pub(super) fn block_s<'a>(
 }
 
 /// Sum of the autocorrelations up to where they are lost in their own uncertainty, samples.
-fn correlation_samples(residual: &[f64], period_s: f64) -> f64 {
+pub(crate) fn correlation_samples(residual: &[f64], period_s: f64) -> f64 {
     let values: Vec<f64> = residual.iter().map(|r| if r.is_finite() { *r } else { 0.0 }).collect();
     let power: f64 = values.iter().map(|r| r * r).sum();
     let lost = 2.0 / (values.len() as f64).sqrt();

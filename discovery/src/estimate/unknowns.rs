@@ -116,6 +116,19 @@ impl Unknowns {
         self.weights.push(weight);
     }
 
+    /// Coordinates with the values of that drive, the starts as guessed.
+    pub(crate) fn with_values_of(&self, drive: &Drive) -> Vec<f64> {
+        let all = drive.parameters();
+        let of = |k: usize| match &self.all[k] {
+            Unknown::Shared(name) | Unknown::Own { name, .. } => {
+                let value = all.iter().find(|it| it.name == *name).map(|it| it.value);
+                value.map_or(self.guess[k], |value| self.scales[k].coordinate(value))
+            }
+            Unknown::Start { .. } => self.guess[k],
+        };
+        (0..self.all.len()).map(of).collect()
+    }
+
     pub(crate) fn reaches(&self) -> Vec<Reach> {
         self.scales.iter().map(|scale| scale.reach).collect()
     }

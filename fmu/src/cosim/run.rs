@@ -117,12 +117,7 @@ impl System<'_> {
         }
         let signals =
             self.recorded.iter().zip(rows).map(|(recorded, values)| self.signal(recorded, values));
-        let recording = Recording {
-            name: "co-simulation".to_owned(),
-            start_s: start,
-            period_s: h,
-            signals: signals.collect(),
-        };
+        let recording = Recording::new("co-simulation", start, h, signals.collect());
         Ok(Outcome { recording, end, algebraic_loops })
     }
 

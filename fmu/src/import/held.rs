@@ -2,35 +2,30 @@
 
 use std::sync::Arc;
 
-use drivescope_recording::Recording;
+use drivescope_recording::{Clock, Recording};
 
 use super::units::{Conversion, Unit, convert};
-
-/// Samples that the time of a sample may miss by, relative to the period: `t_k = start + k h` is
-/// rounded, and a sample that lies at `t_k` but for rounding is meant.
-const SLACK: f64 = 1e-6;
 
 /// One signal of a recording as an input.
 #[derive(Debug, Clone)]
 pub(crate) struct Held {
     recording: Arc<Recording>,
+    clock: Clock,
     signal: usize,
     conversion: Conversion,
 }
 
 impl Held {
     pub(crate) fn new(recording: Arc<Recording>, signal: usize, conversion: Conversion) -> Held {
-        Held { recording, signal, conversion }
+        let clock = recording.clock();
+        Held { recording, clock, signal, conversion }
     }
 
     /// The last sample that is not after `time` (s). Before the first sample it is the first one,
-    /// after the last sample the last one.
+    /// after the last sample (of a segment: up to the next) the last one.
     pub(crate) fn at(&self, time: f64) -> f64 {
         let values = &self.recording.signals[self.signal].values;
-        let sample = (time - self.recording.start_s) / self.recording.period_s + SLACK;
-        // The conversion saturates: negative numbers become 0, and so does a number that is none.
-        let sample = (sample as usize).min(values.len() - 1);
-        self.conversion.apply(values[sample])
+        self.conversion.apply(values[self.clock.sample(time).min(values.len() - 1)])
     }
 }
 
@@ -53,8 +48,7 @@ mod tests {
     fn samples_are_held() {
         let values = vec![1.0, 2.0, 3.0];
         let signal = Signal { name: "u".into(), unit: "V".into(), values };
-        let recording =
-            Recording { name: "r".into(), start_s: 1.0, period_s: 0.1, signals: vec![signal] };
+        let recording = Recording::new("r", 1.0, 0.1, vec![signal]);
         let conversion = Conversion { factor: 2.0, offset: 0.0 };
         let held = Held::new(Arc::new(recording), 0, conversion);
         let at = [0.0, 1.0, 1.09, 1.0 + 0.1, 1.0 + 2.0 * 0.1, 9.0];

@@ -108,7 +108,7 @@ pub fn run(fmu: &Fmu, options: &RunOptions) -> Result<Recording, Error> {
         Ok(Signal { name: variable.name.clone(), unit, values })
     });
     let signals = signals.collect::<Result<Vec<_>, Error>>()?;
-    Ok(Recording { name, start_s: window.start, period_s: window.step, signals })
+    Ok(Recording::new(name, window.start, window.step, signals))
 }
 
 struct Window {

@@ -326,7 +326,7 @@ fn recordings_drive_inputs_and_are_held() {
     let Some(fmu) = probe("3") else { return };
     let values = vec![30.0, 60.0, 90.0];
     let signals = vec![Signal { name: "speed".into(), unit: "rpm".into(), values }];
-    let recording = Arc::new(Recording { name: "r".into(), start_s: 0.0, period_s: 0.1, signals });
+    let recording = Arc::new(Recording::new("r", 0.0, 0.1, signals));
     let mut system = System::new(Experiment::new(0.0, 0.4, 0.05));
     system.add("a", lag(&fmu, 1e-3)).unwrap();
     system.input(&recording, "speed", "a.u").unwrap();

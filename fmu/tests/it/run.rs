@@ -9,7 +9,7 @@ use crate::support::{probe, probe_with};
 fn input(name: &str, unit: &str) -> Recording {
     let values = (0..=100).map(|k| if k < 50 { 0.0 } else { 2.0 }).collect();
     let signals = vec![Signal { name: name.into(), unit: unit.into(), values }];
-    Recording { name: "step.csv".into(), start_s: 0.0, period_s: 0.01, signals }
+    Recording::new("step.csv", 0.0, 0.01, signals)
 }
 
 #[test]

@@ -16,7 +16,7 @@ fn read(path: &Path) -> Result<Recording, ReadError> {
         return Err("no such recording".into());
     }
     let signals = vec![Signal { name: "w".into(), unit: "rpm".into(), values: vec![30.0; 3] }];
-    Ok(Recording { name: "input".into(), start_s: 0.0, period_s: 0.1, signals })
+    Ok(Recording::new("input", 0.0, 0.1, signals))
 }
 
 fn outcome(path: &Path) -> Result<Recording, String> {

@@ -21,6 +21,7 @@ pub mod iron_loss;
 pub mod law;
 pub mod learned;
 pub mod load_friction;
+mod of_drive;
 pub mod presliding;
 pub mod quadratic_drag;
 pub mod quantisation;

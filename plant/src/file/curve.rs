@@ -11,7 +11,7 @@ use crate::effects::learned::{KnotError, Over};
 use crate::effects::refusal::Refusal;
 
 /// The kind of an effect that is a learned curve.
-pub(super) const LEARNED: &str = "learned";
+pub const LEARNED: &str = "learned";
 
 /// The balances in which a curve may act.
 pub(super) const BALANCES: [(&str, Target); 2] =

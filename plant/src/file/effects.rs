@@ -18,7 +18,7 @@ use crate::parameters::{FIELDS, nearest};
 use crate::units::name_for_motion;
 
 /// The kind of an effect whose law stands in the file.
-pub(super) const CUSTOM: &str = "custom";
+pub const CUSTOM: &str = "custom";
 /// What an effect of a custom kind may give, with the keys for that motion.
 pub(super) fn targets(motion: Motion) -> Vec<(&'static str, Target)> {
     let mut all = Target::ALL.to_vec();
@@ -27,6 +27,16 @@ pub(super) fn targets(motion: Motion) -> Vec<(&'static str, Target)> {
         all.extend(Target::ALL.map(named).into_iter().filter(|(key, _)| *key == "v"));
     }
     all
+}
+
+/// The key of what a custom effect gives, in the file of a drive that moves so.
+///
+/// # Panics
+/// Never: every target has a key.
+pub fn target_key(target: Target, motion: Motion) -> &'static str {
+    // The last key of a target is the motion's own.
+    let key = targets(motion).into_iter().rfind(|(_, other)| *other == target);
+    key.expect("every target has a key").0
 }
 
 /// Names of tables: `controller.K_p` must not be ambiguous.

@@ -25,7 +25,9 @@ use std::path::Path;
 
 use crate::drive::Drive;
 
+pub use curve::LEARNED;
 pub use edit::Change;
+pub use effects::{CUSTOM, target_key};
 pub use error::{DriveFileError, Place, Problem};
 pub use schema::schema_json;
 

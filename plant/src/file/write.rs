@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::curve::{BALANCES, overs};
-use super::effects::targets;
+use super::effects::target_key;
 use super::layout::{
     ControllerTable, EffectTable, EffectValue, FitTable, GainTable, GeneratorTable, Layout,
     MotorTable, NoiseTable, Origin, SensorTable, TachoName,
@@ -71,9 +71,7 @@ fn effect(effect: &EffectData, motion: Motion) -> EffectTable {
             table.extend(effect.parameters.iter().map(number));
         }
         Some(LawData::Typed { target, text: law }) => {
-            // The last key of a target is the motion's own.
-            let key = targets(motion).into_iter().rfind(|(_, other)| other == target);
-            table.push(text(key.expect("every target has a key").0, law));
+            table.push(text(target_key(*target, motion), law));
             if !effect.parameters.is_empty() {
                 let coefficients = EffectValue::Coefficients(effect.parameters.clone());
                 table.push(("parameters".to_owned(), coefficients));

@@ -77,10 +77,7 @@ fn kind(effect: &EffectData, motion: Motion, laws: &mut Vec<Law>) -> Kind {
             );
             return entry.kind;
         }
-        Some(LawData::Typed { target, text }) => {
-            let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
-            Law::parse(*target, text, &names).expect("the law was parsed with the drive file")
-        }
+        Some(LawData::Typed { .. }) => effect.typed().expect("it is typed"),
         Some(LawData::Learned { target, over, knots }) => {
             assert_eq!(knots.len(), names.len(), "`{}` has a value at every knot", effect.id);
             let curve = motion.curve(*over, knots).expect("the knots were read with the file");

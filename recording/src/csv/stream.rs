@@ -6,7 +6,7 @@ use super::rows::Rows;
 use crate::error::Error;
 use crate::header::{self, ColumnNote, Header};
 use crate::mapping::ReadOptions;
-use crate::time_axis::UNIFORM;
+use crate::time::UNIFORM;
 
 /// Reads a recording one row at a time; names and units are settled by the header.
 pub struct CsvStream<R: Read> {
@@ -37,7 +37,7 @@ impl<R: Read> CsvStream<R> {
     /// As [`super::read_csv`] for the header.
     pub fn new(reader: R, name: &str, options: &ReadOptions) -> Result<CsvStream<R>, Error> {
         let rows = Rows::new(reader, name)?;
-        let header = header::resolve(name, rows.header(), &options.columns)?;
+        let header = header::resolve(name, rows.header(), &options.columns, &[])?;
         let time = header.time.ok_or_else(|| header::missing_time(name, rows.header()))?;
         if header.columns.len() == 1 {
             return Err(Error::NoSignals { file: name.to_owned() });

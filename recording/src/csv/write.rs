@@ -7,15 +7,18 @@ use crate::signal::Recording;
 /// Writes header and rows. Numbers have as many digits as it takes to read the same bits again.
 pub(crate) fn write(out: impl Write, recording: &Recording) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
+    let segment = recording.segment_column();
+    let signals = || recording.signals.iter().chain(&segment);
     csv.write_field("time [s]")?;
-    for signal in &recording.signals {
+    for signal in signals() {
         csv.write_field(signal.header())?;
     }
     csv.write_record(None::<&[u8]>)?;
     let mut text = Vec::new();
+    let clock = recording.clock();
     for k in 0..recording.len() {
-        let values = recording.signals.iter().map(|signal| signal.values[k]);
-        for value in std::iter::once(recording.time(k)).chain(values) {
+        let values = signals().map(|signal| signal.values[k]);
+        for value in std::iter::once(clock.time(k)).chain(values) {
             text.clear();
             // `{:?}` is the shortest text that parses to the same bits, with an exponent where
             // it is shorter than zeros.

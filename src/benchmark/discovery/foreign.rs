@@ -166,7 +166,7 @@ struct Truth {
 fn read_one(folder: &Path, order: &Order) -> miette::Result<Case> {
     let truth = std::fs::read_to_string(folder.join("truth.json")).into_diagnostic()?;
     let truth: Truth = serde_json::from_str(&truth).into_diagnostic()?;
-    let options = ReadOptions { columns: Vec::new(), resample: None };
+    let options = ReadOptions { columns: Vec::new(), ..ReadOptions::default() };
     let record = |name: &str| -> miette::Result<Record> {
         let (recording, _) = read(folder.join(format!("{name}.csv")), &options).map_err(told)?;
         let noise = truth.noise.get(name).into_iter().flatten();

@@ -22,8 +22,10 @@ impl Diagnose {
         /// Departure of the mean sampling time from the diagnoser's that is taken for jitter.
         const SAME_PERIOD: f64 = 0.01;
         let columns = self.reading.columns().map(Mapping::parse_list).transpose();
-        let options =
-            ReadOptions { columns: columns.map_err(told)?.unwrap_or_default(), resample: None };
+        let options = ReadOptions {
+            columns: columns.map_err(told)?.unwrap_or_default(),
+            ..ReadOptions::default()
+        };
         let stdin = io::stdin().lock();
         let mut rows = CsvStream::new(stdin, "standard input", &options).map_err(told)?;
         let interface = &diagnoser.interface;

@@ -83,8 +83,8 @@ impl Run for Diagnose {
         } else {
             self.recorded(&diagnoser, watch, session)?
         };
-        let (run_up, window) = (watch.run_up, diagnoser.window);
-        let (samples, methods) = watch.finish();
+        let window = diagnoser.window;
+        let (samples, run_up, methods) = watch.finish();
         let judged = samples.saturating_sub(run_up);
         if judged < window {
             return Err(Failure::Usage {
@@ -137,6 +137,9 @@ impl Diagnose {
         let data = interface.select(&recording).map_err(told)?;
         let mut u = vec![0.0; data.inputs().len()];
         for (k, y) in data.output().values.iter().enumerate() {
+            if recording.breaks.iter().any(|it| it.at == k) {
+                watch.begin();
+            }
             u.iter_mut().zip(data.inputs()).for_each(|(u, column)| *u = column.values[k]);
             watch.step(&u, *y, recording.time(k))?;
         }

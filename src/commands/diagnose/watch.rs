@@ -27,8 +27,13 @@ pub(super) struct Watch {
     /// Symptoms of the fault that stands declared.
     naming: Option<Naming>,
     window: usize,
-    pub(super) run_up: usize,
+    /// Samples that settle the models of a segment.
+    settling: usize,
+    /// Samples that settle the models, of all segments.
+    run_up: usize,
     samples: usize,
+    /// Samples of the segment at hand.
+    of_segment: usize,
 }
 
 /// What a sample brought.
@@ -68,14 +73,31 @@ impl Watch {
             threshold: diagnoser.constant.band(diagnoser.confidence),
             naming: None,
             window: diagnoser.window,
-            run_up: diagnoser.run_up,
+            settling: diagnoser.run_up,
+            run_up: 0,
             samples: 0,
+            of_segment: 0,
         })
     }
 
     /// Whether the method that was asked for is there.
     pub(super) fn has_asked(&self) -> bool {
         self.watching.iter().any(|watching| watching.found.method == self.asked)
+    }
+
+    /// A new segment begins: the models settle anew, what was found stays.
+    pub(super) fn begin(&mut self) {
+        self.close();
+        for Watching { detector, standing, .. } in &mut self.watching {
+            detector.reset();
+            *standing = false;
+        }
+        self.naming = None;
+    }
+
+    fn close(&mut self) {
+        self.run_up += self.settling.min(self.of_segment);
+        self.of_segment = 0;
     }
 
     /// Takes a sample.
@@ -102,6 +124,7 @@ impl Watch {
             stands |= verdict.declared && found.method == self.asked;
         }
         self.samples += 1;
+        self.of_segment += 1;
         if stands {
             events.extend(self.name(u, residual)?);
         }
@@ -122,13 +145,14 @@ impl Watch {
         Ok((named.samples == self.window).then_some(Event::Named(fault)))
     }
 
-    /// Samples taken, and what every method found.
-    pub(super) fn finish(self) -> (usize, Vec<Found>) {
+    /// Samples taken, those of them that only settle the models, and what every method found.
+    pub(super) fn finish(mut self) -> (usize, usize, Vec<Found>) {
+        self.close();
         let judged = self.samples.saturating_sub(self.run_up);
         let found = self.watching.into_iter().map(|Watching { mut found, .. }| {
             found.exceedance_rate = (judged > 0).then(|| found.outside as f64 / judged as f64);
             found
         });
-        (self.samples, found.collect())
+        (self.samples, self.run_up, found.collect())
     }
 }

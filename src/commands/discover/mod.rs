@@ -94,7 +94,7 @@ impl Search<'_> {
             output::write_file(path, |out| out.write_all(text.as_bytes()))?;
         }
         if let Some(path) = self.report {
-            let html = report(self.base, &found, &gathered, session.seed)?;
+            let html = report(&found, &gathered, session.seed)?;
             output::write_file(path, |out| out.write_all(html.as_bytes()))?;
         }
         let output = self.output.cloned();

@@ -1,7 +1,7 @@
 //! The report of a discovery: the drive compared before and after.
 
 use drivescope_discovery::compare::{Comparison, Options as CompareOptions, compare};
-use drivescope_discovery::{Discovery, Options, Setting, fit, typed_apart};
+use drivescope_discovery::{Discovery, Setting};
 use drivescope_plant::drive::Drive;
 
 use crate::evidence::Gathered;
@@ -13,12 +13,7 @@ use crate::report::discover::{Found, Missing, Step, discover_html};
 ///
 /// # Errors
 /// Recordings that cannot be compared together.
-pub(super) fn report(
-    base: &Drive,
-    found: &Discovery,
-    gathered: &Gathered,
-    seed: u64,
-) -> miette::Result<String> {
+pub(super) fn report(found: &Discovery, gathered: &Gathered, seed: u64) -> miette::Result<String> {
     let Gathered { estimation, noise, doubts, .. } = gathered;
     let compared = |drive: &Drive| -> miette::Result<Comparison> {
         let setting = Setting::new(drive, found.observer);
@@ -28,13 +23,8 @@ pub(super) fn report(
     let after = compared(&found.drive)?;
     let before = match found.ladder.len() {
         1 => None,
-        _ => {
-            // The cards speak of the base as it was fitted, before anything was added.
-            let (base, _) = typed_apart(base);
-            let setting = Setting::new(&base, found.observer);
-            let fitted = fit(&base, estimation, &setting, &Options::default()).map_err(told)?;
-            Some(compared(&fitted.drive)?)
-        }
+        // The cards speak of the base as it was fitted, before anything was added.
+        _ => Some(compared(&found.base)?),
     };
     let steps: Vec<Step> = found
         .ladder

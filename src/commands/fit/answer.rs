@@ -118,6 +118,8 @@ pub(super) struct Answer {
     relative_force_error: Option<ForceError>,
     block_s: f64,
     starts: usize,
+    /// Whether the values are those of least squares on the balances.
+    by_balances: bool,
     seed: u64,
 }
 
@@ -194,6 +196,7 @@ impl Answer {
             relative_force_error,
             block_s: fitted.block_s,
             starts: fitted.starts_tried,
+            by_balances: fitted.by_balances,
             seed,
         }
     }
@@ -204,6 +207,12 @@ impl Answer {
         self.setting(&mut text);
         self.table(&mut text);
         self.errors(&mut text);
+        if self.by_balances {
+            text.push_str(
+                "the values are those of least squares on the balances: the least error of the \
+                 observed motion would leave more torque unexplained\n",
+            );
+        }
         for it in &self.kept {
             let NotIdentifiable { parameter, kept, with } = it;
             let why = match with.as_slice() {

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Evidence, Fitted, Observer, Options, Setting, evaluate, fit};
+use drivescope_discovery::{Evidence, Fitted, Options, Setting, evaluate, fit};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::file::Change;
 
@@ -36,8 +36,7 @@ impl Run for Fit {
         session.check_writable(&[&self.output])?;
         let gathered = self.evidence.gather(&base, session)?;
         let Gathered { estimation, validation, .. } = &gathered;
-        let observer = Observer::choose(&base, &estimation.recordings, &estimation.noise);
-        let setting = Setting::new(&base, observer);
+        let setting = Setting::of_fit(&base, estimation);
         let bar = session.progress(3, "fitting");
         let judge = |drive: &Drive, evidence: &Evidence, own: bool| {
             let judged = evaluate(drive, evidence, &setting, own).map_err(told)?;

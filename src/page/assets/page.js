@@ -73,7 +73,7 @@ async function upload(files) {
   const all = [...files].sort((a, b) => b.name.toLowerCase().endsWith(".toml") - a.name.toLowerCase().endsWith(".toml"));
   for (const [place, file] of all.entries()) {
     if (file.size > mostBytes) {
-      tell(`${file.name} has ${Math.ceil(file.size / 1e6)} MB, and ${mostBytes / 1e6} MB are taken: start the server with a greater --largest-upload.`);
+      tell(`${file.name} has ${Math.ceil(file.size / 1e6)} MB, and ${mostBytes / 1e6} MB are taken: keep fewer rows or columns.`);
       return;
     }
     const more = place < all.length - 1;
@@ -127,7 +127,7 @@ function listen() {
       await look(next);
     }
     if (!news.job) follow = null;
-    const asked = `${news.recordings} ${news.rungs} ${news.asked} ${!!news.job}`;
+    const asked = `${news.recordings} ${news.beginning} ${news.rungs} ${news.asked} ${!!news.job}`;
     if (asked !== shown.asked || news.rungs !== shown.rungs) {
       const heard = performance.now(), isFirst = !shown.rungs && news.rungs;
       shown.asked = asked;
@@ -148,6 +148,7 @@ function fill(id, html) {
   // Nobody's typing is interrupted.
   const active = document.activeElement;
   if (place.contains(active) && active.matches("input.value")) return;
+  if (place.contains(active) && active.matches("input.unit, .sampling input") && active.value !== active.defaultValue) return;
   const open = [...place.querySelectorAll("details[open]>summary")].map((it) => it.textContent);
   const had = [...place.querySelectorAll("details>summary")].map((it) => it.textContent);
   const focused = place.contains(active) && active.dataset ? JSON.stringify(active.dataset) : null;
@@ -354,6 +355,7 @@ document.addEventListener("click", async (event) => {
   if (dataset.view) { view.view = dataset.view; writeAddress(); showView(); }
   else if (dataset.do === "example") await act({ do: "example", id: dataset.id });
   else if (dataset.do === "column") await act({ do: "column", recording: Number(dataset.recording), column: dataset.column, signal: dataset.signal, unit: dataset.unit });
+  else if (["again", "resample"].includes(dataset.do)) await act({ do: dataset.do, recording: Number(dataset.recording) });
   else if (dataset.do === "remove") await act({ do: "remove", recording: Number(dataset.recording) });
   else if (dataset.do === "add") await act({ do: "add", rung: view.rung, effect: dataset.effect });
   else if (["fit", "learn"].includes(dataset.do)) await act({ do: dataset.do, rung: view.rung });
@@ -381,9 +383,11 @@ document.addEventListener("change", async (event) => {
   else if (target.id === "from" || target.id === "to") {
     const from = Number($("from").value), to = Number($("to").value);
     if (from < to) brush([from, to]); else tell("A window begins before it ends.");
-  } else if (target.matches("select.signal, select.unit")) {
+  } else if (target.matches("select.signal, input.unit")) {
     const row = target.closest("tr");
-    const signal = row.querySelector(".signal").value, unit = row.querySelector(".unit").value;
+    const signal = row.querySelector(".signal").value, unit = row.querySelector(".unit")?.value ?? "";
+    // Said: what is shown may follow.
+    if (target.matches("input")) target.defaultValue = target.value;
     await act({ do: "column", recording: Number(row.dataset.recording), column: row.dataset.column, signal, unit });
   } else if (target.matches("input.value")) {
     const value = Number(target.value.replace("\u2212", "-").replace(",", "."));
@@ -391,6 +395,16 @@ document.addEventListener("change", async (event) => {
     target.blur();
     await act({ do: "set", rung: view.rung, name: target.dataset.parameter, value });
   }
+});
+
+document.addEventListener("submit", async (event) => {
+  const asked = event.target.closest("form.sampling");
+  if (!asked) return;
+  event.preventDefault();
+  const input = asked.elements.ms, ms = Number(input.value.replace(",", "."));
+  if (!(ms > 0)) { tell(`"${input.value}" is no time in ms.`); return; }
+  input.defaultValue = input.value;
+  await act({ do: asked.dataset.what, recording: Number(asked.dataset.recording), ms });
 });
 
 form.addEventListener("input", checkLaw);

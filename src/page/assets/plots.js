@@ -22,11 +22,24 @@ export function unpacked(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
   const time = new Float64Array(head.count);
-  for (let k = 0; k < head.count; k++) time[k] = head.start + k * head.step;
+  head.segments.forEach(([first, start], place) => {
+    const end = head.segments[place + 1]?.[0] ?? head.count;
+    for (let k = first; k < end; k++) time[k] = start + (k - first) * head.step;
+  });
   head.columns.forEach((column, place) => {
     column.values = new Float32Array(buffer, 4 + length + 4 * place * head.count, head.count);
   });
   return { ...head, time };
+}
+
+// The first point that is not before a time.
+function notBefore(time, t) {
+  let from = 0, to = time.length;
+  while (from < to) {
+    const middle = (from + to) >> 1;
+    if (time[middle] < t) from = middle + 1; else to = middle;
+  }
+  return from;
 }
 
 // Drawn behind a plot's lines: spans in which the model fails, and the band of the noise.
@@ -188,7 +201,7 @@ export class Plots {
     const rows = [];
     for (let part = 0; part < parts; part++) {
       const begin = from + (to - from) * part / parts, end = from + (to - from) * (part + 1) / parts;
-      const first = Math.max(0, Math.ceil((begin - time[0]) / this.data.step)), after = Math.min(time.length, Math.ceil((end - time[0]) / this.data.step));
+      const first = notBefore(time, begin), after = notBefore(time, end);
       if (first >= after) continue;
       const ends = shown.map(({ values }) => {
         let least = Infinity, most = -Infinity;

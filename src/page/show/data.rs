@@ -1,14 +1,13 @@
 //! Recordings with their columns and units, and what looks wrong with these.
 
-use drivescope_recording::{ColumnNote, Taken as How, Unit};
 use maud::{Markup, html};
 
+use super::columns::{columns, completion, period, simulated, unit_lists};
 use crate::page::bench::State;
-use crate::page::recordings::{Taken, UnitFix, units_like};
+use crate::page::plain::plain;
+use crate::page::recordings::Taken;
+use crate::page::unit_fix::UnitFix;
 use crate::report::words::given;
-
-/// Signals that a column may be taken as.
-const SIGNALS: [&str; 10] = ["time", "u", "i", "omega", "theta", "v", "x", "T_l", "reference", "T"];
 
 /// Recordings with their columns, and the drive.
 pub(super) fn data(state: &State) -> Markup {
@@ -18,10 +17,16 @@ pub(super) fn data(state: &State) -> Markup {
                 @if !drive.drive.name.is_empty() { " (" (drive.drive.name) ")" } }
         }
         @for fix in &state.fixes { (offer(fix, &state.recordings)) }
-        @for (number, taken) in state.recordings.iter().enumerate() { (recording(number, taken)) }
+        @for (number, taken) in state.recordings.iter().enumerate() {
+            (recording(number, taken, state.rungs.is_empty()))
+        }
+        @if state.recordings.iter().any(|it| it.preview.is_some()) { (unit_lists()) }
+        @if state.recordings.len() > 1 && state.recordings.iter().any(|it| it.incomplete.is_some()) {
+            p.note { "The analysis begins when every recording is complete." }
+        }
         @if let Some(gathered) = &state.gathered {
-            p.note { (gathered.split) }
-            @for doubt in &gathered.doubts { p.note.alert { (doubt) } }
+            p.note { (plain(&gathered.split)) }
+            @for doubt in &gathered.doubts { p.note.alert { (plain(doubt)) } }
         }
     }
 }
@@ -40,81 +45,57 @@ fn offer(fix: &UnitFix, recordings: &[Taken]) -> Markup {
     }
 }
 
-fn recording(number: usize, taken: &Taken) -> Markup {
-    let length = taken.recording.len();
-    let period = taken.recording.period_s;
+/// A recording; `searching` while nothing is known but its columns.
+fn recording(number: usize, taken: &Taken, searching: bool) -> Markup {
+    let report = taken.report.as_ref();
+    let doubtful = report.is_some_and(|it| !it.guesses().is_empty() || !it.suspicions.is_empty());
+    let open = !taken.is_made() && (taken.incomplete.is_some() || doubtful || searching);
     html! {
-        details.recording open[taken.report.as_ref().is_some_and(|it| !it.guesses().is_empty() || !it.suspicions.is_empty())] {
-            summary {
-                strong { (taken.name) } " "
-                (length) " samples every " (given(period * 1e3)) " ms, "
-                (given(length as f64 * period)) " s"
+        @if let Some(incomplete) = &taken.incomplete { (completion(number, taken, incomplete)) }
+        details.recording open[open] {
+            summary { strong { (taken.name) } " " (extent(taken)) }
+            @match (&taken.preview, &taken.recording) {
+                (Some(preview), _) => { (columns(number, taken, preview)) }
+                (None, Some(recording)) => { (simulated(recording)) }
+                (None, None) => {}
             }
-            @match &taken.report {
-                None => {
-                    p.note { "Simulated, with the noise of its sensors: "
-                        (taken.recording.signals.iter().map(|it| it.header()).collect::<Vec<_>>().join(", ")) "." }
+            @if let Some(report) = report {
+                @for note in report.notes.iter().chain(&report.warnings()) {
+                    p.note.alert { (plain(note)) }
                 }
-                Some(report) => {
-                    (columns(number, &report.columns))
-                    @for warning in report.warnings() { p.note.alert { (warning) } }
-                }
+                (sampling(number, taken))
+            }
+            @if let Some(kept) = &taken.kept { p.note { (plain(kept)) } }
+            @if !taken.options.columns.is_empty() || taken.options.rows_every.is_some() {
+                button type="button" data-do="again" data-recording=(number) { "Guess its columns again" } " "
             }
             button type="button" data-do="remove" data-recording=(number) { "Remove " (taken.name) }
         }
     }
 }
 
-/// Columns with what they are taken as, to be corrected.
-fn columns(recording: usize, notes: &[ColumnNote]) -> Markup {
+/// How long it is.
+fn extent(taken: &Taken) -> Markup {
     html! {
-        div.scroll role="region" tabindex="0" aria-label="Columns" {
-            table.columns {
-                thead { tr {
-                    th.name scope="col" { "Column" } th.name scope="col" { "is the signal" }
-                    th.name scope="col" { "in" } th.name scope="col" { "How it is known" }
-                } }
-                tbody { @for note in notes { (column(recording, note)) } }
+        @match (&taken.recording, &taken.preview) {
+            (Some(recording), _) => {
+                (recording.len()) " samples every " (given(recording.period_s * 1e3)) " ms, "
+                (given(recording.len() as f64 * recording.period_s)) " s"
             }
+            (None, Some(preview)) => { (preview.rows) " rows, " (preview.columns.len()) " columns" }
+            (None, None) => {}
         }
     }
 }
 
-fn column(recording: usize, note: &ColumnNote) -> Markup {
-    let unit = note.given_unit.as_deref().unwrap_or(&note.unit);
-    let units = units_like(&note.unit);
-    let how = match note.taken {
-        How::Named if note.given_unit.is_none() => "named, its unit assumed",
-        How::Named => "named in the file",
-        How::Mapped => "set by you",
-        How::Guessed => "a guess by its name",
-        How::Kept => "not known, kept as it is",
-    };
-    let same = |other: &str| {
-        units_like(other).contains(&unit) && other == unit
-            || Unit::parse(other) == Unit::parse(unit)
-    };
+/// Asks for another sampling time.
+fn sampling(number: usize, taken: &Taken) -> Markup {
+    let period_s = taken.recording.as_ref().map_or(0.0, |it| it.period_s);
+    let rounded = format!("{:.5e}", period_s * 1e3).parse().unwrap_or(period_s * 1e3);
     html! {
-        tr data-recording=(recording) data-column=(note.column) {
-            th scope="row" { (note.column) }
-            td.name {
-                select.signal aria-label={ "signal of column " (note.column) } {
-                    @if !SIGNALS.contains(&note.signal.as_str()) {
-                        option value=(note.signal) selected { (note.signal) }
-                    }
-                    @for signal in SIGNALS {
-                        option value=(signal) selected[signal == note.signal] { (signal) }
-                    }
-                }
-            }
-            td.name {
-                select.unit aria-label={ "unit of column " (note.column) } {
-                    @if !units.iter().any(|it| same(it)) { option value=(unit) selected { (unit) } }
-                    @for one in &units { option value=(one) selected[same(one)] { (one) } }
-                }
-                @if note.converted { span.note { " \u{2192} " (note.unit) } }
-            }
-            td.name { (how) }
+        (period(number, "resample", "Sample it every", "Resample", rounded))
+        @if taken.options.resample.is_some() {
+            button type="button" data-do="resample" data-recording=(number) { "As it was sampled" } " "
         }
     }
 }

@@ -1,7 +1,9 @@
 //! What a session shows, as pieces of HTML by the places of the page that they fill.
 
+mod columns;
 mod data;
 mod failing;
+mod spark;
 
 use std::collections::BTreeMap;
 

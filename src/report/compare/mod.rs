@@ -6,6 +6,7 @@ pub(crate) mod tables;
 use drivescope_discovery::Evidence;
 use drivescope_discovery::compare::Comparison;
 use drivescope_plant::drive::Drive;
+use drivescope_recording::Clock;
 use maud::{Markup, html};
 
 use super::page::{figure, page, section};
@@ -21,8 +22,8 @@ pub(crate) struct Setting {
     pub(crate) noise: Vec<(String, String, String)>,
     /// Error on the recordings that only judge, if there are any.
     pub(crate) validation_error: Option<f64>,
-    /// Time of the first sample and sampling time of each recording, s.
-    pub(crate) times: Vec<(f64, f64)>,
+    /// When the samples of each recording were taken.
+    pub(crate) clocks: Vec<Clock>,
     /// What makes the recordings doubtful.
     pub(crate) doubts: Vec<String>,
     /// Seed.
@@ -47,7 +48,7 @@ impl Setting {
             drive: drive.name.clone(),
             noise: noise.iter().map(known).collect(),
             validation_error,
-            times: evidence.recordings.iter().map(|it| (it.start_s, it.period_s)).collect(),
+            clocks: evidence.recordings.iter().map(|it| it.clock.clone()).collect(),
             doubts: doubts.to_vec(),
             seed,
         }
@@ -156,7 +157,7 @@ fn recordings(compared: &Comparison, setting: &Setting) -> Markup {
                 h3 { (recording.name) }
                 (figure(
                     &format!("recording-{place}"),
-                    pictures::recording(recording, setting.times[place], place).svg(),
+                    pictures::recording(recording, &setting.clocks[place], place).svg(),
                     &format!("Model and measurement, {}", recording.name),
                     &html! {
                         "Measured in the colour of text, model in blue; below, the residual in units \

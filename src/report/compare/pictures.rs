@@ -1,6 +1,7 @@
 //! The pictures of a comparison.
 
 use drivescope_discovery::compare::{Correlation, Curve, RecordingComparison};
+use drivescope_recording::Clock;
 
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Span};
 use crate::report::words::{capital, number};
@@ -16,16 +17,19 @@ fn line(label: &str, points: Vec<(f64, f64)>, ink: Ink) -> Layer {
 }
 
 /// Measured and modelled outputs over time, and what is left.
-pub(super) fn recording(
-    it: &RecordingComparison,
-    (start_s, period_s): (f64, f64),
-    place: usize,
-) -> Figure {
-    let at = |k: usize| start_s + k as f64 * period_s;
+pub(super) fn recording(it: &RecordingComparison, clock: &Clock, place: usize) -> Figure {
     let mut panels = Vec::new();
     for output in &it.outputs {
         let pairs = |of: &dyn Fn(usize) -> f64| {
-            (0..output.model.len()).map(|k| (at(k), of(k))).collect::<Vec<_>>()
+            let mut points = Vec::with_capacity(output.model.len());
+            for segment in clock.segments(output.model.len()) {
+                // Nothing is drawn through the gap before a segment.
+                if segment.start > 0 {
+                    points.push((clock.time(segment.start), f64::NAN));
+                }
+                points.extend(segment.map(|k| (clock.time(k), of(k))));
+            }
+            points
         };
         panels.push(Panel {
             height: SIGNAL,

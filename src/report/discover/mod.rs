@@ -9,9 +9,9 @@ use drivescope_discovery::compare::Comparison;
 use drivescope_discovery::{
     Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, SecondOpinion, Verdict,
 };
-use drivescope_plant::drive::{EffectData, LawData};
-use drivescope_plant::effects::custom::{Law, Target};
+use drivescope_plant::drive::{EffectData, LawData, Motion};
 use drivescope_plant::effects::info::Variable;
+use drivescope_plant::file::target_key;
 use maud::html;
 
 pub(crate) use cards::cards;
@@ -52,13 +52,11 @@ pub(crate) struct OwnLaw {
 }
 
 impl OwnLaw {
-    /// Of an effect; nothing of one of the library or a curve.
-    fn of(effect: &EffectData) -> Option<Self> {
+    /// Of an effect of a drive that moves so; nothing of one of the library or a curve.
+    fn of(effect: &EffectData, motion: Motion) -> Option<Self> {
         let Some(LawData::Typed { target, text }) = &effect.law else { return None };
-        let names: Vec<String> = effect.parameters.iter().map(|(name, _)| name.clone()).collect();
-        let fails_over = Law::parse(*target, text, &names).ok()?.fails_over();
-        let (key, _) = Target::ALL.iter().find(|(_, other)| other == target)?;
-        Some(Self { id: effect.id.clone(), text: format!("{key} = {text}"), fails_over })
+        let text = format!("{} = {text}", target_key(*target, motion));
+        Some(Self { id: effect.id.clone(), text, fails_over: effect.fails_over() })
     }
 }
 
@@ -66,6 +64,7 @@ impl Missing {
     /// Of a discovery.
     pub(crate) fn of(found: &Discovery) -> Self {
         let mut ranking = found.ranking.clone();
+        let effects = found.drive.effects.iter();
         let not_shown = |(effects, reason): (Vec<&str>, &str)| {
             (effects.join(", ").replace('_', " "), reason.to_owned())
         };
@@ -78,7 +77,7 @@ impl Missing {
             learned: found.learned.clone(),
             next: found.next_experiment.clone(),
             second_opinion: found.second_opinion.clone(),
-            typed: found.drive.effects.iter().filter_map(OwnLaw::of).collect(),
+            typed: effects.filter_map(|effect| OwnLaw::of(effect, found.drive.motion)).collect(),
             not_shown: found.not_shown().into_iter().map(not_shown).collect(),
         }
     }

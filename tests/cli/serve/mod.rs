@@ -1,6 +1,7 @@
 //! The page's server: what it refuses, and the loop as a browser walks it.
 
 mod client;
+mod mapping;
 mod walk;
 
 use client::Server;

@@ -117,6 +117,6 @@ pub(super) fn record(
         signals.push(signal(name, unit, values));
         sds.push((name.to_owned(), sd));
     }
-    let recording = Recording { name: name.to_owned(), start_s: 0.0, period_s: PERIOD_S, signals };
+    let recording = Recording::new(name.to_owned(), 0.0, PERIOD_S, signals);
     Record { recording, noise: sds }
 }

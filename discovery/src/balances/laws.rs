@@ -1,0 +1,183 @@
+//! What the laws of a drive take from its balances, and which of their parameters enter linearly.
+//!
+//! The torque balance J domega/dt + B_m omega + brake = K_m i - T_l, the voltage balance
+//! L di/dt + R i + K_e omega + drop = u: brake and drop are what the model's own right-hand side
+//! leaves of them. A parameter enters linearly if the difference that it makes is proportional to
+//! it, which is tried. Effects with states of their own are left out.
+
+use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::model::{Applied, CURRENT, Model, POSITION, SPEED, field};
+use drivescope_plant::parameters::NamedParameter;
+
+/// What the motor's own balances are made of.
+pub(super) const OWN: [&str; 6] = ["R", "L", "K_e", "K_m", "J", "B_m"];
+/// Departure from proportionality, relative to the share, that is rounding.
+const ROUNDING: f64 = 1e-6;
+/// Share of the largest torque (voltage) of the motor that is a share at all, and no rounding.
+const LEAST: f64 = 1e-9;
+
+/// A point at which laws are looked at.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Point {
+    /// Current, A; of a force-driven drive what drives it.
+    pub(super) current: f64,
+    pub(super) speed: f64,
+    pub(super) angle: f64,
+    pub(super) time: f64,
+}
+
+/// The laws at given values.
+pub(super) struct Laws {
+    model: Model<f64, 1>,
+    drive: Drive,
+}
+
+impl Laws {
+    pub(super) fn new(drive: &Drive) -> Self {
+        Self { model: drive.model(), drive: drive.clone() }
+    }
+
+    /// Brake, N m (N), and drop, V.
+    pub(super) fn at(&self, point: &Point) -> [f64; 2] {
+        let Point { current, speed, angle, time } = *point;
+        let motor = &self.drive.motor;
+        let force = motor.input == Input::Force;
+        let mut x = vec![[0.0]; POSITION + 1];
+        (x[CURRENT], x[SPEED], x[POSITION]) = ([current], [speed], [angle]);
+        let u = if force { current } else { 0.0 };
+        let applied = Applied { u: [u], load: [0.0], time };
+        let mut rates = x.clone();
+        let sign = if speed < 0.0 { -1.0 } else { 1.0 };
+        field(&self.model, &x, &applied, &[sign], &mut rates, None);
+        let brake = motor.k_m * current - motor.b_m * speed - motor.j * rates[SPEED][0];
+        let [r, l, k_e] = [motor.r, motor.l, motor.k_e].map(|value| value.unwrap_or(0.0));
+        let drop = u - r * current - k_e * speed - l * rates[CURRENT][0];
+        [brake, if force { 0.0 } else { drop }]
+    }
+}
+
+/// The drive without the effects that have states of their own.
+pub(super) fn without_states(drive: &Drive) -> Drive {
+    let mut plain = drive.clone();
+    plain.controller = None;
+    let mut k = 0;
+    while k < plain.effects.len() {
+        let states = plain.model().states();
+        let mut without = plain.clone();
+        without.effects.remove(k);
+        if without.model().states() < states { plain = without } else { k += 1 }
+    }
+    plain
+}
+
+/// Parameters of effects that enter one balance linearly, the drive with them at zero, and those
+/// that are left.
+pub(super) struct Linear {
+    /// Of the torque balance and of the voltage balance.
+    pub(super) of: [Vec<NamedParameter>; 2],
+    /// Parameters of effects that enter in another way.
+    pub(super) others: Vec<NamedParameter>,
+    /// The drive with the linear ones at zero.
+    pub(super) zero: Drive,
+}
+
+impl Linear {
+    pub(super) fn of(drive: &Drive, points: &[Point]) -> Self {
+        let mut parameters = drive.fitted();
+        parameters.retain(|it| !OWN.contains(&it.name.as_str()));
+        let mut zero = drive.clone();
+        parameters.retain(|it| {
+            let may_be_zero = it.range.0 <= 0.0 && it.range.1 >= 0.0;
+            may_be_zero && zero.set(&it.name, 0.0).is_ok()
+        });
+        let mut of = [Vec::new(), Vec::new()];
+        for parameter in &parameters {
+            if let Some(balance) = balance(&zero, parameter, points) {
+                of[balance].push(parameter.clone());
+            }
+        }
+        let named = |it: &NamedParameter| of.iter().flatten().any(|other| other.name == it.name);
+        // What is not linear after all keeps its value.
+        for parameter in parameters.iter().filter(|it| !named(it)) {
+            let _ = zero.set(&parameter.name, parameter.value);
+        }
+        let mut others = drive.fitted();
+        others.retain(|it| !OWN.contains(&it.name.as_str()) && !named(it));
+        Self { of, others, zero }
+    }
+}
+
+/// The balance that a parameter enters linearly: 0 the torque's, 1 the voltage's.
+fn balance(zero: &Drive, parameter: &NamedParameter, points: &[Point]) -> Option<usize> {
+    let with = |value: f64| {
+        let mut drive = zero.clone();
+        drive.set(&parameter.name, value).ok().map(|()| Laws::new(&drive))
+    };
+    let nominal = parameter.nominal;
+    let [none, once, twice] = [Some(Laws::new(zero)), with(nominal), with(2.0 * nominal)];
+    let (none, once, twice) = (none?, once?, twice?);
+    let (mut largest, mut bent) = ([0.0_f64; 2], [0.0_f64; 2]);
+    for point in points {
+        let [none, once, twice] = [&none, &once, &twice].map(|laws| laws.at(point));
+        for it in 0..2 {
+            largest[it] = largest[it].max((once[it] - none[it]).abs());
+            bent[it] = bent[it].max((twice[it] - 2.0 * once[it] + none[it]).abs());
+        }
+    }
+    let motor = &zero.motor;
+    let current = points.iter().map(|point| point.current.abs()).fold(0.0, f64::max);
+    let of_motor = [motor.k_m, motor.r.unwrap_or(0.0)].map(|factor| factor * current);
+    let matters = |it: usize| largest[it] > LEAST * of_motor[it];
+    let linear = |it: usize| bent[it] <= ROUNDING * largest[it];
+    match [matters(0), matters(1)] {
+        [true, false] if linear(0) => Some(0),
+        [false, true] if linear(1) => Some(1),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::dr300;
+    use drivescope_plant::drive::EffectData;
+
+    fn points() -> Vec<Point> {
+        let point = |k: i32| {
+            let t = f64::from(k);
+            Point { current: t.sin(), speed: 50.0 * (0.7 * t).cos(), angle: 0.3 * t, time: t }
+        };
+        (0..20).map(point).collect()
+    }
+
+    fn with(kind: &str, values: &[(&str, f64)]) -> Drive {
+        let mut drive = dr300();
+        let parameters = values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+        let (kind, id) = (kind.to_owned(), kind.to_owned());
+        drive.effects.push(EffectData { kind, id, parameters, law: None });
+        drive
+    }
+
+    #[test]
+    fn linear_parameters_are_told_from_others() {
+        let names =
+            |all: &[NamedParameter]| all.iter().map(|it| it.name.clone()).collect::<Vec<_>>();
+        let found = Linear::of(&dr300(), &points());
+        assert_eq!(names(&found.of[0]), ["coulomb.T_c", "stribeck.T_b"]);
+        assert!(found.of[1].is_empty());
+        assert_eq!(names(&found.others), ["stribeck.omega_s"]);
+        let drag = Linear::of(&with("quadratic_drag", &[("c", 1e-6)]), &points());
+        assert!(names(&drag.of[0]).contains(&"quadratic_drag.c".to_owned()));
+        let at = Point { current: 0.0, speed: -10.0, angle: 0.0, time: 0.0 };
+        let [brake, drop] = Laws::new(&with("quadratic_drag", &[("c", 1e-6)])).at(&at);
+        let dry = 0.016 + 0.008 * (-4.0_f64).exp();
+        assert!((brake + 1e-4 + dry).abs() < 1e-9 && drop.abs() < 1e-12, "{brake} {drop}");
+    }
+
+    #[test]
+    fn effects_with_states_are_left_out() {
+        let drive = with("winding_heating", &[("alpha", 0.0039), ("R_th", 1.0), ("C_th", 10.0)]);
+        assert_eq!(without_states(&drive).effects.len(), dr300().effects.len());
+        assert_eq!(without_states(&dr300()).effects, dr300().effects);
+    }
+}

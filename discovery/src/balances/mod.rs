@@ -1,0 +1,157 @@
+//! Start values by linear least squares on the balances of a drive.
+//!
+//! R, L and K_e enter the voltage balance linearly, J, B_m, dry friction and most laws the torque
+//! balance; where a law has a speed for its scale, a few are tried. The balances are integrated
+//! over windows as short as the sensors' noise allows, what noise adds to the squares of a
+//! regressor is taken away, signs are those of physics, and where the shaft may be at rest nothing
+//! judges dry friction. The values depend on the recordings and on what is fixed, not on the
+//! file's values (but for a law's speed, where no other is clearly better): every fit begins alike.
+//!
+//! [`runs`] makes means over intervals of the signals, [`windows`] averages them as long as noise
+//! asks for; [`laws`] finds what is linear; [`torque`] and [`voltage`] are the two problems, which
+//! [`solve`] solves and [`begin`](mod@begin) puts together.
+
+mod begin;
+mod laws;
+mod runs;
+mod solve;
+mod torque;
+mod voltage;
+mod windows;
+
+use drivescope_plant::drive::Drive;
+use serde::Serialize;
+
+use crate::estimate::Evidence;
+use crate::measured::Measured;
+use crate::observer::{damping, mechanical_time_s};
+use laws::without_states;
+use runs::{Run, runs};
+use voltage::VoltageWindows;
+use windows::{Reading, Windows};
+
+pub use begin::begin;
+
+/// Share of the applied torque that an inertia which nothing tells may take.
+const UNTOLD_INERTIA: f64 = 0.01;
+
+/// What a balance leaves unexplained.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Unexplained {
+    /// Root of its mean square, N m (N) or V.
+    pub rms: f64,
+    /// The same over that of the applied torque (voltage).
+    pub share: f64,
+}
+
+/// A drive at the values that the balances give.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Begun {
+    /// The drive.
+    pub drive: Drive,
+    /// The parameters that the recordings tell.
+    pub told: Vec<Told>,
+}
+
+/// A parameter that the balances tell.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Told {
+    /// Its name.
+    pub name: String,
+    /// Standard error of its value, SI, for errors of the balance that are correlated in time.
+    pub std_error: f64,
+}
+
+/// The balances of some recordings, averaged over windows.
+struct Balances {
+    reading: Reading,
+    torque: Vec<Windows>,
+    voltage: Vec<VoltageWindows>,
+}
+
+impl Balances {
+    fn of(drive: &Drive, evidence: &Evidence) -> Option<Self> {
+        let reading = Reading::of(drive, evidence.recordings.first()?);
+        let each = || evidence.recordings.iter().zip(&evidence.noise);
+        let cut: Vec<Vec<Run>> = evidence.recordings.iter().map(runs).collect();
+        let torque = |((measured, sds), runs): ((&Measured, &Vec<f64>), &Vec<Run>)| {
+            (Reading::of(drive, measured) == reading)
+                .then(|| Windows::of(measured, runs, sds, reading))?
+        };
+        let voltage = |((measured, sds), runs): ((&Measured, &Vec<f64>), &Vec<Run>)| {
+            (reading == Reading::Current).then(|| VoltageWindows::of(measured, runs, sds))?
+        };
+        let torque: Vec<Windows> = each().zip(&cut).filter_map(torque).collect();
+        let voltage = each().zip(&cut).filter_map(voltage).collect();
+        (!torque.is_empty()).then_some(Self { reading, torque, voltage })
+    }
+}
+
+impl Balances {
+    /// Root of the number of windows that overlap: their errors are alike.
+    fn overlap(&self) -> f64 {
+        let longest = self.torque.iter().map(|windows| windows.length).max().unwrap_or(1);
+        ((2 * longest - 1) as f64).sqrt()
+    }
+
+    fn small_inertia(&self, drive: &Drive) -> Option<f64> {
+        let applied = self.unexplained(drive, 0)?;
+        let squares = self
+            .torque
+            .iter()
+            .map(Windows::acceleration)
+            .fold([0.0; 2], |sum, it| [sum[0] + it[0], sum[1] + it[1]]);
+        let acceleration = (squares[0] / squares[1]).sqrt();
+        let torque = applied.rms / applied.share;
+        (acceleration > 0.0 && torque > 0.0).then(|| UNTOLD_INERTIA * torque / acceleration)
+    }
+
+    fn unexplained(&self, drive: &Drive, balance: usize) -> Option<Unexplained> {
+        let each: Vec<[f64; 3]> = match balance {
+            0 => self.torque.iter().map(|it| torque::unexplained(it, drive)).collect(),
+            _ => self.voltage.iter().map(|it| voltage::unexplained(it, drive)).collect(),
+        };
+        let [missing, all, n] =
+            each.iter().fold([0.0; 3], |sum, it| [sum[0] + it[0], sum[1] + it[1], sum[2] + it[2]]);
+        (all > 0.0)
+            .then(|| Unexplained { rms: (missing / n).sqrt(), share: (missing / all).sqrt() })
+    }
+}
+
+/// What the drive leaves unexplained of the applied torque and of the voltage, each over windows
+/// as short as noise allows; none where the balance was not measured, or the drive has states
+/// that were not.
+pub fn unexplained(drive: &Drive, evidence: &Evidence) -> [Option<Unexplained>; 2] {
+    let plain = without_states(drive);
+    if plain.effects.len() < drive.effects.len() {
+        return [None; 2];
+    }
+    let Some(balances) = Balances::of(drive, evidence) else { return [None; 2] };
+    let torque = (balances.reading != Reading::Voltage).then(|| balances.unexplained(&plain, 0));
+    [torque.flatten(), balances.unexplained(&plain, 1)]
+}
+
+/// An inertia that takes a small share of the applied torque, for a recording that tells none; none
+/// if nothing was applied or moved.
+pub fn small_inertia(drive: &Drive, evidence: &Evidence) -> Option<f64> {
+    let balances = Balances::of(drive, evidence)?;
+    balances.small_inertia(&without_states(drive))
+}
+
+/// How far the torque that a drive of this structure leaves unexplained at its best would move
+/// its steady speed, as a share of the speed's root mean square, in the recording where that is
+/// most; none where the torque balance was not measured, or the drive has states that were not.
+pub(crate) fn drift(drive: &Drive, evidence: &Evidence) -> Option<f64> {
+    let drive = &begin(drive, evidence).drive;
+    let plain = without_states(drive);
+    let balances = Balances::of(drive, evidence).filter(|it| it.reading != Reading::Voltage)?;
+    if plain.effects.len() < drive.effects.len() {
+        return None;
+    }
+    // What changes within the time in which the speed settles moves it less.
+    let share = |windows: &Windows| {
+        let torque = torque::slowly_missing(windows, &plain, mechanical_time_s(drive));
+        torque / (damping(drive) * windows.speed())
+    };
+    balances.torque.iter().map(share).filter(|share| share.is_finite()).reduce(f64::max)
+}

@@ -1,0 +1,346 @@
+//! Where the header of a text file is, and what parts its columns.
+//!
+//! Titles, dates, settings and comments may stand above the header. The rows tell: the first run
+//! of lines with numbers and of one width; the header is the last line without numbers above it
+//! that has a name for every column, with a line of units below it at most.
+
+use std::io::Read;
+
+use super::clock::{Stamp, stamp};
+use super::encoding::text;
+use super::fields::BLANKS;
+use super::line::{Line, uncommented};
+use super::lines::{LineReader, Numbered};
+use crate::error::Error;
+use crate::header::NAMELESS;
+
+/// So many rows in a run are enough to know the columns.
+const ENOUGH_ROWS: usize = 100;
+/// Rows from which on a file without names is a table whose columns have numbers.
+const NAMELESS_ROWS: usize = 20;
+/// Share of numbers in such rows.
+const MOSTLY_NUMBERS: f64 = 0.9;
+/// A file whose first so many lines hold no run of rows is no table.
+const LONGEST_PREAMBLE: usize = 100_000;
+/// From the first: a decimal comma may stand beside each but the comma.
+const DELIMITERS: [u8; 5] = [b';', b'\t', b'|', b',', BLANKS];
+
+/// What the first lines tell.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Layout {
+    /// A text for every column, with its unit.
+    pub(super) header: Vec<String>,
+    /// The names as they stand in the file, so that the header is known where it comes again.
+    pub(super) names: Vec<String>,
+    pub(super) delimiter: u8,
+    /// How many lines that are no comments stand above the header.
+    pub(super) above: usize,
+    /// Where the header stands among the lines that were looked at.
+    pub(super) header_at: usize,
+    /// How many of the lines that were looked at come before the rows.
+    pub(super) rows_from: usize,
+}
+
+impl Layout {
+    /// Whether a line is a comment, wherever it stands.
+    pub(super) fn is_comment(&self, line: &[u8]) -> bool {
+        uncommented(line, self.delimiter).is_some()
+    }
+}
+
+/// The layout of a file, and the lines that were looked at for it.
+pub(super) fn of_file<R: Read>(
+    lines: &mut LineReader<R>,
+) -> Result<(Layout, Vec<Numbered>), Error> {
+    let mut seen: Vec<Numbered> = Vec::new();
+    let mut run = 0;
+    while run < ENOUGH_ROWS && seen.len() < LONGEST_PREAMBLE {
+        let Some(line) = take(lines)? else { break };
+        run = if may_be_row(&line.1) { run + 1 } else { 0 };
+        seen.push(line);
+    }
+    let layout = of_lines(lines, &seen)?;
+    Ok((layout, seen))
+}
+
+/// The layout of a stream, known with the first row or the end; its rows come again.
+pub(super) fn of_stream<R: Read>(lines: &mut LineReader<R>) -> Result<Layout, Error> {
+    let mut seen: Vec<Numbered> = Vec::new();
+    let layout = loop {
+        let Some(line) = take(lines)? else { break of_lines(lines, &seen)? };
+        let (row, numbers) = (may_be_row(&line.1), is_numbers(&line.1));
+        seen.push(line);
+        if row {
+            match of_lines(lines, &seen) {
+                Ok(layout) => break layout,
+                Err(error) if numbers && seen.len() == 1 || seen.len() >= LONGEST_PREAMBLE => {
+                    return Err(error);
+                }
+                Err(_) => {}
+            }
+        }
+    };
+    lines.give_again(seen.split_off(layout.rows_from));
+    Ok(layout)
+}
+
+fn take<R: Read>(lines: &mut LineReader<R>) -> Result<Option<Numbered>, Error> {
+    let Some((number, line)) = lines.next()? else { return Ok(None) };
+    let line = (number, line.to_vec());
+    match line.1.contains(&0) {
+        true => Err(Error::NotUtf8 { place: lines.place(), position: 1, byte: 0 }),
+        false => Ok(Some(line)),
+    }
+}
+
+/// Whether some delimiter makes a row of a line.
+fn may_be_row(line: &[u8]) -> bool {
+    DELIMITERS.iter().any(|delimiter| Line::of(line, *delimiter).row)
+}
+
+/// Whether a line holds nothing but numbers under some delimiter.
+fn is_numbers(line: &[u8]) -> bool {
+    DELIMITERS
+        .iter()
+        .map(|delimiter| Line::of(line, *delimiter))
+        .any(|it| it.row && it.clean == 1.0)
+}
+
+/// The layout under the delimiter that explains the lines best.
+fn of_lines<R: Read>(lines: &LineReader<R>, seen: &[Numbered]) -> Result<Layout, Error> {
+    let empty = || Error::Empty { file: lines.file().to_owned() };
+    let first = seen.first().ok_or_else(empty)?;
+    let said = declared(&first.1);
+    let seen = if said.is_some() { &seen[1..] } else { seen };
+    let candidates: Vec<u8> = said.map_or(DELIMITERS.to_vec(), |delimiter| vec![delimiter]);
+    let mut best: Option<(f64, Layout)> = None;
+    let mut numbers_at = None;
+    for delimiter in candidates {
+        let split: Vec<Line> = seen.iter().map(|line| Line::of(&line.1, delimiter)).collect();
+        let found = under(&split, seen, delimiter);
+        if let Err(Some(misfit)) = found {
+            numbers_at.get_or_insert(misfit);
+        }
+        if let Ok((score, layout)) = found
+            && best.as_ref().is_none_or(|(other, _)| score > *other)
+        {
+            best = Some((score, layout));
+        }
+    }
+    let mut layout = match (best, numbers_at) {
+        (Some((_, layout)), _) => layout,
+        (None, Some(Misfit { line, found, expected })) => {
+            let place = lines.place_of(line);
+            return Err(match expected {
+                Some(expected) => Error::Ragged { place, found, expected },
+                None => match nameless(seen) {
+                    Some(layout) => return Ok(layout),
+                    None => Error::NoHeader { place },
+                },
+            });
+        }
+        (None, None) => names_alone(seen).ok_or_else(empty)?,
+    };
+    layout.rows_from += usize::from(said.is_some());
+    layout.header_at += usize::from(said.is_some());
+    Ok(layout)
+}
+
+/// The delimiter of a first line `sep=;`.
+fn declared(line: &[u8]) -> Option<u8> {
+    let text = line.trim_ascii_start().strip_prefix(b"sep=")?;
+    match text {
+        [] => None,
+        [b'\\', b't', ..] => Some(b'\t'),
+        [delimiter, ..] => Some(*delimiter).filter(u8::is_ascii),
+    }
+}
+
+/// Rows that no line above names.
+#[derive(Clone, Copy)]
+struct Misfit {
+    line: u64,
+    /// Values in a row.
+    found: usize,
+    /// Names in a line above, where there is one.
+    expected: Option<usize>,
+}
+
+/// The layout under one delimiter and how well it explains the lines, or the line of the numbers
+/// that have no names above them.
+fn under(
+    split: &[Line],
+    seen: &[Numbered],
+    delimiter: u8,
+) -> Result<(f64, Layout), Option<Misfit>> {
+    let Some((width, rows, clean)) = longest_run(split) else { return Err(None) };
+    if width == 1 && delimiter != b',' {
+        return Err(None);
+    }
+    let is_row = |line: &Line| line.row && line.fields.len() == width;
+    let first = split.iter().position(is_row);
+    for row in (0..split.len()).filter(|k| is_row(&split[*k])) {
+        let Some((header, exact)) = header_above(split, row, width, delimiter) else { continue };
+        let mut layout = named(split, header, row, delimiter);
+        if layout.header.is_empty() {
+            continue;
+        }
+        if delimiter == BLANKS {
+            layout.header = joined_brackets(&layout.header);
+        }
+        if layout.header.len() + 1 == width && rows_are_numbered(split, width) {
+            layout.header.insert(0, "row".to_owned());
+            layout.names.insert(0, String::new());
+        }
+        let score = if exact { 2.0 } else { 1.0 };
+        return Ok((score * (1.0 + clean * rows as f64 / split.len() as f64), layout));
+    }
+    Err(first.map(|at| {
+        let named = |line: &&Line| line.names() && line.fields.len() > 1 && delimiter != BLANKS;
+        let expected = split[..at].iter().rev().find(named).map(|line| line.fields.len());
+        Misfit { line: seen[at].0, found: width, expected }
+    }))
+}
+
+/// Width, length and share of numbers of the longest run of rows of one width.
+fn longest_run(split: &[Line]) -> Option<(usize, usize, f64)> {
+    let mut best: Option<(usize, usize, f64)> = None;
+    let mut from = 0;
+    while from < split.len() {
+        let width = split[from].fields.len();
+        let same = |line: &&Line| line.comment || line.row && line.fields.len() == width;
+        let length = split[from..].iter().take_while(same).count();
+        if split[from].row {
+            let rows = split[from..from + length].iter().filter(|line| line.row);
+            let (count, sum) = rows.fold((0, 0.0), |(k, sum), line| (k + 1, sum + line.clean));
+            if best.is_none_or(|(_, other, _)| count > other) {
+                best = Some((width, count, sum / count as f64));
+            }
+        }
+        from += length.max(1);
+    }
+    best
+}
+
+/// The line above `row` that names `width` columns, and whether it names exactly those.
+///
+/// The last line comes first if it is long enough (its last columns may be empty); then plain text
+/// before a comment, the right width before a longer line, and a near line before a far one.
+fn header_above(split: &[Line], row: usize, width: usize, delimiter: u8) -> Option<(usize, bool)> {
+    let names = |line: &Line| match delimiter {
+        BLANKS => joined_brackets(&line.fields).len(),
+        _ => line.fields.len(),
+    };
+    let exact = |line: &Line| {
+        let trailing = line.fields.last().is_some_and(String::is_empty);
+        names(line) == width
+            || names(line) > 1 && names(line) + 1 == width
+            || names(line) == width + 1 && trailing
+    };
+    let longer = |line: &Line| names(line) > width && width > 1;
+    let search = |comment: bool, fits: &dyn Fn(&Line) -> bool| {
+        let found = |k: &usize| {
+            let line = &split[*k];
+            line.comment == comment && line.names() && fits(line)
+        };
+        (0..row).rev().find(found)
+    };
+    let last = (0..row).rev().find(|k| !split[*k].comment);
+    let next = last.filter(|k| split[*k].names() && longer(&split[*k])).map(|at| (at, false));
+    let (at, wanted) = search(false, &exact)
+        .filter(|at| next.is_none_or(|(nearer, _)| nearer <= *at))
+        .map(|at| (at, true))
+        .or(next)
+        .or_else(|| Some((search(true, &exact)?, true)))
+        .or_else(|| Some((search(false, &longer)?, false)))?;
+    // A line of units belongs to the names above it.
+    let paired = at > 0 && split[at].units() && split[at - 1].names() && {
+        !split[at - 1].units() && names(&split[at - 1]).abs_diff(names(&split[at])) <= 1
+    };
+    // Rows above a header are another table: then the header is not the first.
+    let before = split[..at].iter().filter(|line| line.row && line.fields.len() == width).count();
+    (before < 3).then_some((if paired { at - 1 } else { at }, wanted))
+}
+
+/// Names and units of the header at a line.
+fn named(split: &[Line], at: usize, row: usize, delimiter: u8) -> Layout {
+    let mut names = split[at].fields.clone();
+    if names.len() > 1 && names.last().is_some_and(String::is_empty) {
+        names.pop();
+    }
+    let mut header = names.clone();
+    for (k, name) in header.iter_mut().enumerate().filter(|(_, name)| name.is_empty()) {
+        *name = format!("{NAMELESS}{}", k + 1);
+    }
+    let mut rows_from = at + 1;
+    if let Some(units) = split.get(at + 1).filter(|line| at + 1 < row && line.units()) {
+        rows_from += 1;
+        for (name, unit) in header.iter_mut().zip(&units.fields) {
+            let unit = unit.trim_matches(['[', ']', '(', ')', '<', '>']).trim();
+            if !unit.is_empty() {
+                *name = format!("{name} [{unit}]");
+            }
+        }
+    }
+    let above = split[..at].iter().filter(|line| !line.comment).count();
+    Layout { header, names, delimiter, above, header_at: at, rows_from }
+}
+
+/// Whether the first column has no name because it numbers the rows (as R writes them), or holds
+/// the date that stands before the time at the same blank.
+fn rows_are_numbered(split: &[Line], width: usize) -> bool {
+    let rows = || split.iter().filter(|line| line.row && line.fields.len() == width);
+    let first = || rows().filter_map(|line| line.fields[0].parse::<i64>().ok());
+    let counted = first().count() == rows().count();
+    let dated = rows().all(|line| matches!(stamp(&line.fields[0], true), Some(Stamp::Day(_))));
+    dated || counted && first().zip(first().skip(1)).all(|(a, b)| b == a + 1)
+}
+
+/// Columns numbered from 1 on, in a file that holds rows of numbers and nothing else.
+fn nameless(seen: &[Numbered]) -> Option<Layout> {
+    if seen.len() < NAMELESS_ROWS {
+        return None;
+    }
+    DELIMITERS.iter().find_map(|delimiter| {
+        let split: Vec<Line> = seen.iter().map(|line| Line::of(&line.1, *delimiter)).collect();
+        let (width, rows, clean) = longest_run(&split)?;
+        let all = width > 1 && rows == split.len() && clean > MOSTLY_NUMBERS;
+        let names: Vec<String> = (1..=width).map(|k| format!("{NAMELESS}{k}")).collect();
+        let (header, delimiter) = (names.clone(), *delimiter);
+        all.then_some(Layout { header, names, delimiter, above: 0, header_at: 0, rows_from: 0 })
+    })
+}
+
+/// Names of a file without a row: its last line of words, and units below it.
+fn names_alone(seen: &[Numbered]) -> Option<Layout> {
+    let widest = |delimiter: &u8| {
+        let split: Vec<Line> = seen.iter().map(|line| Line::of(&line.1, *delimiter)).collect();
+        let at = (0..split.len()).rev().find(|k| split[*k].names())?;
+        let at = if at > 0 && split[at].units() && split[at - 1].names() { at - 1 } else { at };
+        let width = split[at].fields.len();
+        (width > 1 || *delimiter == b',').then(|| named(&split, at, seen.len(), *delimiter))
+    };
+    let last = seen.len();
+    DELIMITERS.iter().find_map(widest).or_else(|| {
+        let names = vec![text(&seen.first()?.1).into_owned()];
+        let header = names.clone();
+        let (above, header_at) = (0, 0);
+        Some(Layout { header, names, delimiter: b',', above, header_at, rows_from: last })
+    })
+}
+
+/// `time [s] u [V]` parted at blanks is two names.
+fn joined_brackets(fields: &[String]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for field in fields {
+        let open = names.last().is_some_and(|name| {
+            let count = |marks: [char; 2]| name.matches(marks).count();
+            count(['[', '(']) > count([']', ')'])
+        });
+        match names.last_mut() {
+            Some(name) if open || field.starts_with(['[', '(']) => *name += &format!(" {field}"),
+            _ => names.push(field.clone()),
+        }
+    }
+    names
+}

@@ -1,0 +1,284 @@
+//! One variable of a MAT file of version 5: its values, or the variables in it.
+
+use std::io::{self, Read};
+
+use crate::budget::Budget;
+use crate::error::Error;
+use crate::formats::tree::{Matrix, Path, Tree};
+
+/// The type of an element that is a variable.
+pub(super) const MATRIX: u32 = 14;
+/// A name is at most 63 characters in MATLAB; others write longer ones.
+const LONGEST_NAME: u32 = 4096;
+/// Field names of a struct, bytes.
+const LONGEST_FIELDS: u32 = 1 << 20;
+/// A label is no longer; other texts are passed over.
+const LONGEST_TEXT: u32 = 1024;
+/// Structs in structs.
+const DEEPEST: usize = 16;
+/// What an element of a struct or a cell array costs beside its values, in numbers.
+const ELEMENT: usize = 32;
+/// Bytes that are turned into numbers at a time; a multiple of every number's size.
+const CHUNK: usize = 1 << 16;
+
+/// Why a variable ends early.
+pub(super) enum Broken {
+    Io(io::Error),
+    What(&'static str),
+    TooLarge(Error),
+}
+
+impl From<Error> for Broken {
+    fn from(error: Error) -> Broken {
+        Broken::TooLarge(error)
+    }
+}
+
+impl From<io::Error> for Broken {
+    fn from(error: io::Error) -> Broken {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => Broken::What("the file ends"),
+            io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
+                Broken::What("packed data are damaged")
+            }
+            _ => Broken::Io(error),
+        }
+    }
+}
+
+/// Puts variables where their names say.
+pub(super) struct Parser<'a> {
+    pub(super) tree: &'a mut Tree,
+    pub(super) budget: &'a mut Budget,
+}
+
+impl Parser<'_> {
+    /// Flags, dimensions, name, and the values or the elements in it; a variable inside another
+    /// one has its path from there.
+    pub(super) fn variable(
+        &mut self,
+        reader: &mut dyn Read,
+        path: Path,
+        depth: usize,
+    ) -> Result<(), Broken> {
+        let flags = small_element(reader, 8)?;
+        let dimensions = small_element(reader, 4 * 32)?;
+        let name = text_of(&small_element(reader, LONGEST_NAME)?);
+        let [class, bits, ..] = flags[..] else { return Err(Broken::What("no flags")) };
+        let path = if path.is_empty() { vec![name] } else { path };
+        let lengths: Vec<usize> =
+            dimensions.chunks_exact(4).map(|it| word(it, 0) as usize).collect();
+        let elements = lengths.iter().try_fold(1usize, |all, it| all.checked_mul(*it));
+        let elements = elements.ok_or(Broken::What("impossible dimensions"))?;
+        let other = match class {
+            1 if depth < DEEPEST => return self.cells(reader, &path, elements, depth),
+            2 if depth < DEEPEST => return self.fields(reader, &path, elements, depth),
+            4 => return self.text(reader, path),
+            1 => "cell array",
+            2 => "struct",
+            3 => "object",
+            5 => "sparse matrix",
+            6..=15 if bits & 0x08 != 0 => "complex matrix",
+            6..=15 if lengths.len() != 2 => "matrix of more than two dimensions",
+            6..=15 => {
+                let (rows, columns) = (lengths[0], lengths[1]);
+                let values = self.numbers(reader)?;
+                if elements != values.len() {
+                    return Err(Broken::What("dimensions and number of values differ"));
+                }
+                self.tree.matrices.push(Matrix { path, unit: None, rows, columns, values });
+                return Ok(());
+            }
+            _ => "function or object",
+        };
+        self.tree.others.push((path, other));
+        Ok(())
+    }
+
+    /// A struct, or every struct of an array: the fields' names, then their elements.
+    fn fields(
+        &mut self,
+        reader: &mut dyn Read,
+        path: &Path,
+        elements: usize,
+        depth: usize,
+    ) -> Result<(), Broken> {
+        let length = small_element(reader, 4)?;
+        let length = word(&length, 0) as usize;
+        let names = small_element(reader, LONGEST_FIELDS)?;
+        if length == 0 {
+            return Ok(());
+        }
+        let names: Vec<String> = names.chunks_exact(length).map(text_of).collect();
+        for k in 0..if names.is_empty() { 0 } else { elements } {
+            let holder =
+                if elements == 1 { path.clone() } else { numbered(path, &format!("({})", k + 1)) };
+            for name in &names {
+                let path = holder.iter().chain([name]).cloned().collect();
+                self.nested(reader, path, depth)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn cells(
+        &mut self,
+        reader: &mut dyn Read,
+        path: &Path,
+        elements: usize,
+        depth: usize,
+    ) -> Result<(), Broken> {
+        for k in 0..elements {
+            self.nested(reader, numbered(path, &format!("{{{}}}", k + 1)), depth)?;
+        }
+        Ok(())
+    }
+
+    /// An element of a struct or a cell array.
+    fn nested(&mut self, reader: &mut dyn Read, path: Path, depth: usize) -> Result<(), Broken> {
+        self.budget.take(ELEMENT)?;
+        let (kind, bytes, _) = tag(reader)?;
+        if kind != MATRIX {
+            return Err(Broken::What("a struct holds no variable"));
+        }
+        if bytes == 0 {
+            return Ok(());
+        }
+        let mut element = reader.take(u64::from(bytes));
+        self.variable(&mut element, path, depth + 1)?;
+        io::copy(&mut element, &mut io::sink())?;
+        Ok(())
+    }
+
+    fn text(&mut self, reader: &mut dyn Read, path: Path) -> Result<(), Broken> {
+        let (kind, bytes, inside) = tag(reader)?;
+        let data = match inside {
+            Some(inside) => inside[..bytes as usize].to_vec(),
+            None if bytes <= LONGEST_TEXT => {
+                let mut data = vec![0; bytes as usize];
+                reader.read_exact(&mut data)?;
+                data
+            }
+            None => Vec::new(),
+        };
+        let text = match kind {
+            // Stored as numbers of two bytes, or as UTF-16.
+            4 | 17 => {
+                let units = data.chunks_exact(2).map(|it| u16::from_le_bytes([it[0], it[1]]));
+                char::decode_utf16(units).map(|it| it.unwrap_or('?')).collect()
+            }
+            _ => text_of(&data),
+        };
+        self.tree.texts.push((path, text));
+        Ok(())
+    }
+
+    /// The values' element, whatever type they are stored in: MATLAB stores doubles that are small
+    /// integers in a byte each.
+    fn numbers(&mut self, reader: &mut dyn Read) -> Result<Vec<f64>, Broken> {
+        let (kind, bytes, inside) = tag(reader)?;
+        let size = match kind {
+            1 | 2 => 1,
+            3 | 4 => 2,
+            5..=7 => 4,
+            9 | 12 | 13 => 8,
+            _ => return Err(Broken::What("values of an unknown type")),
+        };
+        self.budget.take(bytes as usize / size)?;
+        if let Some(inside) = inside {
+            let inside = &inside[..bytes as usize];
+            return Ok(inside.chunks_exact(size).map(|value| number(kind, value)).collect());
+        }
+        let mut values = Vec::new();
+        let mut chunk = vec![0; CHUNK];
+        let mut rest = bytes as usize;
+        while rest > 0 {
+            let part = &mut chunk[..rest.min(CHUNK)];
+            reader.read_exact(part)?;
+            if rest == bytes as usize {
+                // A damaged count costs no memory unless the first bytes are there.
+                let _ = values.try_reserve_exact(rest / size);
+            }
+            rest -= part.len();
+            values.extend(part.chunks_exact(size).map(|value| number(kind, value)));
+        }
+        Ok(values)
+    }
+}
+
+/// The path of one of many elements, as MATLAB writes it.
+fn numbered(path: &Path, which: &str) -> Path {
+    let mut path = path.clone();
+    if let Some(last) = path.last_mut() {
+        last.push_str(which);
+    }
+    path
+}
+
+fn text_of(bytes: &[u8]) -> String {
+    let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+    String::from_utf8_lossy(&bytes[..end]).trim().to_owned()
+}
+
+fn number(kind: u32, bytes: &[u8]) -> f64 {
+    let mut word = [0; 8];
+    word[..bytes.len()].copy_from_slice(bytes);
+    let unsigned = u64::from_le_bytes(word);
+    match kind {
+        1 => f64::from(unsigned as i8),
+        3 => f64::from(unsigned as i16),
+        5 => f64::from(unsigned as i32),
+        7 => f64::from(f32::from_bits(unsigned as u32)),
+        9 => f64::from_bits(unsigned),
+        12 => unsigned as i64 as f64,
+        _ => unsigned as f64,
+    }
+}
+
+/// An element whose data fit in memory whatever its tag says.
+fn small_element(reader: &mut dyn Read, most: u32) -> Result<Vec<u8>, Broken> {
+    let (_, bytes, inside) = tag(reader)?;
+    if let Some(inside) = inside {
+        return Ok(inside[..bytes as usize].to_vec());
+    }
+    if bytes > most {
+        return Err(Broken::What("a name or a dimension is too long"));
+    }
+    let mut data = vec![0; bytes.next_multiple_of(8) as usize];
+    reader.read_exact(&mut data)?;
+    data.truncate(bytes as usize);
+    Ok(data)
+}
+
+/// Type and byte count; the data themselves where they stand inside the tag.
+fn tag(reader: &mut dyn Read) -> Result<(u32, u32, Option<[u8; 4]>), Broken> {
+    let mut tag = [0; 8];
+    reader.read_exact(&mut tag)?;
+    let first = word(&tag, 0);
+    match (first & 0xffff, first >> 16) {
+        (kind, 0) => Ok((kind, word(&tag, 4), None)),
+        (kind, bytes @ 1..=4) => Ok((kind, bytes, Some([tag[4], tag[5], tag[6], tag[7]]))),
+        _ => Err(Broken::What("a tag is damaged")),
+    }
+}
+
+/// The number in four bytes from there.
+pub(super) fn word(bytes: &[u8], at: usize) -> u32 {
+    bytes[at..].iter().take(4).rev().fold(0, |word, byte| word << 8 | u32::from(*byte))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_every_stored_type() {
+        assert_eq!(number(1, &[0xff]), -1.0);
+        assert_eq!(number(2, &[0xff]), 255.0);
+        assert_eq!(number(3, &[0xfe, 0xff]), -2.0);
+        assert_eq!(number(5, &(-3i32).to_le_bytes()), -3.0);
+        assert_eq!(number(7, &0.5f32.to_le_bytes()), 0.5);
+        assert_eq!(number(9, &0.1f64.to_le_bytes()), 0.1);
+        assert_eq!(number(12, &(-4i64).to_le_bytes()), -4.0);
+    }
+}

@@ -1,0 +1,120 @@
+//! The grid of a segment and the place of every row on it.
+//!
+//! Row k of a segment stands at place s_k: `t_k = t_0 + h s_k + e_k`. Without lost samples s_k = k;
+//! [`places`](super::places) tells how lost ones are found. They are believed where they explain
+//! the stamps better than plain numbers of rows by more than chance does.
+
+use super::line::Line;
+use super::places::{Places, cost};
+use super::step::step;
+
+/// Rounds in which step and places settle.
+const ROUNDS: usize = 10;
+/// Places of a segment at most for each of its rows.
+const MOST_A_ROW: usize = 10;
+/// Every hole in the places has to make the sum of squares smaller by so many times the mean square
+/// that is left: chance does it by twice the logarithm of the number of rows.
+const WORTH: f64 = 25.0;
+/// Mean square that is left at least, in steps^2: no clock is better.
+const EXACT: f64 = 1e-4;
+/// Departure from its place, in steps, up to which a row is nearest to it.
+const NEAR: f64 = 0.5;
+
+/// The grid of a segment, and each row's place on it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Slots {
+    /// Step of the grid, s.
+    pub(super) step_s: f64,
+    /// Time of place 0, s.
+    pub(super) first_s: f64,
+    /// Place of each row, rising; none where row k stands at place k.
+    pub(super) places: Option<Vec<usize>>,
+    /// Largest departure of a stamp from its place, s.
+    pub(super) largest_s: f64,
+    /// Share of the rows that are nearer to their place than to any other.
+    pub(super) near: f64,
+}
+
+impl Slots {
+    /// Finds the grid of a segment; rows are in the order of their time, two at least.
+    pub(super) fn of(time: &[f64]) -> Self {
+        let mut places = Places::on(time, step(time));
+        for _ in 0..ROUNDS {
+            let next = Places::on(time, places.line.step_s);
+            if next == places {
+                break;
+            }
+            places = next;
+        }
+        let plain = Line::through_most(time, |k| k);
+        let by_rows: f64 = (0..time.len()).map(|k| cost(&plain, time[k], k as f64)).sum();
+        let (holes, by_places) = (places.holes() as f64, places.misfit(time));
+        let left = (by_places / time.len() as f64).max(EXACT);
+        // Longer holes are gaps: so many places are no grid, and a damaged stamp asks for more yet.
+        let sane = places.of_rows[time.len() - 1] < MOST_A_ROW * time.len();
+        match sane && holes > 0.0 && by_rows - by_places > WORTH * holes * left {
+            true => Self::at(time, places.line, Some(places.of_rows)),
+            false => Self::at(time, plain, None),
+        }
+    }
+
+    fn at(time: &[f64], line: Line, places: Option<Vec<usize>>) -> Self {
+        let Line { step_s, first_s } = line;
+        let mut slots = Self { step_s, first_s, places, largest_s: 0.0, near: 0.0 };
+        let departures = || (0..time.len()).map(|k| slots.departure(time, k).abs());
+        let largest_s = departures().fold(0.0, f64::max);
+        let near = departures().filter(|it| *it <= NEAR * step_s).count() as f64;
+        (slots.largest_s, slots.near) = (largest_s, near / time.len() as f64);
+        slots
+    }
+
+    /// The place of a row.
+    pub(super) fn place(&self, row: usize) -> usize {
+        self.places.as_ref().map_or(row, |places| places[row])
+    }
+
+    /// How much later than its place says a row is stamped, s.
+    pub(super) fn departure(&self, time: &[f64], row: usize) -> f64 {
+        let Self { step_s, first_s, .. } = *self;
+        Line { step_s, first_s }.departure(time[row], self.place(row))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::testing::jitter;
+
+    #[test]
+    fn jitter_moves_no_row() {
+        let time: Vec<f64> = (0..5000).map(|k| 3.0 + 1e-3 * (k as f64 + 0.9 * jitter(k))).collect();
+        let slots = Slots::of(&time);
+        assert_eq!(slots.places, None);
+        assert!((slots.step_s / 1e-3 - 1.0).abs() < 1e-6, "{}", slots.step_s);
+        assert!((slots.largest_s - 0.45e-3).abs() < 2e-5, "{}", slots.largest_s);
+    }
+
+    #[test]
+    fn lost_samples_leave_their_places_empty() {
+        let there: Vec<usize> = (0..4000).filter(|k| (k * 7919) % 23 != 5).collect();
+        for amplitude in [0.0, 0.2, 0.4] {
+            let time: Vec<f64> =
+                there.iter().map(|k| 0.01 * (*k as f64 + amplitude * jitter(*k))).collect();
+            let slots = Slots::of(&time);
+            assert_eq!(slots.places.as_deref(), Some(&there[..]), "{amplitude}");
+            assert!((slots.step_s / 0.01 - 1.0).abs() < 1e-5, "{}", slots.step_s);
+        }
+    }
+
+    #[test]
+    fn coarse_and_late_stamps_keep_their_rows() {
+        let coarse: Vec<f64> = (0..3000).map(|k| (k as f64 / 0.43).floor() * 1e-3).collect();
+        let slots = Slots::of(&coarse);
+        assert_eq!(slots.places, None);
+        assert!((slots.step_s * 430.0 - 1.0).abs() < 1e-5, "{}", slots.step_s);
+        let late: Vec<f64> =
+            (0..600).map(|k| if (200..230).contains(&k) { 230.0 } else { k as f64 }).collect();
+        let slots = Slots::of(&late);
+        assert_eq!(slots.places, None);
+    }
+}

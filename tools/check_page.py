@@ -1,12 +1,14 @@
 """Drives the local page in headless chromium as a user would, and checks what comes of it.
 
-    python tools/check_page.py PROGRAM [PICTURES]
+    python tools/check_page.py [--timed] PROGRAM [PICTURES]
 
 PROGRAM is the built drivescope. Into the folder PICTURES, if it is given, go the screenshots that
 the README shows. The browser is DRIVESCOPE_CHROMIUM, or `chromium`. Exit status 1 if something is
-wrong; figures are printed with their limits.
+wrong; figures are printed with their limits. Those in milliseconds are judged only with --timed,
+on a machine that does nothing else: a busy one says nothing about the page.
 """
 
+import argparse
 import os
 import re
 import shutil
@@ -39,7 +41,8 @@ NARROW = {"width": 400, "height": 860}
 class Check:
     """What was found wrong, and the figures."""
 
-    def __init__(self):
+    def __init__(self, timed):
+        self.timed = timed
         self.wrong = []
 
     def that(self, holds, words):
@@ -48,8 +51,10 @@ class Check:
             print(f"page: WRONG: {words}")
 
     def figure(self, name, value, limit, unit):
-        print(f"page: {name}: {value:.0f} {unit} (at most {limit})")
-        self.that(value <= limit, f"{name} is {value:.0f} {unit}, more than {limit}")
+        print(f"page: {name}: {value:.1f} {unit} (at most {limit})")
+        judged = unit != "ms" or self.timed
+        over = f"{name} is {value:.1f} {unit}, more than {limit}"
+        self.that(not judged or value <= limit, over)
 
 
 class Server:
@@ -341,9 +346,13 @@ def faults(page, server, check, pictures):
 
 
 def main():
-    program = str(Path(sys.argv[1]).resolve())
-    pictures = Path(sys.argv[2]) if len(sys.argv) > 2 else None
-    check = Check()
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program", type=Path)
+    parser.add_argument("pictures", type=Path, nargs="?")
+    parser.add_argument("--timed", action="store_true")
+    asked = parser.parse_args()
+    program, pictures = str(asked.program.resolve()), asked.pictures
+    check = Check(asked.timed)
     browser_path = shutil.which(os.environ.get("DRIVESCOPE_CHROMIUM", "chromium"))
     flags = ["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:

@@ -56,6 +56,9 @@ pub(crate) fn read_evidence(
         if let Some(remark) = measured.driving.remark() {
             session.remark(format_args!("{}: {remark}", measured.name));
         }
+        for why in &measured.set_aside {
+            session.remark(format_args!("{}: {why}", measured.name));
+        }
     }
     read.doubts.iter().for_each(|doubt| session.remark(doubt));
     Ok(read)
@@ -120,7 +123,8 @@ pub(crate) fn given_noise(drive: &Drive, text: Option<&str>) -> miette::Result<V
         instead: "give standard deviations above 0 in SI units, such as --noise i=0.01,omega=0.3"
             .to_owned(),
     };
-    let known = ["i", "omega", "theta"].map(|name| name_for_motion(drive.motion, name));
+    let known = ["i", "omega", "theta", "omega_load", "theta_load", "temperature"]
+        .map(|name| name_for_motion(drive.motion, name));
     let mut given = Vec::new();
     let items = text.unwrap_or_default().split(',').map(str::trim);
     for item in items.filter(|item| !item.is_empty()) {

@@ -6,7 +6,7 @@ use drivescope_plant::sampled::speed_bound;
 
 use crate::balances::begin;
 use crate::estimate::Evidence;
-use crate::measured::{Channel, Measured};
+use crate::measured::{Channel, Measured, OUTPUTS};
 use crate::observer::Observer;
 use crate::run::Runner;
 use crate::start::Start;
@@ -93,11 +93,11 @@ impl Squares {
 }
 
 impl Case<'_> {
-    /// What sensors of current, speed and position show of the model before the correction, in
-    /// the order of [`crate::Output`], measured or not, one value a sample; NaN between the pieces
-    /// and from an overflow on.
-    pub fn trajectory(&self) -> [Vec<f64>; 3] {
-        let mut shown = [(); 3].map(|()| vec![f64::NAN; self.measured.len()]);
+    /// What sensors show of the model before the correction, in the order of [`crate::Output`],
+    /// current, speed and position measured or not, one value a sample; NaN between the pieces and
+    /// from an overflow on.
+    pub fn trajectory(&self) -> [Vec<f64>; OUTPUTS] {
+        let mut shown = [(); OUTPUTS].map(|()| vec![f64::NAN; self.measured.len()]);
         let mut runner = Runner::of_values(self);
         for k in self.measured.pieces.iter().cloned().flatten() {
             let now = runner.sample(k, [0.0; 2]);

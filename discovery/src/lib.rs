@@ -12,6 +12,7 @@
 //! [`Direction`], exact derivatives through stick-slip.
 
 mod balances;
+mod beside;
 mod canonical;
 mod case;
 pub mod compare;

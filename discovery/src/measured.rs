@@ -3,6 +3,7 @@
 //! u and the load act from one sample to the next, held. The outputs are the current, and the
 //! speed or, where no speed was measured, the position. A position beside a speed is no output,
 //! for it only integrates the speed's error: it is the known angle of laws that depend on it.
+//! Sensors beside those of the motor are further outputs ([`crate::beside`]).
 //! Samples that are not finite are left out; where a segment ends or u is missing the run ends and
 //! begins anew.
 
@@ -20,7 +21,7 @@ const HELD: usize = 2;
 /// Samples that a stretch between two holes of u must have to be used.
 pub(crate) const SHORTEST_PIECE: usize = 20;
 
-/// What a sensor shows; the numbers are those of the states in [`drivescope_plant::model`].
+/// What a sensor shows; the first numbers are those of the states in [`drivescope_plant::model`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Output {
     /// Armature current, A.
@@ -29,14 +30,23 @@ pub enum Output {
     Speed = 1,
     /// Position, rad or m.
     Position = 2,
+    /// Speed of the load, rad/s or m/s.
+    LoadSpeed = 3,
+    /// Position of the load, rad or m, from a zero of its own.
+    LoadPosition = 4,
+    /// Temperature of the winding, K, from a zero of its own.
+    Temperature = 5,
 }
+
+/// How many outputs there are.
+pub(crate) const OUTPUTS: usize = 6;
 
 /// A measured output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// What it shows.
     pub output: Output,
-    /// Its name: `i`, `omega` or `v`, `theta` or `x`.
+    /// Its name: `i`, `omega` or `v`, `theta` or `x`, `omega_load`, ...
     pub name: &'static str,
     /// Its unit, SI.
     pub unit: String,
@@ -68,6 +78,8 @@ pub struct Measured {
     pub pieces: Vec<Range<usize>>,
     /// What interpolation did to white noise before.
     pub noise_gain: NoiseGain,
+    /// What was measured and has no place in the model, a sentence each.
+    pub set_aside: Vec<String>,
 }
 
 impl Measured {
@@ -89,13 +101,15 @@ impl Measured {
         let load = find("T_l");
         let (speed, position) = (speed(drive), position(drive));
         let current = (drive.motor.input == Input::Voltage).then(|| ("i", "A".to_owned()));
-        let mut outputs: Vec<Channel> =
-            current.iter().filter_map(|of| channel(Output::Current, of, find(of.0)?)).collect();
-        outputs.extend(find(speed.0).and_then(|it| channel(Output::Speed, &speed, it)));
+        let mut outputs: Vec<Channel> = current
+            .iter()
+            .filter_map(|of| Some(channel(Output::Current, of.clone(), find(of.0)?)))
+            .collect();
+        outputs.extend(find(speed.0).map(|it| channel(Output::Speed, speed.clone(), it)));
         let has_speed = outputs.iter().any(|channel| channel.output == Output::Speed);
         if !has_speed {
-            outputs
-                .extend(find(position.0).and_then(|it| channel(Output::Position, &position, it)));
+            let shown = find(position.0);
+            outputs.extend(shown.map(|it| channel(Output::Position, position.clone(), it)));
         }
         if outputs.is_empty() {
             let wanted = current.iter().map(|of| of.0).chain([speed.0, position.0]);
@@ -112,7 +126,7 @@ impl Measured {
             Some(angle) => bridged(&angle.values),
             None => integrated(&find(speed.0).expect("it was found").values, recording.period_s),
         });
-        Ok(Self {
+        let motor = Self {
             name: recording.name.clone(),
             clock: recording.clock(),
             period_s: recording.period_s,
@@ -123,7 +137,9 @@ impl Measured {
             angle,
             pieces,
             noise_gain: recording.noise_gain,
-        })
+            set_aside: Vec::new(),
+        };
+        Ok(motor.with_beside(drive, &recording))
     }
 
     /// Samples of the recording, those between the pieces included.
@@ -185,14 +201,19 @@ impl Measured {
             angle: self.angle.as_ref().map(take),
             pieces,
             noise_gain: self.noise_gain,
+            set_aside: self.set_aside.clone(),
         })
     }
 }
 
-fn channel(output: Output, of: &(&'static str, String), signal: &Signal) -> Option<Channel> {
+/// A signal as an output of that name and unit.
+pub(crate) fn channel(
+    output: Output,
+    (name, unit): (&'static str, String),
+    signal: &Signal,
+) -> Channel {
     let values = signal.values.iter().map(|y| if y.is_finite() { *y } else { f64::NAN });
-    let (name, unit) = of.clone();
-    Some(Channel { output, name, unit, values: values.collect() })
+    Channel { output, name, unit, values: values.collect() }
 }
 
 /// Stretches of the segments in which every one of these signals is known, holes of few samples

@@ -87,6 +87,7 @@ fn of_file(noise: &NoiseData, sensors: &SensorData, output: Output) -> Option<f6
         Output::Current => (noise.i, sensors.current_quantum),
         Output::Speed => (noise.omega, sensors.tacho_quantum),
         Output::Position => (noise.theta, 0.0),
+        Output::LoadSpeed | Output::LoadPosition | Output::Temperature => (0.0, 0.0),
     };
     (sd > 0.0).then(|| (sd * sd + quantum * quantum / 12.0).sqrt())
 }

@@ -89,8 +89,9 @@ impl<'a, const P: usize> Duals<'a, P> {
             slot.map_or(Dual { v: value, d: [0.0; P] }, |k| Dual::parameter(value, k))
         };
         let start = |(piece, start): (usize, &Start)| {
-            let of = |state, value| dual(value, slot(Direction::Start { piece, state }));
-            [of(0, start.current), of(1, start.speed), of(2, start.position)]
+            let values = start.values();
+            let of = |state| dual(values[state], slot(Direction::Start { piece, state }));
+            std::array::from_fn(of)
         };
         let starts = case.starts.iter().enumerate().map(start).collect();
         let parameter = |name: &str, value| dual(value, slot(Direction::Parameter(name)));

@@ -13,6 +13,7 @@ use drivescope_numerics::Dual;
 use nalgebra::DMatrix;
 
 use crate::case::Case;
+use crate::measured::OUTPUTS;
 use crate::run::Runner;
 use crate::sensitivity::Direction;
 
@@ -20,11 +21,9 @@ use crate::sensitivity::Direction;
 const SEEDS: usize = 8;
 /// States that this leaves room for.
 const MOST_STATES: usize = SEEDS - 2;
-/// Outputs there may be.
-const OUTPUTS: usize = 3;
 /// Series that advance together.
 const TOGETHER: usize = 8;
-/// Samples of a recording that is linearised at most: 58 MB of maps.
+/// Samples of a recording that is linearised at most: 77 MB of maps.
 const MOST_SAMPLES: usize = 100_000;
 
 /// A torque against nothing, N m (N), positive forward, and a voltage in the armature circuit, V,
@@ -70,7 +69,7 @@ impl Linearised {
             return None;
         }
         let fixed = |value| Dual { v: value, d: [0.0; SEEDS] };
-        let starts = case.starts.iter().map(|it| [it.current, it.speed, it.position].map(fixed));
+        let starts = case.starts.iter().map(|it| it.values().map(fixed));
         let mut runner: Runner<'_, Dual<SEEDS>> =
             Runner::new(case, starts.collect(), |_, value| fixed(value));
         let states = runner.state().x.len();

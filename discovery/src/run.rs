@@ -9,7 +9,7 @@ use drivescope_plant::model::{Applied, CURRENT, POSITION, SPEED};
 use drivescope_plant::sampled::DelayLine;
 
 use crate::case::Case;
-use crate::measured::Measured;
+use crate::measured::{Measured, OUTPUTS, Output};
 use crate::observer::Gains;
 use crate::start::Start;
 
@@ -21,8 +21,10 @@ pub(crate) struct Runner<'a, R> {
     state: State<R, 1>,
     /// What holds u back, where the drive has a delay.
     delay: Option<DelayLine<R, 1>>,
-    /// Current, speed and position at the beginning of each piece.
-    starts: Vec<[R; 3]>,
+    /// The beginning of each piece: current, speed and position, and the zeros of the sensors
+    /// beside those of the motor, in the order of [`crate::Output`].
+    starts: Vec<[R; OUTPUTS]>,
+    zeros: [R; OUTPUTS],
     next_piece: usize,
     period: R,
 }
@@ -30,8 +32,7 @@ pub(crate) struct Runner<'a, R> {
 impl Runner<'_, f64> {
     /// A run with the drive's own values.
     pub(crate) fn of_values<'a>(case: &Case<'a>) -> Runner<'a, f64> {
-        let start = |it: &Start| [it.current, it.speed, it.position];
-        Runner::new(case, case.starts.iter().map(start).collect(), |_, value| value)
+        Runner::new(case, case.starts.iter().map(Start::values).collect(), |_, value| value)
     }
 }
 
@@ -39,7 +40,7 @@ impl<R: Real> Runner<'_, R> {
     /// A run from those starts; `scalar` makes the scalar of a parameter from its name and value.
     pub(crate) fn new<'a>(
         case: &Case<'a>,
-        starts: Vec<[R; 3]>,
+        starts: Vec<[R; OUTPUTS]>,
         scalar: impl Fn(&str, f64) -> R,
     ) -> Runner<'a, R> {
         let values = case.drive.parameters();
@@ -56,6 +57,7 @@ impl<R: Real> Runner<'_, R> {
             state,
             delay,
             starts,
+            zeros: [R::zero(); OUTPUTS],
             next_piece: 0,
             period: R::constant(case.measured.period_s),
         }
@@ -66,7 +68,7 @@ impl<R: Real> Runner<'_, R> {
     /// `added` is a torque against nothing (N m, positive forward) and a voltage in the armature
     /// circuit (V), added to the balances over this sample.
     #[inline]
-    pub(crate) fn sample(&mut self, k: usize, added: [R; 2]) -> [R; 3] {
+    pub(crate) fn sample(&mut self, k: usize, added: [R; 2]) -> [R; OUTPUTS] {
         let begins = |piece: &std::ops::Range<usize>| piece.start == k;
         if self.measured.pieces.get(self.next_piece).is_some_and(begins) {
             self.begin();
@@ -80,11 +82,31 @@ impl<R: Real> Runner<'_, R> {
         if let Some(angle) = &self.measured.angle {
             self.state.x[POSITION] = [R::constant(angle[k])];
         }
-        let shown = self.integrator.model().outputs(&self.state.x, &applied);
-        let shown = [shown.i[0], shown.omega[0], shown.theta[0]];
+        let of_motor = self.integrator.model().outputs(&self.state.x, &applied);
+        let mut shown = self.zeros;
+        shown[Output::Current as usize] = of_motor.i[0];
+        shown[Output::Speed as usize] = of_motor.omega[0];
+        shown[Output::Position as usize] = of_motor.theta[0];
+        self.show_beside(k, &mut shown);
         self.correct(k, &shown);
         self.advance(&applied);
         shown
+    }
+
+    /// Adds what the sensors beside those of the motor show to their zeros.
+    #[inline]
+    fn show_beside(&self, k: usize, shown: &mut [R; OUTPUTS]) {
+        for channel in &self.measured.outputs {
+            let Some(sensor) = channel.output.beside() else { continue };
+            let model = self.integrator.model();
+            let of_motor = self.measured.of_motor(sensor, k);
+            let state = if !model.has(sensor) && of_motor.is_finite() {
+                Some(R::constant(of_motor))
+            } else {
+                model.beside(sensor, &self.state.x, 0)
+            };
+            shown[channel.output as usize] += state.unwrap_or(R::zero());
+        }
     }
 
     #[inline]
@@ -108,7 +130,9 @@ impl<R: Real> Runner<'_, R> {
         let model = self.integrator.model();
         self.state = State::at_rest(model);
         self.delay = model.delays().map(DelayLine::new);
-        let [current, speed, position] = self.starts[self.next_piece];
+        let start = self.starts[self.next_piece];
+        let [current, speed, position, ..] = start;
+        self.zeros = start;
         self.state.x[CURRENT] = [current];
         self.state.x[POSITION] = [position];
         self.state.set_speed(model, 0, speed);
@@ -116,7 +140,7 @@ impl<R: Real> Runner<'_, R> {
     }
 
     #[inline]
-    fn correct(&mut self, k: usize, shown: &[R; 3]) {
+    fn correct(&mut self, k: usize, shown: &[R; OUTPUTS]) {
         let Some(gains) = self.gains else { return };
         let measured = self.measured.output(gains.output).map_or(f64::NAN, |y| y.values[k]);
         if !measured.is_finite() {

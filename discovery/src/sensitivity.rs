@@ -21,11 +21,11 @@ pub const BLOCK: usize = 1024;
 pub enum Direction<'a> {
     /// A parameter by its name (`R`, `coulomb.T_c`); a tied K_m follows K_e.
     Parameter(&'a str),
-    /// State number 0 (current), 1 (speed) or 2 (position) at the beginning of a piece.
+    /// The beginning of a piece: by its number in [`Start::values`](crate::Start::values).
     Start {
         /// Which piece of the recording.
         piece: usize,
-        /// Which state.
+        /// Which number.
         state: usize,
     },
     /// The factor of a torque series, N m (N), positive forward, one value a sample, held.
@@ -208,7 +208,7 @@ mod tests {
         let mut recording = bench(&drive, 3.0, 0.001);
         recording.signals[0].values[1400..1420].fill(f64::NAN);
         let mut rig = Rig::new(drive, &recording, &[0.01, 0.3], 0.0);
-        rig.starts.fill(Start { current: 0.5, speed: 40.0, position: 0.0 });
+        rig.starts.fill(Start { current: 0.5, speed: 40.0, ..Start::REST });
         assert_eq!(rig.starts.len(), 2, "a piece each");
         let (case, starts) = (rig.case(), &rig.starts);
         let start = |piece, state| Direction::Start { piece, state };

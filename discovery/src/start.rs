@@ -7,10 +7,11 @@
 
 use drivescope_numerics::Regression;
 use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::effects::info::Beside;
 use serde::Serialize;
 
 use crate::case::{Case, Setting};
-use crate::measured::{Measured, Output, SHORTEST_PIECE};
+use crate::measured::{Measured, OUTPUTS, Output, SHORTEST_PIECE};
 
 /// Samples that a line goes through.
 const LINE: usize = 10;
@@ -18,7 +19,8 @@ const LINE: usize = 10;
 /// standard deviations of one value.
 const CLEARLY: f64 = 9.0;
 
-/// State at the beginning of a piece of a recording; what the drive does not have is 0.
+/// State at the beginning of a piece of a recording, and what sensors beside those of the motor
+/// count from; what the drive does not have is 0, and own states of effects begin at 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Start {
     /// Armature current, A.
@@ -27,6 +29,10 @@ pub struct Start {
     pub speed: f64,
     /// Position, rad (m).
     pub position: f64,
+    /// What a position of the load is counted from, rad (m).
+    pub load_zero: f64,
+    /// Temperature of the surroundings, in the unit of the sensor.
+    pub surroundings: f64,
 }
 
 /// The first guess for each piece.
@@ -79,6 +85,8 @@ fn candidates(drive: &Drive, head: &Measured) -> [Start; 3] {
         },
         speed,
         position,
+        load_zero: zero(head, Beside::LoadPosition),
+        surroundings: zero(head, Beside::Temperature),
     };
     let by_line = start(
         lines[0].map(|line| line.0),
@@ -87,6 +95,16 @@ fn candidates(drive: &Drive, head: &Measured) -> [Start; 3] {
     );
     let by_first = start(first[0], first[1].unwrap_or(slope), position);
     [start(first[0].or(Some(0.0)), 0.0, position), by_first, by_line]
+}
+
+/// What such a sensor counts from: the mean of what it shows more than the motor's own at the
+/// beginning, or than a cold winding; 0 where it was not measured.
+fn zero(head: &Measured, sensor: Beside) -> f64 {
+    let Some(channel) = head.output(sensor.into()) else { return 0.0 };
+    let of_motor = |k| if sensor == Beside::Temperature { 0.0 } else { head.of_motor(sensor, k) };
+    let beyond = channel.values.iter().enumerate().map(|(k, y)| y - of_motor(k));
+    let known: Vec<f64> = beyond.take(LINE).filter(|it| it.is_finite()).collect();
+    known.iter().sum::<f64>() / known.len().max(1) as f64
 }
 
 /// The current of (20) in steady state; a resting shaft has none for certain.
@@ -110,29 +128,34 @@ fn line(values: &[f64]) -> Option<(f64, f64)> {
 
 impl Start {
     /// A shaft at rest without current.
-    pub const REST: Self = Self { current: 0.0, speed: 0.0, position: 0.0 };
+    pub const REST: Self =
+        Self { current: 0.0, speed: 0.0, position: 0.0, load_zero: 0.0, surroundings: 0.0 };
 
-    /// State number 0 (current), 1 (speed) or 2 (position).
-    pub fn state(&self, number: usize) -> f64 {
-        [self.current, self.speed, self.position][number]
+    /// Its numbers in the order of [`Output`]: a state, or what a sensor counts from.
+    pub fn values(&self) -> [f64; OUTPUTS] {
+        [self.current, self.speed, self.position, 0.0, self.load_zero, self.surroundings]
     }
 
-    /// Numbers of the states that are unknown: a shaft at rest has no speed to estimate, and a
-    /// position matters where it is measured.
+    /// Places in [`Self::values`] of what is unknown: a shaft at rest has no speed to estimate,
+    /// and a position or a temperature matters where it is measured.
     pub(crate) fn free_states(&self, drive: &Drive, measured: &Measured) -> Vec<usize> {
-        let current = (drive.motor.input == Input::Voltage).then_some(Output::Current as usize);
-        let speed = (self.speed != 0.0).then_some(Output::Speed as usize);
-        let position = measured.output(Output::Position).map(|_| Output::Position as usize);
-        [current, speed, position].into_iter().flatten().collect()
+        let current = (drive.motor.input == Input::Voltage).then_some(Output::Current);
+        let speed = (self.speed != 0.0).then_some(Output::Speed);
+        let shown = [Output::Position, Output::LoadPosition, Output::Temperature].into_iter();
+        let shown = shown.filter(|output| measured.output(*output).is_some());
+        current.into_iter().chain(speed).chain(shown).map(|output| output as usize).collect()
     }
 
-    /// The same with another value of that state.
+    /// The same with another value at that place.
     #[must_use]
-    pub fn with(self, number: usize, value: f64) -> Self {
-        match number {
+    pub fn with(self, place: usize, value: f64) -> Self {
+        match place {
             0 => Self { current: value, ..self },
             1 => Self { speed: value, ..self },
-            _ => Self { position: value, ..self },
+            2 => Self { position: value, ..self },
+            4 => Self { load_zero: value, ..self },
+            5 => Self { surroundings: value, ..self },
+            _ => self,
         }
     }
 }
@@ -180,6 +203,6 @@ mod tests {
         let setting = Setting::new(&drive, Observer::usual(std::slice::from_ref(&part)));
         let start = first_starts(&drive, &part, &[1e-3], &setting)[0];
         assert!((start.speed / omega - 1.0).abs() < 0.05, "{start:?} against {omega}");
-        assert_eq!(start.with(1, 7.0).state(1), 7.0);
+        assert_eq!(start.with(1, 7.0).values()[1], 7.0);
     }
 }

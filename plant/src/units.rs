@@ -16,6 +16,8 @@ pub fn name_for_motion(motion: Motion, rotary: &'static str) -> &'static str {
     match (motion, rotary) {
         (Motion::Linear, "omega") => "v",
         (Motion::Linear, "theta") => "x",
+        (Motion::Linear, "omega_load") => "v_load",
+        (Motion::Linear, "theta_load") => "x_load",
         _ => rotary,
     }
 }
@@ -37,5 +39,6 @@ mod tests {
             assert_eq!(for_motion(Motion::Rotary, rotary), rotary);
         }
         assert_eq!(name_for_motion(Motion::Linear, "omega"), "v");
+        assert_eq!(name_for_motion(Motion::Linear, "theta_load"), "x_load");
     }
 }

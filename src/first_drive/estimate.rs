@@ -42,11 +42,12 @@ const DATA_SHEET: &str = "given: typed from a data sheet";
 /// What the recording says of the drive that was chosen.
 pub(super) fn first_drive(
     recording: &Recording,
-    choice: Choice,
+    mut choice: Choice,
     given: &Given,
 ) -> miette::Result<FirstDrive> {
     let template = template(&choice, given)?;
     let evidence = seen(&template, recording)?;
+    choice.remarks.extend(evidence.recordings[0].set_aside.iter().cloned());
     let mut begun = begin(&template, &evidence);
     if let Some(with_load) = with_constant_load(&template, recording, &begun)? {
         begun = with_load;

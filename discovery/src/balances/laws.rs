@@ -34,7 +34,7 @@ pub(super) struct Laws {
 
 impl Laws {
     pub(super) fn new(drive: &Drive) -> Self {
-        Self { model: drive.model(), drive: drive.clone() }
+        Self { model: without_states(drive).model(), drive: drive.clone() }
     }
 
     /// Brake, N m (N), and drop, V.

@@ -112,7 +112,10 @@ fn gain(
                     let shown = match channel.output {
                         Output::Position => x,
                         Output::Speed => v,
-                        Output::Current => 0.0,
+                        Output::Current
+                        | Output::LoadSpeed
+                        | Output::LoadPosition
+                        | Output::Temperature => 0.0,
                     };
                     column[maker.layout.row(path.place, k, j)] += shown / case.noise[j];
                 }

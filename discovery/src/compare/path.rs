@@ -59,7 +59,7 @@ impl Path {
             for k in piece.clone() {
                 // The runner takes up the start with the first sample of a piece.
                 let before = |state: usize| match k == piece.start {
-                    true => start.state(state),
+                    true => start.values()[state],
                     false => finite(runner.state().x[state][0]),
                 };
                 let [current, speed, position] = [CURRENT, SPEED, POSITION].map(before);

@@ -75,7 +75,9 @@ impl Whitening {
         match layout.outputs {
             1 => Self::fit_to::<1>(residual, layout),
             2 => Self::fit_to::<2>(residual, layout),
-            _ => Self::fit_to::<3>(residual, layout),
+            3 => Self::fit_to::<3>(residual, layout),
+            4 => Self::fit_to::<4>(residual, layout),
+            _ => Self::fit_to::<5>(residual, layout),
         }
     }
 
@@ -123,7 +125,9 @@ impl Whitening {
         match layout.outputs {
             1 => self.apply_to::<1>(column, layout),
             2 => self.apply_to::<2>(column, layout),
-            _ => self.apply_to::<3>(column, layout),
+            3 => self.apply_to::<3>(column, layout),
+            4 => self.apply_to::<4>(column, layout),
+            _ => self.apply_to::<5>(column, layout),
         }
     }
 

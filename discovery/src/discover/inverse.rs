@@ -186,7 +186,10 @@ fn stretches(at: &At<'_>, places: &[Place], has: [bool; 3]) -> Option<Vec<Stretc
         if !follows || before.is_some_and(|last| last.sample != place.sample) {
             stretch.values.push([None; 3]);
         }
-        stretch.values.last_mut()?[place.output] = Some(value);
+        // Neither balance is told by a sensor beside those of the motor.
+        if let Some(seen) = stretch.values.last_mut()?.get_mut(place.output) {
+            *seen = Some(value);
+        }
         before = Some(*place);
     }
     let whole = |outputs: &[Option<usize>; 3]| (0..3).all(|it| outputs[it].is_some() == has[it]);

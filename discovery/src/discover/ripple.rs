@@ -34,7 +34,7 @@ pub(crate) fn trajectories(at: &At<'_>) -> Vec<Trajectory> {
     };
     let of = |recording: usize| {
         at.with_case(recording, |case| {
-            let [current, speed, position] = case.trajectory().map(finite);
+            let [current, speed, position, ..] = case.trajectory().map(finite);
             let position = case.measured.angle.clone().unwrap_or(position);
             Trajectory { current, speed, position, linearised: Linearised::of(case) }
         })

@@ -12,12 +12,11 @@ use drivescope_numerics::Regression;
 use nalgebra::DMatrix;
 
 use super::columns::Place;
+use crate::measured::OUTPUTS;
 
 /// Time constants of the averages, samples: 1, 2, 4 ... up to this.
 const LONGEST: usize = 128;
 const AVERAGES: usize = 8;
-/// Outputs there may be.
-const OUTPUTS: usize = 3;
 
 /// A filter to innovations.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,11 +77,12 @@ fn samples(places: &[Place], mut visit: impl FnMut(std::ops::Range<usize>, bool)
 impl Whitener {
     /// The filter of this residual; the identity, scaled, where it is too short.
     pub(crate) fn of(places: &[Place], residual: &[f64]) -> Self {
-        let mut regressions: [Regression; OUTPUTS] =
-            std::array::from_fn(|_| Regression::new(OUTPUTS * AVERAGES));
         let seen: Vec<usize> = (0..OUTPUTS)
             .filter(|output| places.iter().any(|place| place.output == *output))
             .collect();
+        let width = seen.last().map_or(0, |last| (last + 1) * AVERAGES);
+        let mut regressions: [Regression; OUTPUTS] =
+            std::array::from_fn(|_| Regression::new(width));
         let columns: Vec<usize> =
             seen.iter().flat_map(|output| output * AVERAGES..(output + 1) * AVERAGES).collect();
         let mut past = Past::NONE;
@@ -91,7 +91,7 @@ impl Whitener {
                 past = Past::NONE;
             }
             for k in range.clone() {
-                let averages = past.0.iter().map(|one| one[0]);
+                let averages = past.0[..width].iter().map(|one| one[0]);
                 regressions[places[k].output].push(averages, residual[k]);
             }
             for k in range {
@@ -101,7 +101,7 @@ impl Whitener {
         let mut weights: [Vec<f64>; OUTPUTS] = Default::default();
         for output in 0..OUTPUTS {
             let fit = regressions[output].solve_columns(&columns);
-            weights[output] = vec![0.0; OUTPUTS * AVERAGES];
+            weights[output] = vec![0.0; width];
             if let Ok(fit) = fit {
                 for (column, weight) in columns.iter().zip(fit.parameters) {
                     weights[output][*column] = weight;

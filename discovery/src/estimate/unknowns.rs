@@ -30,7 +30,7 @@ pub(crate) enum Unknown {
         recording: usize,
         /// Which piece of it.
         piece: usize,
-        /// Current (0), speed (1) or position (2).
+        /// Its number in [`Start::values`].
         state: usize,
     },
 }
@@ -106,7 +106,7 @@ impl Unknowns {
         let Unknown::Start { state, .. } = unknown else { return };
         // A start is anywhere within the signal's own swing.
         let scale = Scale::linear(swing(base, measured, state), (f64::NEG_INFINITY, f64::INFINITY));
-        self.guess.push(scale.coordinate(start.state(state)));
+        self.guess.push(scale.coordinate(start.values()[state]));
         self.add(unknown, scale, 1.0);
     }
 

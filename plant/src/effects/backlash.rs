@@ -12,7 +12,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
+use super::law::{Beside, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 use super::two_masses;
 
 /// Way over which the damper comes in, over the gap.
@@ -99,12 +99,14 @@ impl Effect<4, 2> for Backlash {
             unit: "rad",
             nominal: 0.01,
             description: "twist against the middle of the gap",
+            beside: Some(Beside::LoadPosition),
         },
         OwnState {
             name: "slip",
             unit: "rad/s",
             nominal: 1.0,
             description: "speed of the motor less that of the load",
+            beside: Some(Beside::LoadSpeed),
         },
     ];
 

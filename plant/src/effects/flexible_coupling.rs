@@ -5,7 +5,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
+use super::law::{Beside, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 use super::two_masses;
 
 /// Two masses: the load's speed lags by `omega - lag`, and the twist `phi`.
@@ -55,12 +55,19 @@ impl Effect<3, 2> for FlexibleCoupling {
         },
     ];
     const STATES: [OwnState; 2] = [
-        OwnState { name: "phi", unit: "rad", nominal: 0.01, description: "twist of the coupling" },
+        OwnState {
+            name: "phi",
+            unit: "rad",
+            nominal: 0.01,
+            description: "twist of the coupling",
+            beside: Some(Beside::LoadPosition),
+        },
         OwnState {
             name: "slip",
             unit: "rad/s",
             nominal: 1.0,
             description: "speed of the motor less that of the load",
+            beside: Some(Beside::LoadSpeed),
         },
     ];
 

@@ -26,6 +26,24 @@ pub struct OwnState {
     pub nominal: f64,
     /// One line for a person.
     pub description: &'static str,
+    /// What a sensor beside those of the motor tells of it.
+    pub beside: Option<Beside>,
+}
+
+/// A sensor beside those of the motor, which shows an own state of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beside {
+    /// Speed of the load: the motor's less the state.
+    LoadSpeed,
+    /// Position of the load: the motor's less the state.
+    LoadPosition,
+    /// Temperature: the state above the surroundings, K.
+    Temperature,
+}
+
+impl Beside {
+    /// Every one, in the order of its number.
+    pub const ALL: [Self; 3] = [Self::LoadSpeed, Self::LoadPosition, Self::Temperature];
 }
 
 /// A variable over which a model may fail: those of the `where` list of a comparison.

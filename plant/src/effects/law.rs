@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-pub use super::info::{Info, OwnState, Parameter, Place, Variable};
+pub use super::info::{Beside, Info, OwnState, Parameter, Place, Variable};
 use crate::model::Motors;
 
 /// Makes a struct of scalars and its lanes: the same fields, each an array over the lanes.

@@ -55,6 +55,7 @@ impl Effect<1, 1> for Presliding {
         unit: "rad",
         nominal: 0.001,
         description: "deflection of the bristles",
+        beside: None,
     }];
 
     #[inline(always)]

@@ -49,6 +49,7 @@ impl Effect<1, 1> for SpeedSensorLag {
         unit: "rad/s^2",
         nominal: 100.0,
         description: "filtered acceleration: what is shown is tau times that too little",
+        beside: None,
     }];
 
     #[inline(always)]

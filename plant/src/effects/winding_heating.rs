@@ -5,7 +5,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{Beside, Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
 
 /// Resistance that follows the winding's temperature, one own state.
 pub struct WindingHeating;
@@ -51,6 +51,7 @@ impl Effect<3, 1> for WindingHeating {
         unit: "K",
         nominal: 10.0,
         description: "temperature of the winding above the surroundings",
+        beside: Some(Beside::Temperature),
     }];
 
     #[inline(always)]

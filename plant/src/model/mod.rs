@@ -1,5 +1,6 @@
 //! The continuous drive: motor, placed effects, and the one right-hand side of (20)-(23).
 
+mod beside;
 mod build;
 mod control;
 mod field;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use drivescope_numerics::Real;
 
 use crate::effects::custom::Law;
-use crate::effects::law::{Info, OutputLanes};
+use crate::effects::law::{Beside, Info, OutputLanes};
 use crate::effects::registry::{Kind, Placed, REGISTRY};
 
 pub use control::{Control, Controlled, Controls};
@@ -61,6 +62,8 @@ pub struct Model<R, const N: usize> {
     restless: bool,
     /// Whether an effect distorts what a sensor shows.
     distorting: bool,
+    /// The state that each of [`Beside::ALL`] tells of.
+    beside: [Option<usize>; Beside::ALL.len()],
 }
 
 /// An effect to place: its law and the values of its parameters.
@@ -114,6 +117,7 @@ impl<R: Real> Model<R, 1> {
             kinked,
             restless,
             distorting,
+            beside: beside::states(parts),
         }
     }
 }
@@ -153,6 +157,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             kinked: first.kinked,
             restless: first.restless,
             distorting: first.distorting,
+            beside: first.beside,
         }
     }
 
@@ -171,6 +176,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             kinked: self.kinked,
             restless: self.restless,
             distorting: self.distorting,
+            beside: self.beside,
         }
     }
 

@@ -12,13 +12,13 @@ use serde::Serialize;
 use super::Run;
 use super::recording_options::RecordingOptions;
 use crate::failure::{Ending, told};
-use crate::first_drive::{FirstDrive, Given, Origin, Value};
+use crate::first_drive::{FirstDrive, Given, Origin, Value, offer};
 use crate::output;
 use crate::session::Session;
 use crate::simulation::replay::Fit;
 
 /// Signals that a first drive is made from: none may have holes.
-const USED: [&str; 10] = ["u", "torque", "i", "I_m", "omega", "v", "theta", "x", "T", "T_l"];
+const USED: [&str; 11] = ["u", "torque", "i", "I_m", "C_m", "omega", "v", "theta", "x", "T", "T_l"];
 
 /// Make a first drive file from a recording: what was measured decides what is modelled, least
 /// squares and a fit give the values, and what the recording does not tell is marked.
@@ -87,6 +87,9 @@ impl Run for Init {
         let (recording, report) = self.reading.read(&self.recording, session)?;
         let used = USED.into_iter().filter(|name| recording.signal(name).is_some());
         report.require(&recording, &used.collect::<Vec<_>>()).map_err(told)?;
+        if let Some(offer) = offer(&report.constants, &given) {
+            session.remark(offer);
+        }
         let input = self.input.map(|kind| match kind {
             Kind::Voltage => Input::Voltage,
             Kind::Force => Input::Force,
@@ -142,7 +145,7 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
     for Value { name, value, unit, std_error, origin } in &first.values {
         let known = match (origin, std_error) {
             (Origin::Estimated(_), Some(error)) => format!("+- {error:.1e}"),
-            (Origin::Estimated(_), None) => "estimated".to_owned(),
+            (Origin::Estimated(_), None) => "at its bound".to_owned(),
             (Origin::Given(_), _) => "given".to_owned(),
             (Origin::Guessed(_), _) => "FILL IN".to_owned(),
         };

@@ -1,6 +1,7 @@
 //! Values that a person types from a data sheet: `K_m=0.05,R=2.1`.
 
 use drivescope_plant::drive::Input;
+use drivescope_recording::Constant;
 
 use super::FirstDriveError;
 
@@ -10,6 +11,58 @@ const NAMES: [&str; 7] = ["R", "L", "K_e", "K_m", "J", "B_m", "coulomb.T_c"];
 /// Values by parameter, SI.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Given(Vec<(&'static str, f64)>);
+
+/// Names that benches give the same numbers, folded.
+const ALSO: [(&str, &str); 17] = [
+    ("ra", "R"),
+    ("rm", "R"),
+    ("la", "L"),
+    ("lm", "L"),
+    ("kb", "K_e"),
+    ("ke", "K_e"),
+    ("k", "K_m"),
+    ("kt", "K_m"),
+    ("km", "K_m"),
+    ("jm", "J"),
+    ("jtot", "J"),
+    ("b", "B_m"),
+    ("bm", "B_m"),
+    ("fv", "B_m"),
+    ("tc", "coulomb.T_c"),
+    ("fc", "coulomb.T_c"),
+    ("coulombtc", "coulomb.T_c"),
+];
+
+/// What may be given of the numbers that stand beside the signals of a file: the name there, the
+/// parameter, and its value.
+pub(crate) fn offered(constants: &[Constant]) -> Vec<(&str, &'static str, f64)> {
+    let parameter = |name: &str| {
+        // Without the groups that it stands in.
+        let own = name.rsplit(['.', '/']).next().unwrap_or(name);
+        let folded = own.replace('_', "").to_lowercase();
+        let also = ALSO.iter().find(|(it, _)| *it == folded).map(|(_, known)| *known);
+        NAMES.into_iter().find(|known| known.to_lowercase() == folded).or(also)
+    };
+    let possible = constants.iter().filter(|it| it.value.is_finite() && it.value > 0.0);
+    possible.filter_map(|it| Some((it.name.as_str(), parameter(&it.name)?, it.value))).collect()
+}
+
+/// The same for a person, without what was given already; nothing if nothing is left.
+pub(crate) fn offer(constants: &[Constant], given: &Given) -> Option<String> {
+    let mut all = offered(constants);
+    all.retain(|(_, parameter, _)| given.0.iter().all(|(known, _)| known != parameter));
+    let held: Vec<String> =
+        all.iter().map(|(name, _, value)| format!("{name} = {value}")).collect();
+    let typed: Vec<String> =
+        all.iter().map(|(_, known, value)| format!("{known}={value}")).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "the file holds {}: if that is this drive, in SI units, take it with --given {}",
+            held.join(", "),
+            typed.join(",")
+        )
+    })
+}
 
 impl Given {
     /// Of the command line.
@@ -49,6 +102,21 @@ impl Given {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_beside_the_signals_are_offered() {
+        let constants = [("J", 0.02), ("bench.K_t", 0.05), ("b", 0.0), ("fs", 1000.0), ("Ra", 2.1)]
+            .map(|(name, value)| Constant { name: name.to_owned(), value });
+        let none = Given::default();
+        let said = offer(&constants, &none).expect("there are some");
+        assert!(said.contains("bench.K_t = 0.05"), "{said}");
+        assert!(said.ends_with("--given J=0.02,K_m=0.05,R=2.1"), "{said}");
+        let (_, typed) = said.rsplit_once(' ').expect("words");
+        let given = Given::parse(typed).expect("what is offered can be typed");
+        assert_eq!(given.value("J", Input::Force), Some(0.02));
+        assert_eq!(offer(&constants, &given), None);
+        assert_eq!(offer(&constants[2..4], &none), None);
+    }
 
     #[test]
     fn values_are_read_by_name() {

@@ -16,7 +16,7 @@ use miette::Diagnostic;
 use thiserror::Error;
 
 pub(crate) use choice::{Choice, Constant};
-pub(crate) use given::Given;
+pub(crate) use given::{Given, offer};
 
 use crate::simulation::replay::Fit;
 
@@ -33,7 +33,9 @@ pub(crate) enum FirstDriveError {
         signals: String,
     },
     /// Nothing tells what drove the motion.
-    #[error("{file}: has none of voltage or command `u`, current `i`, `torque`; it has {signals}")]
+    #[error(
+        "{file}: has none of voltage or command `u`, current `i`, `torque`, control signal `C_m`; it has {signals}"
+    )]
     #[diagnostic(help("name the column with --columns u=COLUMN:UNIT (or i, torque)"))]
     NoInput {
         /// The recording.

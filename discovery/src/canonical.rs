@@ -34,9 +34,7 @@ pub fn with_canonical_names(drive: &Drive, mut recording: Recording) -> Recordin
         recording.signals.push(current);
     }
     let driver = driving(drive, &recording).ok().filter(|(_, signal)| signal.name != "u");
-    if let Some(driver) =
-        driver.map(|(_, signal)| Signal { name: "u".to_owned(), ..signal.clone() })
-    {
+    if let Some(driver) = driver.map(|(what, signal)| what.as_u(drive, signal)) {
         recording.signals.retain(|signal| signal.name != "u");
         recording.signals.insert(0, driver);
     }

@@ -2,9 +2,11 @@
 //!
 //! A voltage-driven drive takes the voltage u. A force-driven one takes u where it was recorded,
 //! else the torque (force), else the current: its K_m then is 1, or the torque constant. Where u
-//! is a command and the same quantity was measured beside it, the measured one drives.
+//! is a command and the same quantity was measured beside it, the measured one drives. What a
+//! controller asks for, C_m, drives where nothing else does that the drive could take: through the
+//! amplifier of the drive file, or one of gain 1.
 
-use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::drive::{AmplifierData, Drive, Input};
 use drivescope_recording::{Quantity, Recording, Signal, Unit};
 use serde::Serialize;
 
@@ -14,6 +16,8 @@ use crate::error::Error;
 const TORQUE: &str = "torque";
 /// Currents, the first that is there.
 const CURRENTS: [&str; 2] = ["i", "I_m"];
+/// What a controller asks for.
+const COMMAND: &str = "C_m";
 /// What tells the motion, of rotary and linear drives.
 const MOTION: [&str; 5] = ["omega", "theta", "v", "x", "T"];
 
@@ -27,6 +31,10 @@ pub enum Driving {
     Torque,
     /// The current.
     Current,
+    /// The control signal, taken for u.
+    Command,
+    /// The control signal through the drive's own amplifier.
+    Amplified,
 }
 
 impl Driving {
@@ -40,7 +48,32 @@ impl Driving {
             Self::Current => {
                 Some("driven by the measured current: only the torque balance is modelled")
             }
+            Self::Command => Some(
+                "driven by the control signal C_m, taken for u as by an amplifier of gain 1: the \
+                 values of the model are in units of the command",
+            ),
+            Self::Amplified => {
+                Some("driven by the control signal C_m through the amplifier of the drive file")
+            }
         }
+    }
+
+    /// The signal that drives as u of that drive.
+    pub(crate) fn as_u(self, drive: &Drive, signal: &Signal) -> Signal {
+        let through = |it: &AmplifierData, c_m: f64| {
+            let limit = it.limit.unwrap_or(f64::INFINITY);
+            (it.gain * c_m).clamp(-limit, limit)
+        };
+        let values = match (self, &drive.amplifier) {
+            (Self::Amplified, Some(it)) => signal.values.iter().map(|c| through(it, *c)).collect(),
+            _ => signal.values.clone(),
+        };
+        let commanded = matches!(self, Self::Command | Self::Amplified);
+        let unit = match drive.motor.input {
+            Input::Voltage if commanded => "V".to_owned(),
+            _ => signal.unit.clone(),
+        };
+        Signal { name: "u".to_owned(), unit, values }
     }
 }
 
@@ -62,6 +95,8 @@ pub fn driving<'a>(
     let torque = usable(recording, TORQUE).map(|it| (Driving::Torque, it));
     let current = CURRENTS.iter().find_map(|name| usable(recording, name));
     let current = current.map(|it| (Driving::Current, it));
+    let amplified = drive.amplifier.map_or(Driving::Command, |_| Driving::Amplified);
+    let command = usable(recording, COMMAND).map(|it| (amplified, it));
     let columns = || recording.signals.iter().map(Signal::header).collect::<Vec<_>>().join(", ");
     let file = || recording.name.clone();
     if drive.motor.input == Input::Voltage {
@@ -69,7 +104,7 @@ pub fn driving<'a>(
         return match u {
             Some(u) if is_voltage(u) => Ok((Driving::Input, u)),
             Some(u) => Err(Error::WrongInput { file: file(), unit: u.unit.clone() }),
-            None => Err(match torque.or(current).filter(|_| moves) {
+            None => command.ok_or_else(|| match torque.or(current).filter(|_| moves) {
                 Some((_, it)) => Error::NoVoltage { file: file(), instead: it.header() },
                 None => Error::MissingInput { file: file(), wanted: "`u`", columns: columns() },
             }),
@@ -81,16 +116,17 @@ pub fn driving<'a>(
         _ => None,
     };
     let by_u = u.map(|u| measured(u).unwrap_or((Driving::Input, u)));
-    by_u.or(torque).or(current).ok_or_else(|| Error::MissingInput {
+    by_u.or(torque).or(current).or(command).ok_or_else(|| Error::MissingInput {
         file: file(),
-        wanted: "`u`, `torque`, `i`",
+        wanted: "`u`, `torque`, `i`, `C_m`",
         columns: columns(),
     })
 }
 
-/// Whether a signal is a voltage, or of no known unit.
+/// Whether a signal is a voltage, or may be one: a share of the supply, or of no known unit.
 fn is_voltage(u: &Signal) -> bool {
-    Unit::parse(&u.unit).is_none_or(|unit| unit.quantity == Quantity::Voltage)
+    let may_be = [Quantity::Voltage, Quantity::Dimensionless];
+    Unit::parse(&u.unit).is_none_or(|unit| may_be.contains(&unit.quantity))
 }
 
 #[cfg(test)]
@@ -143,5 +179,30 @@ mod tests {
         assert!(text.contains("`u`"), "{text}");
         let text = driver(VOLTAGE, &[("u", "A"), omega]).expect_err("a current").to_string();
         assert!(text.contains("force"), "{text}");
+    }
+
+    #[test]
+    fn a_control_signal_drives_where_nothing_else_does() {
+        let (omega, c_m) = (("omega", "rad/s"), ("C_m", "1"));
+        // The shipped drive has an amplifier.
+        let mut drive = Drive::parse(VOLTAGE, "drive.toml").expect("a right drive file");
+        drive.amplifier = Some(AmplifierData { gain: 3.0, limit: Some(2.0) });
+        let of = |drive: &Drive, columns: &[(&str, &str)]| {
+            let recording = recording(columns);
+            let (kind, signal) = driving(drive, &recording).expect("it drives");
+            (kind, signal.name.clone(), kind.as_u(drive, signal))
+        };
+        let (kind, name, u) = of(&drive, &[c_m, ("i", "A"), omega]);
+        assert_eq!((kind, name.as_str()), (Driving::Amplified, "C_m"));
+        assert_eq!((u.name.as_str(), u.unit.as_str(), u.values[0]), ("u", "V", 2.0));
+        assert_eq!(of(&drive, &[c_m, ("u", "V"), omega]).0, Driving::Input);
+        drive.amplifier = None;
+        let (kind, _, u) = of(&drive, &[c_m, omega]);
+        assert_eq!((kind, u.values[0]), (Driving::Command, 1.0));
+        assert!(kind.remark().is_some_and(|it| it.contains("gain 1")));
+        let x = ("x", "m");
+        assert_eq!(driver(FORCE, &[c_m, x]), Ok((Driving::Command, "C_m [1]".to_owned())));
+        let measured = driver(FORCE, &[c_m, ("i", "A"), x]);
+        assert_eq!(measured, Ok((Driving::Current, "i [A]".to_owned())));
     }
 }

@@ -3,22 +3,14 @@
 //! Voltage, current and motion: a voltage-driven drive, both balances. Torque (force) and motion:
 //! the torque balance alone, K_m = 1. Current and motion: the torque balance in ratios to K_m.
 //! Voltage and motion: a rotary drive by its voltage, in ratios to R; a linear axis by its
-//! command, for it most often hangs on a current amplifier.
+//! command, for it most often hangs on a current amplifier. A control signal alone stands for that
+//! voltage or command.
 
 use drivescope_plant::drive::{Input, Motion};
 use drivescope_plant::units::for_motion;
 use drivescope_recording::{Quantity, Recording, Signal, Unit};
 
 use super::FirstDriveError;
-
-/// Signals that tell more of a drive than a first model has a place for, and what they are.
-const NOT_USED: [(&str, &str); 5] = [
-    ("omega_load", "the load's speed"),
-    ("v_load", "the load's speed"),
-    ("theta_load", "the load's position"),
-    ("x_load", "the load's position"),
-    ("temperature", "the temperature"),
-];
 
 /// What is known of the torque constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,8 +60,22 @@ impl Choice {
         let (u, torque) = (find("u"), find("torque"));
         let current = find("i").or_else(|| find("I_m"));
         let given = input.is_some();
+        let by_voltage = input == Some(Input::Voltage);
+        // What a controller asks for, where nothing shows what came of it.
+        let alone = u.is_none() && (by_voltage || torque.is_none() && current.is_none());
+        let command = find("C_m").filter(|_| alone);
         let (input, driver, sentence) = match (input, u) {
             (Some(Input::Voltage), Some(u)) => (Input::Voltage, u, "as given".to_owned()),
+            (None | Some(Input::Voltage), None)
+                if command.is_some() && (by_voltage || motion == Motion::Rotary) =>
+            {
+                let ratio = if current.is_some() { "" } else { "in ratios to R and " };
+                let said = format!(
+                    "driven by the control signal C_m, taken for the voltage as by an amplifier of \
+                     gain 1: both balances are modelled, {ratio}in units of the command"
+                );
+                (Input::Voltage, command.expect("it is there"), said)
+            }
             (Some(Input::Voltage), None) => {
                 return Err(FirstDriveError::NoVoltage { file: file(), signals: signals() });
             }
@@ -84,7 +90,7 @@ impl Choice {
                             modelled, in ratios to R";
                 (Input::Voltage, u, said.to_owned())
             }
-            _ => force(u, torque, current, given)
+            _ => force(u.or(command), torque, current, given)
                 .ok_or_else(|| FirstDriveError::NoInput { file: file(), signals: signals() })?,
         };
         let constant = match input {
@@ -92,11 +98,9 @@ impl Choice {
             Input::Force if driver.unit == for_motion(motion, "N m") => Constant::Known,
             Input::Force => Constant::Ratio,
         };
-        let unused = NOT_USED.iter().filter(|(name, _)| find(name).is_some());
         let torque_unused = torque.filter(|it| it.name != driver.name && input == Input::Voltage);
-        let remarks = unused
-            .map(|(name, what)| format!("{name}: {what} is not used by a first model"))
-            .chain(torque_unused.map(|_| "torque: not used beside voltage and current".to_owned()));
+        let remarks =
+            torque_unused.map(|_| "torque: not used beside voltage and current".to_owned());
         Ok(Self {
             motion,
             input,
@@ -104,7 +108,7 @@ impl Choice {
             constant,
             unit: driver.unit.clone(),
             controlled: recording.signal("reference").is_some(),
-            remarks: remarks.collect(),
+            remarks: remarks.into_iter().collect(),
         })
     }
 }
@@ -150,8 +154,10 @@ fn force<'a>(
             (u, format!("driven by the current u; the voltage was not recorded: {alone}"))
         }
         (Some(u), ..) => {
-            let said = "driven by the command u, as of a current amplifier, for no current was \
-                        recorded";
+            let said = format!(
+                "driven by the command {}, as of a current amplifier, for no current was recorded",
+                u.name
+            );
             (u, format!("{said}: {alone}"))
         }
         (None, Some(torque), _) => {
@@ -206,6 +212,9 @@ mod tests {
         for (columns, motion, input, constant) in [
             (&[("u", "V"), ("i", "A"), ("omega", "rad/s")][..], rotary, voltage, Told),
             (&[("u", "V"), ("T", "rpm")], rotary, voltage, Told),
+            (&[("C_m", "1"), ("T", "rpm")], rotary, voltage, Told),
+            (&[("C_m", "V"), ("I_m", "A"), ("T", "rpm")], rotary, force, Ratio),
+            (&[("C_m", "1"), ("x", "m")], linear, force, Ratio),
             (&[("u", "V"), ("x", "m")], linear, force, Ratio),
             (&[("u", "A"), ("theta", "rad")], rotary, force, Ratio),
             (&[("u", "N m"), ("theta", "rad")], rotary, force, Known),
@@ -230,9 +239,9 @@ mod tests {
 
     #[test]
     fn what_has_no_place_is_said() {
-        let columns = [("i", "A"), ("theta", "rad"), ("theta_load", "rad"), ("temperature", "K")];
+        let columns = [("u", "V"), ("i", "A"), ("theta", "rad"), ("torque", "N m")];
         let found = Choice::of(&recording(&columns), None).expect("it is enough");
-        assert_eq!(found.remarks.len(), 2, "{:?}", found.remarks);
-        assert!(found.remarks[0].contains("theta_load"), "{:?}", found.remarks);
+        assert_eq!(found.remarks.len(), 1, "{:?}", found.remarks);
+        assert!(found.remarks[0].contains("torque"), "{:?}", found.remarks);
     }
 }

@@ -1,4 +1,5 @@
-//! Signals to learn from: checked once, borrowed from where they lie.
+//! Signals to learn from: checked once, borrowed from where they lie. What was recorded in several
+//! segments is one set of data: models begin at rest in each.
 
 use std::ops::Range;
 
@@ -63,6 +64,8 @@ pub struct Data<'a> {
     inputs: Vec<Column<'a>>,
     /// Never empty; a detector and an ARX model see the first.
     outputs: Vec<Column<'a>>,
+    /// Samples to learn from, in order: those between them only lie there.
+    segments: Vec<Range<usize>>,
 }
 
 impl<'a> Data<'a> {
@@ -75,7 +78,51 @@ impl<'a> Data<'a> {
         for column in inputs.iter().chain([&output]) {
             check(column, expected)?;
         }
-        Ok(Self { inputs, outputs: vec![output] })
+        let segments = std::iter::once(0..expected).collect();
+        Ok(Self { inputs, outputs: vec![output], segments })
+    }
+
+    /// The same, recorded in these segments.
+    ///
+    /// # Panics
+    /// If they are not in order or reach beyond the data (an error of the calling code).
+    pub fn in_segments(mut self, segments: Vec<Range<usize>>) -> Self {
+        let in_order = segments.windows(2).all(|pair| pair[0].end <= pair[1].start);
+        let within = segments.last().is_none_or(|last| last.end <= self.len());
+        assert!(in_order && within, "segments of these data");
+        self.segments = segments;
+        self
+    }
+
+    /// Samples to learn from, segment by segment.
+    pub fn segments(&self) -> &[Range<usize>] {
+        &self.segments
+    }
+
+    /// Each segment of more than `run_up` samples as data of its own.
+    pub fn parts(&self, run_up: usize) -> Vec<Data<'a>> {
+        let long = self.segments.iter().filter(|segment| segment.len() > run_up);
+        long.map(|segment| self.span(segment.clone())).collect()
+    }
+
+    /// The same without the first samples of every segment, in which models settle.
+    pub fn settled(&self, run_up: usize) -> Data<'a> {
+        let later = |segment: &Range<usize>| segment.start + run_up..segment.end;
+        match &self.segments[..] {
+            [single] => self.span(later(single)),
+            several => {
+                let long = several.iter().filter(|segment| segment.len() > run_up);
+                let segments = long.map(later).collect();
+                Data { segments, ..self.clone() }
+            }
+        }
+    }
+
+    /// Those of these values, one a sample, that lie `run_up` samples or more behind the beginning
+    /// of a segment.
+    pub fn judged(&self, values: &[f64], run_up: usize) -> Vec<f64> {
+        let later = self.segments.iter().flat_map(|segment| segment.clone().skip(run_up));
+        later.map(|k| values[k]).collect()
     }
 
     /// One more output over the same samples.
@@ -115,7 +162,8 @@ impl<'a> Data<'a> {
     where
         'a: 'b,
     {
-        Data::new(self.inputs.clone(), Column { name, values })
+        let data = Data::new(self.inputs.clone(), Column { name, values })?;
+        Ok(data.in_segments(self.segments.clone()))
     }
 
     /// These samples only.
@@ -127,9 +175,14 @@ impl<'a> Data<'a> {
             name: column.name,
             values: &column.values[range.clone()],
         };
+        let within = |segment: &Range<usize>| {
+            let (from, to) = (segment.start.max(range.start), segment.end.min(range.end));
+            (from < to).then(|| from - range.start..to - range.start)
+        };
         Data {
             inputs: self.inputs.iter().map(cut).collect(),
             outputs: self.outputs.iter().map(cut).collect(),
+            segments: self.segments.iter().filter_map(within).collect(),
         }
     }
 
@@ -145,9 +198,9 @@ impl<'a> Data<'a> {
         Ok(())
     }
 
-    /// Refuses fewer samples than `needed`.
+    /// Refuses data whose longest segment has fewer samples than `needed`.
     pub fn require_samples(&self, needed: usize, purpose: &'static str) -> Result<(), DataError> {
-        let samples = self.len();
+        let samples = self.segments.iter().map(Range::len).max().unwrap_or(0);
         if samples < needed {
             return Err(DataError::TooFew { purpose, needed, samples });
         }
@@ -204,6 +257,22 @@ mod tests {
             still.require_samples(10, "a test"),
             Err(DataError::TooFew { purpose: "a test", needed: 10, samples: 3 })
         );
+    }
+
+    #[test]
+    fn segments_are_cut_settled_and_judged_each_by_itself() {
+        let values: Vec<f64> = (0..20).map(f64::from).collect();
+        let data = Data::new(vec![column("u", &values)], column("y", &values)).unwrap();
+        let two = data.clone().in_segments(vec![0..8, 9..12, 14..20]);
+        assert_eq!(two.judged(&values, 4), [4.0, 5.0, 6.0, 7.0, 18.0, 19.0]);
+        assert_eq!(two.settled(4).segments(), [4..8, 18..20]);
+        assert_eq!(data.settled(4), data.span(4..20), "one segment is cut");
+        let parts = two.parts(4);
+        assert_eq!(parts.iter().map(Data::len).collect::<Vec<_>>(), [8, 6]);
+        assert_eq!(parts[1].output().values[0], 14.0);
+        assert_eq!(two.span(5..16).segments(), [0..3, 4..7, 9..11]);
+        assert_eq!(two.with_output("r", &values).unwrap().segments(), two.segments());
+        assert!(two.require_samples(8, "a test").is_ok() && two.require_samples(9, "it").is_err());
     }
 
     #[test]

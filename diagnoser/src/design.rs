@@ -110,7 +110,7 @@ impl Diagnoser {
         let (r, r_design) = (residual(&mut run, healthy), residual(&mut run, design));
         let healthy = healthy.with_output("residual", &r)?;
         let design = design.with_output("residual", &r_design)?;
-        let settled = healthy.span(run_up..healthy.len());
+        let settled = healthy.settled(run_up);
         let (error_model, orders, one_step_sse) = match *error_model {
             ErrorModel::Arx(orders) => {
                 let fit = Arx::fit(&settled, orders)?;
@@ -121,7 +121,7 @@ impl Diagnoser {
                 (Model::Arx(table.fit.model), Some(table.best), Some(table.fit.sse))
             }
             ErrorModel::Network(structure, ref training) => {
-                let judge = design.span(run_up..design.len());
+                let judge = design.settled(run_up);
                 let trained = train(structure, &settled, &judge, training)?;
                 (Model::Network(trained.network), None, None)
             }
@@ -164,9 +164,9 @@ impl Diagnoser {
         }
         let mut run = self.model.run();
         let (r, r_design) = (residual(&mut run, healthy), residual(&mut run, design));
-        let healthy = healthy.with_output("residual", &r)?.span(run_up..healthy.len());
+        let healthy = healthy.with_output("residual", &r)?.settled(run_up);
         let design = design.with_output("residual", &r_design)?;
-        let judge = design.span(run_up..design.len());
+        let judge = design.settled(run_up);
         let model = Model::Network(train(structure, &healthy, &judge, training)?.network);
         let bands = BandDesign::measure(&mut model.run(), &design, run_up)?;
         self.recurrent_error = Some(ModelError::centred(&model, &bands));

@@ -124,6 +124,9 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
         let measured = data.output().values;
         let verdicts = (0..data.len())
             .map(|k| {
+                if data.segments().iter().any(|segment| segment.start == k) {
+                    self.reset();
+                }
                 for (u, column) in u.iter_mut().zip(data.inputs()) {
                     *u = column.values[k];
                 }

@@ -103,6 +103,7 @@ impl Interface {
         let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
         let output = find(recording, &self.output)?;
         Data::new(inputs, output)
+            .map(|data| data.in_segments(recording.segments()))
             .map_err(|source| InterfaceError::Data { recording: recording.name.clone(), source })
     }
 }

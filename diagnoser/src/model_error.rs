@@ -49,7 +49,7 @@ impl BandDesign {
     ) -> Result<Self, DataError> {
         healthy.require_samples(run_up + 2, "the design of bands after their run-up")?;
         healthy.require_variation()?;
-        let left = &residual(error_model, healthy)[run_up..];
+        let left = &healthy.judged(&residual(error_model, healthy), run_up)[..];
         let (mean, deviation) = mean_and_deviation(left);
         let whiteness = ljung_box(left, LAGS);
         let correlation = whiteness.as_ref().map_or(&[][..], |white| &white.autocorrelation);

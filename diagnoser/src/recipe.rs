@@ -110,9 +110,9 @@ pub enum RecipeError {
 
 impl Diagnoser {
     /// Trains all models of a recipe.
-    pub fn learn(
+    pub fn learn<'a>(
         interface: Interface,
-        sets: &Sets,
+        sets: &Sets<'a>,
         recipe: &Recipe,
     ) -> Result<Learned, RecipeError> {
         let Sets { excited, healthy } = sets;
@@ -131,19 +131,27 @@ impl Diagnoser {
             let part = |data: &Data<'_>, samples: usize| -> Range<usize> {
                 0..data.len().min(recipe.design.run_up + samples)
             };
-            let [first, second] = healthy.each_ref().map(|data| data.span(part(data, SYNTHESIS)));
-            let (network, report) = Gmdh::synthesise(
-                &[excited[0].clone(), first],
-                &[excited[1].clone(), second],
-                options,
-            )?;
-            let watched = healthy[0].span(part(&healthy[0], BOUNDED));
-            let known = [excited[1].clone()];
-            let robust = RobustGmdh::design(&network, &[watched], &known, bounds)?;
+            let long = options.run_up.max(bounds.run_up).max(bounds.excited_run_up);
+            let parts = |data: &Data<'a>| long_parts(data, long);
+            let set = |k: usize| {
+                let healthy = healthy[k].span(part(&healthy[k], SYNTHESIS));
+                [parts(&excited[k]), parts(&healthy)].concat()
+            };
+            let (network, report) = Gmdh::synthesise(&set(0), &set(1), options)?;
+            let watched = parts(&healthy[0].span(part(&healthy[0], BOUNDED)));
+            let known = parts(&excited[1]);
+            let robust = RobustGmdh::design(&network, &watched, &known, bounds)?;
             (diagnoser, gmdh) = (diagnoser.with_gmdh(robust)?, Some(report));
         }
         Ok(Learned { diagnoser, process, design, recurrent_error, gmdh })
     }
+}
+
+/// The segments of more than `run_up` samples; the whole, to be refused by its number of samples,
+/// where there is none.
+fn long_parts<'a>(data: &Data<'a>, run_up: usize) -> Vec<Data<'a>> {
+    let parts = data.parts(run_up);
+    if parts.is_empty() { vec![data.clone()] } else { parts }
 }
 
 #[cfg(test)]

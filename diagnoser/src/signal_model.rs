@@ -41,8 +41,17 @@ pub fn free_run(model: &mut impl SignalModel, inputs: &[Column]) -> Vec<Vec<f64>
     outputs
 }
 
-/// Residual r = y - y_m of the first output over a whole recording, run-up included.
+/// Residual r = y - y_m of the first output over a whole recording, run-up included, each segment
+/// from rest; 0 between them.
 pub fn residual(model: &mut impl SignalModel, data: &Data) -> Vec<f64> {
-    let simulated = free_run(model, data.inputs()).swap_remove(0);
-    data.output().values.iter().zip(simulated).map(|(y, y_m)| y - y_m).collect()
+    let mut residual = vec![0.0; data.len()];
+    for segment in data.segments() {
+        let part = data.span(segment.clone());
+        let simulated = free_run(model, part.inputs()).swap_remove(0);
+        let measured = part.output().values.iter().zip(simulated);
+        for (r, (y, y_m)) in residual[segment.clone()].iter_mut().zip(measured) {
+            *r = y - y_m;
+        }
+    }
+    residual
 }

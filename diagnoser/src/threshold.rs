@@ -109,8 +109,8 @@ impl ConstantThreshold {
     /// Designs the thresholds on a healthy residual (the output of `healthy`) from `run_up` on.
     pub fn design(healthy: &Data, run_up: usize) -> Result<Self, DataError> {
         healthy.require_samples(run_up + 2, "the design of a threshold after its run-up")?;
-        let values = &healthy.output().values[run_up..];
-        let (mean, deviation) = mean_and_deviation(values);
+        let values = healthy.judged(healthy.output().values, run_up);
+        let (mean, deviation) = mean_and_deviation(&values);
         Ok(Self { mean, deviation, samples: values.len() })
     }
 

@@ -241,3 +241,34 @@ fn a_diagnoser_is_not_run_on_what_it_was_not_made_for() {
     assert!(message.contains("robust GMDH network"), "{message}");
     assert!(refused(here, &["diagnose", "none.toml", "good.csv"]).contains("none.toml"));
 }
+
+/// Rows a while after others: a second segment of the same file.
+fn later(text: &str, seconds: f64) -> String {
+    let row = |line: &str| {
+        let (time, rest) = line.split_once(',').expect("columns");
+        format!("{:.3},{rest}\n", seconds + time.parse::<f64>().expect("a time"))
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn every_segment_of_a_recording_trains() {
+    let here = folder();
+    let here = here.path();
+    let joined = |parts: [String; 2]| parts[0].clone() + &later(&parts[1], 100.0);
+    let well = |samples, seed| heater(held, samples, seed, usize::MAX, 1.0);
+    put(here, "one.csv", joined([well(2500, 1), well(2500, 6)]));
+    put(here, "two.csv", joined([well(6500, 2), well(6500, 7)]));
+    put(here, "open.csv", heater(swinging, 2500, 3, usize::MAX, 1.0));
+    let asked = [&TRAIN[..], &["--without", "recurrent", "--json", "-"]].concat();
+    let answer = done(here, &asked).json();
+    // 2.5 s settle the models in each of the two.
+    let samples = &answer["bands"]["samples"];
+    assert_eq!(samples, &serde_json::Value::from(2 * (6500 - 500)), "{answer}");
+    put(here, "ill.csv", heater(held, 5000, 4, 4000, 1.1));
+    put(here, "well.csv", joined([well(3000, 5), well(3000, 8)]));
+    let verdict = |recording: &str| {
+        done(here, &["diagnose", "heater.toml", recording, "--json", "-"]).json()["verdict"].clone()
+    };
+    assert_eq!((verdict("ill.csv"), verdict("well.csv")), ("fault".into(), "healthy".into()));
+}

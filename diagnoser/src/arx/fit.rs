@@ -99,7 +99,9 @@ impl Arx {
     pub fn fit(data: &Data, orders: Orders) -> Result<ArxFit, ArxError> {
         let inputs = data.inputs().len();
         check(data, orders)?;
-        if let Some((mut parameters, sse)) = shift::solve(data, orders) {
+        // The short way is that of one run.
+        let single = data.segments().len() == 1;
+        if let Some((mut parameters, sse)) = single.then(|| shift::solve(data, orders)).flatten() {
             // The equation has its past outputs on the left.
             parameters[..orders.n_a].iter_mut().for_each(|a| *a = -*a);
             let rows = data.len() - orders.reach();
@@ -126,7 +128,7 @@ pub(super) fn equations(data: &Data, orders: Orders) -> Result<Regression, ArxEr
     let parameters = orders.parameters(data.inputs().len());
     let y = data.output().values;
     let mut regression = Regression::new(parameters);
-    for k in orders.reach()..data.len() {
+    for k in data.segments().iter().flat_map(|segment| segment.clone().skip(orders.reach())) {
         let outputs = y[k - n_a..k].iter().rev().map(|y| -y);
         let inputs =
             data.inputs().iter().flat_map(|column| column.values[k - n_b..k].iter().rev().copied());
@@ -205,6 +207,20 @@ mod tests {
         let one_step = fit.model.one_step(&data);
         let sse: f64 = y[2..].iter().zip(&one_step[2..]).map(|(y, p)| (y - p).powi(2)).sum();
         assert!((sse - fit.sse).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn no_equation_reaches_across_a_break() {
+        let (u1, u2) = (noise(300, 7), noise(300, 8));
+        let inputs = vec![Column { name: "u1", values: &u1 }, Column { name: "u2", values: &u2 }];
+        let mut y = free_run(&mut truth().run(), &inputs).swap_remove(0);
+        // Rows between the segments hold anything.
+        y[140..150].fill(1e3);
+        let data = Data::new(inputs, Column { name: "y", values: &y }).unwrap();
+        let parted = data.clone().in_segments(vec![0..140, 150..300]);
+        let fit = Arx::fit(&parted, ORDERS).unwrap();
+        assert!(fit.sse < ROUNDING && fit.rows == 138 + 148, "{} of {}", fit.sse, fit.rows);
+        assert!(Arx::fit(&data, ORDERS).is_err() || Arx::fit(&data, ORDERS).unwrap().sse > 1.0);
     }
 
     #[test]

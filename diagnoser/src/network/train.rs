@@ -149,19 +149,29 @@ fn interleaved(columns: &[Column], scales: &[Scale]) -> Vec<f64> {
     (0..samples).flat_map(row).collect()
 }
 
-/// The free-run error as a sum of squares to be made small.
+fn rows(segments: &[Standardised], run_up: usize) -> Vec<Rows<'_>> {
+    segments.iter().map(|segment| segment.rows(run_up)).collect()
+}
+
+/// The free-run error, from rest in every segment, as a sum of squares to be made small.
 struct FreeRunError<'a> {
     structure: Structure,
-    rows: Rows<'a>,
+    segments: Vec<Rows<'a>>,
 }
 
 impl Residuals for FreeRunError<'_> {
     fn sse(&self, values: &[f64]) -> f64 {
-        sse(self.structure, values, self.rows)
+        self.segments.iter().map(|rows| sse(self.structure, values, *rows)).sum()
     }
 
     fn linearise(&self, values: &[f64]) -> Linearisation {
-        linearise(self.structure, values, self.rows)
+        let each = self.segments.iter().map(|rows| linearise(self.structure, values, *rows));
+        let both = |all: Linearisation, one: Linearisation| Linearisation {
+            sse: all.sse + one.sse,
+            gradient: all.gradient + one.gradient,
+            hessian: all.hessian + one.hessian,
+        };
+        each.reduce(both).unwrap_or_else(|| Linearisation::new(values.len()))
     }
 }
 
@@ -201,10 +211,13 @@ pub(super) fn train_from(
     let scales = |columns: &[Column]| columns.iter().map(|c| Scale::of(c.values)).collect();
     let (input_scales, output_scales): (Vec<_>, Vec<_>) =
         (scales(estimation.inputs()), scales(estimation.outputs()));
-    let estimation = Standardised::new(estimation, &input_scales, &output_scales);
-    let validation = Standardised::new(validation, &input_scales, &output_scales);
-    let error = FreeRunError { structure, rows: estimation.rows(run_up) };
-    let judge = FreeRunError { structure, rows: validation.rows(run_up) };
+    let standardised = |data: &Data| -> Vec<Standardised> {
+        let parts = data.parts(run_up);
+        parts.iter().map(|part| Standardised::new(part, &input_scales, &output_scales)).collect()
+    };
+    let (estimation, validation) = (standardised(estimation), standardised(validation));
+    let error = FreeRunError { structure, segments: rows(&estimation, run_up) };
+    let judge = FreeRunError { structure, segments: rows(&validation, run_up) };
 
     let ends: Vec<(Vec<f64>, f64, f64)> = (0..starts + smaller.len())
         .into_par_iter()
@@ -240,7 +253,9 @@ pub(super) fn train_from(
     let best = judged.min_by(|(_, a), (_, b)| measure(a).total_cmp(&measure(b)));
     let best = best.map(|(index, _)| index);
     let Some(best) = best else { return Err(TrainingError::NoFiniteStart { starts: ends.len() }) };
-    let counted = |signals: &Standardised| signals.outputs.len() - run_up * structure.outputs;
+    let counted = |parts: &[Standardised]| -> usize {
+        parts.iter().map(|part| part.outputs.len() - run_up * structure.outputs).sum()
+    };
     let (n_estimation, n_validation) = (counted(&estimation), counted(&validation));
     let rows = ends.iter().map(|(_, sse, held_out)| StartRow {
         estimation: (sse / n_estimation as f64).sqrt(),
@@ -304,6 +319,24 @@ mod tests {
             .skip(RUN_UP)
             .map(|(y, measured)| ((y - measured) / scale.deviation).powi(2))
             .sum();
+        assert!((sse / trained.sse - 1.0).abs() < 1e-9, "{sse} against {}", trained.sse);
+    }
+
+    #[test]
+    fn every_segment_is_learned_from_rest() {
+        let (first, second) = (multisine(400, 1), multisine(300, 2));
+        let joined = crate::testing::Run {
+            control: [&first.control[..], &second.control].concat(),
+            speed: [&first.speed[..], &second.speed].concat(),
+        };
+        let parted = data(&joined).in_segments(vec![0..400, 400..700]);
+        let structure = Structure { v1: 2, v2: 2, order: 2, ..Structure::PAPER };
+        let trained = train(structure, &parted, &parted, &quick(LM, 1)).unwrap();
+        let left = residual(&mut trained.network.run(), &parted);
+        let of_second = residual(&mut trained.network.run(), &data(&second));
+        assert_eq!(left[400..], of_second);
+        let scale = trained.network.output_scales[0].deviation;
+        let sse: f64 = parted.judged(&left, RUN_UP).iter().map(|r| (r / scale).powi(2)).sum();
         assert!((sse / trained.sse - 1.0).abs() < 1e-9, "{sse} against {}", trained.sse);
     }
 

@@ -151,7 +151,7 @@ impl Train {
             let (recording, report) = self.reading.read(file, session)?;
             let wanted = self.input.iter().chain(&self.output_signal).map(String::as_str);
             report.require(&recording, &wanted.collect::<Vec<_>>()).map_err(told)?;
-            Ok(longest(recording, session))
+            Ok(recording)
         };
         files.iter().map(read).collect()
     }
@@ -190,22 +190,6 @@ impl Train {
         }
         Ok(Interface { period_s: recording.period_s, inputs, output })
     }
-}
-
-/// The longest segment of a recording: models that remember do not learn across a gap.
-fn longest(recording: Recording, session: &Session) -> Recording {
-    if recording.breaks.is_empty() {
-        return recording;
-    }
-    let parts = recording.parts();
-    let (count, samples) = (parts.len(), recording.len());
-    let longest = parts.into_iter().max_by_key(Recording::len).unwrap_or(recording);
-    session.remark(format_args!(
-        "{}: the longest of {count} segments is used, {} of {samples} samples",
-        longest.name,
-        longest.len()
-    ));
-    longest
 }
 
 /// Two data sets: those given, or `parts.0` of `parts.1` parts of a single one and the rest.

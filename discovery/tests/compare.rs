@@ -116,6 +116,7 @@ fn a_drive_that_was_not_fitted_is_said_not_to_be() {
     let setting = Setting::new(&off, Observer::NONE);
     let found = compare(&off, &evidence, &setting, &OPTIONS).expect("it runs");
     assert!(found.is_unfitted() && found.by_parameters > 0.9, "{}", found.by_parameters);
+    assert!(!found.by_balances);
     let judged = evaluate(&off, &evidence, &setting, true).expect("it runs").squares.error();
     assert_eq!(found.error, judged);
 }

@@ -72,6 +72,8 @@ struct Answer<'a> {
     error_if_fitted: f64,
     by_parameters: f64,
     fitted: bool,
+    /// Whether its values are as good as those of least squares on the balances.
+    by_balances: bool,
     /// By output, of the first recording, and `source`; each recording has its own below.
     noise: BTreeMap<&'a str, Value>,
     verdict: &'a str,
@@ -127,6 +129,7 @@ impl Run for Compare {
             error_if_fitted: compared.error_if_fitted,
             by_parameters: compared.by_parameters,
             fitted: !compared.is_unfitted(),
+            by_balances: compared.by_balances,
             noise: by_name,
             verdict: &verdict,
             findings: &compared.findings,

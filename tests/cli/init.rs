@@ -117,3 +117,31 @@ fn what_is_no_recording_of_a_drive_is_refused() {
         assert!(message.contains(said), "{text:?}: {message}");
     }
 }
+
+#[test]
+fn a_control_signal_alone_drives() {
+    let here = folder();
+    let rows: String = (0..2000)
+        .map(|k| {
+            let t = 0.005 * f64::from(k);
+            // In units of the command: R = 1, K = 0.5, J = 0.01, T_c = 0.3.
+            let (speed, slope) = (20.0 + 15.0 * (3.0 * t).sin(), 45.0 * (3.0 * t).cos());
+            let command = (0.01 * slope + 0.3) / 0.5 + 0.5 * speed;
+            format!("{t},{command},{}\n", speed * 30.0 / std::f64::consts::PI)
+        })
+        .collect();
+    put(here.path(), "log.csv", format!("time [s],C_m [1],T [rpm]\n{rows}"));
+    let ask = |arguments: &[&str]| done(here.path(), &[arguments, &["--json", "-"]].concat());
+    let answer = ask(&["init", "log.csv", "-o", "first.toml"]).json();
+    assert_eq!(answer["input"], "voltage");
+    let choice = answer["choice"].as_str().expect("a sentence");
+    assert!(choice.contains("C_m") && choice.contains("gain 1"), "{choice}");
+    let all = answer["parameters"].as_array().expect("a list");
+    let k_e = all.iter().find(|it| it["name"] == "K_e").and_then(|it| it["value"].as_f64());
+    assert!(k_e.is_some_and(|k_e| (k_e / 0.5 - 1.0).abs() < 0.05), "{answer}");
+    let fitted = ask(&["fit", "first.toml", "log.csv", "-o", "second.toml"]);
+    assert!(fitted.err.contains("control signal C_m"), "{}", fitted.err);
+    let compared = ask(&["compare", "second.toml", "log.csv"]).json();
+    let fit = compared["recordings"][0]["outputs"][0]["fit_percent"].as_f64();
+    assert!(fit.is_some_and(|percent| percent > 95.0), "{compared}");
+}

@@ -38,7 +38,7 @@ pub use seen::{OutputComparison, RecordingComparison};
 pub use span::Span;
 
 use crate::case::{Case, Setting};
-use crate::estimate::{Evidence, evaluate, with_own};
+use crate::estimate::{Evidence, at_its_balances, evaluate, with_own};
 use crate::measured::Output;
 use crate::response::Linearised;
 use columns::Maker;
@@ -121,6 +121,9 @@ pub struct Comparison {
     pub error_if_fitted: f64,
     /// Share of the squared error above the floor that they would explain.
     pub by_parameters: f64,
+    /// Whether the drive explains its balances as well as least squares on them: values that
+    /// follow the observed motion closer explain them no better.
+    pub by_balances: bool,
     /// Where it fails, most telling first.
     #[serde(rename = "where")]
     pub findings: Vec<Finding>,
@@ -140,8 +143,13 @@ impl Comparison {
         !self.findings.is_empty()
     }
 
-    /// Whether fitting the drive's own parameters would take away much of the error.
+    /// Whether a fit of the drive's own parameters would take away much of the error.
     pub fn is_unfitted(&self) -> bool {
+        self.parameters_matter() && !self.by_balances
+    }
+
+    /// Whether other values of the drive's own parameters would take away much of the error.
+    pub fn parameters_matter(&self) -> bool {
         self.by_parameters > UNFITTED && self.error > 1.02 * self.error_if_fitted
     }
 }
@@ -245,6 +253,7 @@ pub fn compare(
         error: judged.squares.error(),
         error_if_fitted: judged.squares.error() * rms(after) / rms(now),
         by_parameters,
+        by_balances: setting.observer.hz > 0.0 && at_its_balances(drive, evidence),
         findings: found.iter().map(told).collect(),
         tested: data.shapes.len(),
         block_s,

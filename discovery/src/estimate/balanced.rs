@@ -12,12 +12,14 @@ use super::problem::Problem;
 use super::search::Found;
 use super::unknowns::{Unknown, Unknowns, Which};
 use super::{Evidence, Fitted, conclude, evaluate};
-use crate::balances::{Begun, Unexplained, unexplained};
+use crate::balances::{Begun, Unexplained, begin, unexplained};
 use crate::case::Setting;
 use crate::error::Error;
 
 /// Times what least squares leave of a balance unexplained that a fit may leave.
 const AS_WELL: f64 = 1.2;
+/// The same of a drive that has the values of least squares, but for the digits of its file.
+const NEARLY: f64 = 1.01;
 
 /// The fit as it is, or that of the balances where it explains one of them worse.
 pub(super) fn balanced(
@@ -37,6 +39,15 @@ pub(super) fn balanced(
         by_fit.zip(by_balances).is_some_and(|(fit, least)| fit.rms > AS_WELL * least.rms)
     };
     Ok(if pairs.any(worse) { by_balances } else { fitted })
+}
+
+/// Whether the drive explains its balances as well as least squares on them: a fit of the observed
+/// motion that lowers the error further explains them no better.
+pub(crate) fn at_its_balances(drive: &Drive, evidence: &Evidence) -> bool {
+    let least = begin(drive, evidence).drive;
+    let pairs = unexplained(drive, evidence).into_iter().zip(unexplained(&least, evidence));
+    let mut known = pairs.filter_map(|(own, least)| own.zip(least)).peekable();
+    known.peek().is_some() && known.all(|(own, least)| own.rms <= NEARLY * least.rms)
 }
 
 /// The drive at the values of the balances as the answer of a fit: starts and what belongs to a
@@ -67,8 +78,48 @@ fn at_balances(
     let mut made = conclude(&problem, &found, base, not_identifiable, fitted.starts_tried)?;
     for estimate in &mut made.parameters {
         if let Some(told) = begun.told.iter().find(|it| it.name == estimate.name) {
-            estimate.std_error = told.std_error;
+            // Least squares leave no error to what they hold at zero.
+            estimate.at_bound |= told.std_error == 0.0;
+            estimate.std_error = if estimate.at_bound { f64::NAN } else { told.std_error };
         }
     }
     Ok(Fitted { by_balances: true, ..made })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::Measured;
+    use crate::testing::{bench, dr300, noisy};
+    use crate::{Observer, Options, fit};
+
+    fn evidence(truth: &Drive) -> Evidence {
+        let recording = noisy(bench(truth, 4.0, 0.001), [0.01, 0.3], 5);
+        let measured = Measured::new(truth, &recording).expect("usable");
+        Evidence { recordings: vec![measured], noise: vec![vec![0.01, 0.3]] }
+    }
+
+    #[test]
+    fn the_values_of_least_squares_are_known_again() {
+        let drive = dr300();
+        let evidence = evidence(&drive);
+        let mut begun = begin(&drive, &evidence).drive;
+        assert!(at_its_balances(&begun, &evidence));
+        begun.motor.j *= 1.5;
+        assert!(!at_its_balances(&begun, &evidence));
+    }
+
+    #[test]
+    fn what_ends_at_its_bound_has_no_standard_error() {
+        // A shaft that is driven on by what it does not show.
+        let mut truth = dr300();
+        truth.motor.b_m = -2e-5;
+        let evidence = evidence(&truth);
+        let setting = Setting::new(&dr300(), Observer::NONE);
+        let fitted = fit(&dr300(), &evidence, &setting, &Options::default()).expect("it fits");
+        let told = |name: &str| fitted.parameters.iter().find(|it| it.name == name).expect("told");
+        let (b_m, j) = (told("B_m"), told("J"));
+        assert!(b_m.at_bound && b_m.value == 0.0 && b_m.std_error.is_nan(), "{b_m:?}");
+        assert!(!j.at_bound && j.std_error > 0.0, "{j:?}");
+    }
 }

@@ -16,7 +16,7 @@ pub struct Estimate {
     pub name: String,
     /// Its value, SI.
     pub value: f64,
-    /// Standard error of the value.
+    /// Standard error of the value; NaN (null in files) at a bound, where there is none.
     pub std_error: f64,
     /// The value it had in the drive file; NaN where that has no such parameter.
     pub before: f64,

@@ -30,6 +30,7 @@ use crate::balances::begin;
 use crate::case::{Setting, Squares};
 use crate::error::Error;
 use crate::start::{Start, first_starts};
+pub(crate) use balanced::at_its_balances;
 use balanced::balanced;
 use problem::Problem;
 pub(crate) use scale::recorded_speeds;

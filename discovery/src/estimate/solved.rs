@@ -45,13 +45,14 @@ impl<'a> Solved<'a> {
         let known = all.iter().find(|it| it.name == name).expect("a parameter of the drive");
         let (scale, coordinate) = (&self.problem.unknowns.scales[k], self.found.coordinates[k]);
         let Reach { low, high, .. } = scale.reach;
+        let at_bound = coordinate <= low || coordinate >= high;
         Estimate {
             name: name.to_owned(),
             value: scale.value(coordinate),
-            std_error: self.std_error(k),
+            std_error: if at_bound { f64::NAN } else { self.std_error(k) },
             before: known.value,
             unit: known.unit.clone(),
-            at_bound: coordinate <= low || coordinate >= high,
+            at_bound,
         }
     }
 

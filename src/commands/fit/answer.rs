@@ -290,14 +290,11 @@ impl Answer {
         };
         text.push_str(&row("parameter", "value", "std error", "before", "unit"));
         let line = |it: &Estimate, name: &str| {
-            let limit = if it.at_bound { " (at its limit)" } else { "" };
-            row(
-                name,
-                &short(it.value),
-                &format!("{:.2e}", it.std_error),
-                &short(it.before),
-                &format!("{}{limit}", it.unit),
-            )
+            let error = match it.at_bound {
+                true => "at its bound".to_owned(),
+                false => format!("{:.2e}", it.std_error),
+            };
+            row(name, &short(it.value), &error, &short(it.before), &it.unit)
         };
         for name in &self.order {
             text.push_str(&line(&self.parameters[name], name));

@@ -75,8 +75,11 @@ fn changes(fitted: &Fitted, gathered: &Gathered) -> Vec<Change> {
         .parameters
         .iter()
         .map(|it| {
-            let limit = if it.at_bound { ", at its limit" } else { "" };
-            let origin = format!("fitted: {from}; standard error {:.2e}{limit}", it.std_error);
+            let known = match it.at_bound {
+                true => "at its bound".to_owned(),
+                false => format!("standard error {:.2e}", it.std_error),
+            };
+            let origin = format!("fitted: {from}; {known}");
             Change { name: it.name.clone(), value: it.value, origin }
         })
         .collect();

@@ -92,6 +92,13 @@ pub(crate) fn remark(compared: &Comparison) -> String {
             number(compared.error_if_fitted)
         );
     }
+    if compared.by_balances && compared.parameters_matter() {
+        text += &format!(
+            " Its values are those of least squares on the balances: others would follow the \
+             observed motion closer, to about {}, and explain no more of the torque.",
+            number(compared.error_if_fitted)
+        );
+    }
     text
 }
 

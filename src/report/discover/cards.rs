@@ -160,7 +160,11 @@ fn card(
                 @for (parameter, value) in &one.parameters {
                     div {
                         dt { code { (parameter) } }
-                        dd { (minus(&number(value.value))) " \u{b1} " (minus(&number(value.std_error))) " " (value.unit) }
+                        dd {
+                            (minus(&number(value.value)))
+                            @if value.std_error.is_finite() { " \u{b1} " (minus(&number(value.std_error))) }
+                            " " (value.unit)
+                        }
                     }
                 }
                 @if !one.confusion_set.is_empty() {

@@ -26,7 +26,7 @@ pub(crate) fn parameters(all: &[Estimate], value: &dyn Fn(&Estimate) -> Markup) 
                 td { @if it.std_error.is_finite() { (minus(&number(it.std_error))) } @else { "\u{2013}" } }
                 td.name { (it.unit) }
                 td { @if it.before.is_finite() { (minus(&number(it.before))) } @else { "\u{2013}" } }
-                td.name { @if it.at_bound { "at its limit" } }
+                td.name { @if it.at_bound { "at its bound" } }
             }
         }
     };

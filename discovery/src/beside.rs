@@ -103,7 +103,7 @@ mod tests {
     use super::*;
     use crate::rig::Rig;
     use crate::testing::{bench, dr300, gaussian, noisy};
-    use crate::{Direction, Evidence, Observer, Options, Setting, fit};
+    use crate::{Direction, Evidence, Observer, Options, Setting, Unwatched, discover, fit};
 
     fn with(extra: &[(&str, &str, Vec<f64>)], effects: &str) -> Measured {
         let mut recording = bench(&dr300(), 1.0, 0.001);
@@ -221,5 +221,23 @@ mod tests {
         }
         let error = (squares / recording.len() as f64).sqrt();
         assert!(error > 5.0, "the twist stands out of the noise: {error}");
+    }
+
+    #[test]
+    fn a_search_sees_that_the_coupling_is_missing() {
+        let (truth, recording) = coupled();
+        let mut rigid = truth;
+        rigid.effects.retain(|it| it.kind != "flexible_coupling");
+        let measured = Measured::new(&rigid, &recording).expect("it can be used");
+        // Both begin at rest, as own states do.
+        let [estimation, validation] = [0..2000, 0..1300].map(|range| Evidence {
+            recordings: vec![measured.part(range).expect("long enough")],
+            noise: vec![SDS.to_vec()],
+        });
+        let found = discover(&rigid, &estimation, &validation, &Unwatched).expect("it can be run");
+        assert_eq!(found.named, ["flexible_coupling"]);
+        let [base, with] = &found.ladder[..] else { panic!("{:?}", found.ladder) };
+        assert!(base.error > 100.0, "a twist that the model lacks is plain: {base:?}");
+        assert!(with.error < 1.5 && with.validation_error < 1.5, "{with:?}");
     }
 }

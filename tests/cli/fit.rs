@@ -161,3 +161,35 @@ fn what_cannot_be_fitted_is_refused_with_the_next_step() {
     assert!(refused(here, &["fit", "wrong.toml", "-o", "f.toml"]).contains("<REC>"));
     assert_eq!(run(here, &["fit", "none.toml", "one.csv", "-o", "f.toml"]).code, Some(2));
 }
+
+/// Stiffness of the first joint of other people's arm as published, N m/rad, and what a fit may
+/// differ from it by.
+const STIFFNESS: (f64, f64) = (39.96, 0.3);
+
+#[test]
+fn the_load_s_position_tells_the_stiffness_of_a_real_joint() {
+    let data = std::env::var_os("DRIVESCOPE_DATA");
+    let file = data.map(|data| Path::new(&data).join("flexible_link/ctu_stage1.csv"));
+    let Some(file) = file.filter(|file| file.exists()) else {
+        println!("NOT RUN: DRIVESCOPE_DATA names no folder with flexible_link/");
+        return;
+    };
+    let file = file.to_str().expect("a plain path");
+    let here = folder();
+    // The motor's constant of its data sheet, behind the gear.
+    let begun = ["init", file, "-o", "first.toml", "--given", "K_m=11.9", "--json", "-"];
+    let begun = done(here.path(), &begun).json();
+    assert!(begun["fit"][1]["signal"] == "theta_load", "{begun}");
+    done(here.path(), &["add", "first.toml", "flexible_coupling", file, "-o", "second.toml"]);
+    let fitted = ["fit", "second.toml", file, "-o", "third.toml", "--json", "-"];
+    let fitted = done(here.path(), &fitted).json();
+    assert!(number(&fitted["error"]) < 600.0, "the twist was 1585 without it: {fitted}");
+    let text = std::fs::read_to_string(here.path().join("third.toml")).expect("it was written");
+    let table: toml::Table = text.parse().expect("it is TOML");
+    let k = table["effect"]
+        .as_array()
+        .and_then(|all| all.iter().find_map(|it| it.get("k")?.as_float()))
+        .expect("the coupling is there");
+    let (published, off) = STIFFNESS;
+    assert!((k / published - 1.0).abs() < off, "{k} N m/rad, published {published}");
+}

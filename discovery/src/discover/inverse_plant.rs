@@ -44,7 +44,10 @@ impl Plant {
             .map(|value| if by_voltage { value.unwrap_or(0.0) } else { 0.0 });
         let mut noise = [0.0; 3];
         for (channel, sd) in measured.outputs.iter().zip(sds) {
-            noise[channel.output as usize] = *sd;
+            // A sensor beside those of the motor tells neither balance.
+            if let Some(of) = noise.get_mut(channel.output as usize) {
+                *of = *sd;
+            }
         }
         // Without a current the back-EMF brakes through the armature.
         let braking = if measured.output(Output::Current).is_none() && r > 0.0 {

@@ -35,7 +35,7 @@ const ALSO: [(&str, &str); 17] = [
 
 /// What may be given of the numbers that stand beside the signals of a file: the name there, the
 /// parameter, and its value.
-pub(crate) fn offered(constants: &[Constant]) -> Vec<(&str, &'static str, f64)> {
+fn offered(constants: &[Constant]) -> Vec<(&str, &'static str, f64)> {
     let parameter = |name: &str| {
         // Without the groups that it stands in.
         let own = name.rsplit(['.', '/']).next().unwrap_or(name);
@@ -47,21 +47,27 @@ pub(crate) fn offered(constants: &[Constant]) -> Vec<(&str, &'static str, f64)> 
     possible.filter_map(|it| Some((it.name.as_str(), parameter(&it.name)?, it.value))).collect()
 }
 
-/// The same for a person, without what was given already; nothing if nothing is left.
+fn named(offered: &[(&str, &'static str, f64)]) -> Option<String> {
+    let each: Vec<String> =
+        offered.iter().map(|(name, _, value)| format!("{name} = {value}")).collect();
+    (!each.is_empty()).then(|| format!("the file holds {}", each.join(", ")))
+}
+
+/// The same for a person; nothing if there is nothing.
+pub(crate) fn held(constants: &[Constant]) -> Option<String> {
+    let said = named(&offered(constants))?;
+    Some(format!("{said}: if that is this drive, in SI units, give it a drive file with them"))
+}
+
+/// The same without what was given already, and how to type it.
 pub(crate) fn offer(constants: &[Constant], given: &Given) -> Option<String> {
     let mut all = offered(constants);
     all.retain(|(_, parameter, _)| given.0.iter().all(|(known, _)| known != parameter));
-    let held: Vec<String> =
-        all.iter().map(|(name, _, value)| format!("{name} = {value}")).collect();
     let typed: Vec<String> =
         all.iter().map(|(_, known, value)| format!("{known}={value}")).collect();
-    (!all.is_empty()).then(|| {
-        format!(
-            "the file holds {}: if that is this drive, in SI units, take it with --given {}",
-            held.join(", "),
-            typed.join(",")
-        )
-    })
+    let said = named(&all)?;
+    let typed = typed.join(",");
+    Some(format!("{said}: if that is this drive, in SI units, take it with --given {typed}"))
 }
 
 impl Given {
@@ -115,6 +121,7 @@ mod tests {
         let given = Given::parse(typed).expect("what is offered can be typed");
         assert_eq!(given.value("J", Input::Force), Some(0.02));
         assert_eq!(offer(&constants, &given), None);
+        assert!(held(&constants).is_some_and(|it| it.contains("J = 0.02") && !it.contains("--")));
         assert_eq!(offer(&constants[2..4], &none), None);
     }
 

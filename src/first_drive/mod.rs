@@ -16,7 +16,7 @@ use miette::Diagnostic;
 use thiserror::Error;
 
 pub(crate) use choice::{Choice, Constant};
-pub(crate) use given::{Given, offer};
+pub(crate) use given::{Given, held, offer};
 
 use crate::simulation::replay::Fit;
 

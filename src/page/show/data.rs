@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::columns::{columns, completion, period, simulated, unit_lists};
+use crate::first_drive::held;
 use crate::page::bench::State;
 use crate::page::plain::plain;
 use crate::page::recordings::Taken;
@@ -60,7 +61,7 @@ fn recording(number: usize, taken: &Taken, searching: bool) -> Markup {
                 (None, None) => {}
             }
             @if let Some(report) = report {
-                @for note in report.notes.iter().chain(&report.warnings()) {
+                @for note in report.notes.iter().chain(&held(&report.constants)).chain(&report.warnings()) {
                     p.note.alert { (plain(note)) }
                 }
                 (sampling(number, taken))

@@ -54,7 +54,7 @@ pub enum Error {
         file: String,
     },
     /// Names, but no samples.
-    #[error("{file}: holds a header but no samples")]
+    #[error("{file}: holds a header but no samples; record again, or export the rows with it")]
     HeaderOnly {
         /// The file.
         file: String,
@@ -75,7 +75,10 @@ pub enum Error {
         place: Place,
     },
     /// A row with another number of values than the header has names.
-    #[error("{place}: {found} values, but the header names {expected} columns")]
+    #[error(
+        "{place}: {found} values, but the header names {expected} columns; name every column once, \
+         and quote a name or a number that holds what parts them"
+    )]
     Ragged {
         /// The row.
         place: Place,
@@ -85,7 +88,10 @@ pub enum Error {
         expected: usize,
     },
     /// Text where a number should be.
-    #[error("{place}: column {position} `{column}`: `{text}` is not a number")]
+    #[error(
+        "{place}: column {position} `{column}`: `{text}` is not a number; map another column, or \
+         write numbers there"
+    )]
     NotANumber {
         /// The row.
         place: Place,
@@ -109,7 +115,10 @@ pub enum Error {
         byte: u8,
     },
     /// A line is longer than any header.
-    #[error("{place}: no line end within {limit} bytes; this is not a CSV file")]
+    #[error(
+        "{place}: no line end within {limit} bytes; this is not a CSV file: export the recording as \
+         one"
+    )]
     EndlessLine {
         /// Where the line starts.
         place: Place,
@@ -128,7 +137,7 @@ pub enum Error {
         columns: String,
     },
     /// Nothing but time.
-    #[error("{file}: holds time but no signal")]
+    #[error("{file}: holds time but no signal; a column of numbers beside it is needed")]
     NoSignals {
         /// The file.
         file: String,
@@ -204,7 +213,10 @@ pub enum Error {
         columns: String,
     },
     /// A time stamp that is no number.
-    #[error("{place}: time is missing or not finite")]
+    #[error(
+        "{place}: time is missing or not finite; cut the rows without one, or name the column of \
+         time with --columns time=NAME:UNIT"
+    )]
     TimeNotFinite {
         /// The row.
         place: Place,

@@ -6,6 +6,7 @@ use crate::canonical::{self, Canonical};
 use crate::counts::is_counts;
 use crate::error::Error;
 use crate::given::Given;
+use crate::guess;
 use crate::look::Look;
 use crate::mapping::Mapping;
 use crate::unit::{Quantity, Unit, known};
@@ -135,7 +136,7 @@ pub(crate) fn resolve(
                 column.name, known.name
             ));
         } else if unit.is_none_or(|unit| known.accepts(unit))
-            || canonical::guess(&column.name, unit, None).is_none()
+            || guess::guess(&column.name, unit, None).is_none()
         {
             let unit = column.unit.as_ref();
             columns[k] = Some(place(file, column, known.name, Some(known), unit, Taken::Named)?);
@@ -144,13 +145,13 @@ pub(crate) fn resolve(
     }
     let rotary = rotary(&given);
     // Of several columns for one signal one that moves wins, then the one nearest to a measurement.
-    let mut guesses: Vec<(bool, canonical::Rank, usize, &Canonical)> = Vec::new();
+    let mut guesses: Vec<(bool, guess::Rank, usize, &Canonical)> = Vec::new();
     for (k, column) in given.iter().enumerate().filter(|(k, _)| columns[*k].is_none()) {
         let constant = looks.get(k).is_some_and(|look| look.constant);
-        if let Some(guess) = canonical::guess(&column.name, column.unit.as_deref(), rotary) {
+        if let Some(guess) = guess::guess(&column.name, column.unit.as_deref(), rotary) {
             guesses.push((constant, guess.rank, k, guess.canonical));
         } else if column.unit.as_deref().is_some_and(is_counts)
-            && let Some(guess) = canonical::guess(&column.name, None, rotary)
+            && let Some(guess) = guess::guess(&column.name, None, rotary)
         {
             notes.push(uncounted(column, guess.canonical.name));
         }
@@ -162,7 +163,7 @@ pub(crate) fn resolve(
         }
         used.push(known.name);
         let column = &given[k];
-        let own = canonical::unit_in_name(&column.name).filter(|unit| known.accepts(unit));
+        let own = guess::unit_in_name(&column.name).filter(|unit| known.accepts(unit));
         let unit = column.unit.clone().or(own.map(str::to_owned));
         columns[k] =
             Some(place(file, column, known.name, Some(known), unit.as_ref(), Taken::Guessed)?);
@@ -199,7 +200,7 @@ fn capital_t(
 ) -> Result<(Column, Option<String>), Error> {
     let is = |names: &[&str]| {
         let named = |other: &Given| {
-            let guess = || canonical::guess(&other.name, other.unit.as_deref(), None);
+            let guess = || guess::guess(&other.name, other.unit.as_deref(), None);
             let known = canonical::exact(&other.name).or_else(|| Some(guess()?.canonical));
             known.is_some_and(|known| names.contains(&known.name))
         };
@@ -282,7 +283,7 @@ pub(crate) fn is_signal(text: &str, signal: &str, maps: &[Mapping]) -> bool {
         Some(map) => find(&given, &map.foreign).is_some(),
         None => {
             let Given { name, unit, .. } = &given[0];
-            let guess = || Some(canonical::guess(name, unit.as_deref(), None)?.canonical);
+            let guess = || Some(guess::guess(name, unit.as_deref(), None)?.canonical);
             canonical::exact(name).or_else(guess).is_some_and(|known| known.name == signal)
         }
     }
@@ -297,7 +298,7 @@ pub(crate) fn is_time(text: &str, maps: &[Mapping]) -> bool {
 pub(crate) fn is_known(text: &str, maps: &[Mapping]) -> bool {
     let given = [Given::of(text)];
     let Given { name, unit, .. } = &given[0];
-    let guess = || Some(canonical::guess(name, unit.as_deref(), None)?.canonical);
+    let guess = || Some(guess::guess(name, unit.as_deref(), None)?.canonical);
     maps.iter().any(|map| find(&given, &map.foreign).is_some())
         || canonical::exact(name).or_else(guess).is_some()
 }

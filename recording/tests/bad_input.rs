@@ -43,6 +43,8 @@ fn rows_that_are_not_rows() {
     let error = read_csv(&b"time,i,mode\n0,1,H\n0.1,2,N\n"[..], "rec.csv", &options).unwrap_err();
     assert!(error.to_string().contains("rec.csv:2: column 3 `mode`: `H`"), "{error}");
     says("0,1\n1,2\n", &["rec.csv:1", "numbers, not names"]);
+    // Any of the blanks may part names.
+    says("time Rotor angle u\n0 1 2\n1 2 3\n", &["rec.csv:2", "3 values", "4 columns", "quote"]);
 }
 
 #[test]

@@ -1,13 +1,16 @@
 //! A first drive file from a recording: what was measured decides what is modelled, least squares
 //! on the balances and a fit give its values, and what the recording does not tell is marked.
 //!
-//! [`choice`] says what is modelled; [`given`] reads what a data sheet says; [`estimate`] finds the
-//! values and how well they fit; [`text`] writes the file with its comments.
+//! [`choice`] says what is modelled; [`given`] reads what a data sheet says; [`usual`] makes the drive
+//! to begin with; [`estimate`] finds the values and how well they fit, [`origins`] where each comes
+//! from; [`text`] writes the file with its comments.
 
 mod choice;
 mod estimate;
 mod given;
+mod origins;
 mod text;
+mod usual;
 
 use drivescope_discovery::Unexplained;
 use drivescope_plant::drive::Drive;

@@ -8,6 +8,7 @@ mod kinds;
 mod layout;
 mod line;
 mod lines;
+mod names;
 mod number;
 mod rows;
 mod settings;

@@ -1,4 +1,4 @@
-"""Spoiled recordings are read as they were meant, and the judge finds what was read a little wrong."""
+"""Spoiled recordings are read as they were meant, and a reading a little wrong is found."""
 
 import copy
 import shutil

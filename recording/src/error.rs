@@ -31,6 +31,16 @@ pub enum Error {
         /// The formats that are read.
         known: String,
     },
+    /// A file of another kind, whatever its name says.
+    #[error("{file}: is {what}, no recording; read are {known}, so export it as one of them")]
+    Other {
+        /// The file as the user named it.
+        file: String,
+        /// What it is.
+        what: &'static str,
+        /// The formats that are read.
+        known: String,
+    },
     /// The file cannot be written.
     #[error("{file}: cannot be written: {source}")]
     Write {
@@ -53,8 +63,11 @@ pub enum Error {
         /// The file.
         file: String,
     },
-    /// Names, but no samples.
-    #[error("{file}: holds a header but no samples; record again, or export the rows with it")]
+    /// Names, or any other text, but no samples.
+    #[error(
+        "{file}: holds no rows of numbers; a recording is a table with a header such as \
+         `time [s],u [V],i [A]` and numbers below it"
+    )]
     HeaderOnly {
         /// The file.
         file: String,
@@ -143,7 +156,10 @@ pub enum Error {
         file: String,
     },
     /// Two columns of one name.
-    #[error("{file}: columns {first} and {second} are both called `{name}`; rename one")]
+    #[error(
+        "{file}: columns {first} and {second} are both called `{name}`; rename one, or leave \
+         the later one out with --columns {name}_unused={name}#2"
+    )]
     DuplicateColumn {
         /// The file.
         file: String,

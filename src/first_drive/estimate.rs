@@ -130,8 +130,8 @@ mod tests {
     use indicatif::ProgressBar;
 
     use super::*;
-    use crate::first_drive::Constant;
     use crate::expression::SignalOverTime;
+    use crate::first_drive::Constant;
     use crate::simulation::typed::{Driven, Run};
 
     const RICH: &str = "12 * sin(2 * t) + 6 * sin(7 * t) + 4 * sign(sin(20 * t))";

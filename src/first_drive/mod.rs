@@ -23,6 +23,9 @@ pub(crate) use given::Given;
 
 use crate::simulation::replay::Fit;
 
+/// A recording lasts so long at least, s.
+const LEAST_S: f64 = 1.0;
+
 /// Why no drive file can be made.
 #[derive(Debug, Error, Diagnostic)]
 pub(crate) enum FirstDriveError {
@@ -52,6 +55,15 @@ pub(crate) enum FirstDriveError {
         file: String,
         /// What is there.
         signals: String,
+    },
+    /// Friction and inertia need some time to show.
+    #[error("{file}: lasts {duration_s:.3} s, and a first drive needs {LEAST_S} s")]
+    #[diagnostic(help("record for longer: steps and reversals over some seconds"))]
+    TooShort {
+        /// The recording.
+        file: String,
+        /// All its segments together, s.
+        duration_s: f64,
     },
     /// A value of the command line.
     #[error("--given: `{item}` is no NAME=VALUE above zero, SI, of {names}")]
@@ -134,7 +146,14 @@ impl FirstDrive {
         input: Option<drivescope_plant::drive::Input>,
         given: &Given,
     ) -> miette::Result<Self> {
-        estimate::first_drive(recording, Choice::of(recording, input)?, given)
+        let choice = Choice::of(recording, input)?;
+        let duration_s = recording.len() as f64 * recording.period_s;
+        // Rounding of the sampling time is no reason to refuse.
+        if duration_s < LEAST_S * (1.0 - 1e-6) {
+            let file = recording.name.clone();
+            return Err(FirstDriveError::TooShort { file, duration_s }.into());
+        }
+        estimate::first_drive(recording, choice, given)
     }
 
     /// The text of the drive file, and the drive in it.

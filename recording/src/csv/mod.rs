@@ -1,5 +1,6 @@
 //! Recordings as CSV: read at once, read row by row, written.
 
+mod body;
 mod clock;
 mod column;
 mod encoding;

@@ -10,7 +10,12 @@ impl Taken {
     ///
     /// # Errors
     /// Why the recording cannot be read so; it stays as it was.
-    pub(in crate::page) fn map(&mut self, column: &str, signal: &str, unit: &str) -> Result<(), String> {
+    pub(in crate::page) fn map(
+        &mut self,
+        column: &str,
+        signal: &str,
+        unit: &str,
+    ) -> Result<(), String> {
         let unknown = || format!("{}: it has no column `{column}`", self.name);
         let preview = self.preview.as_ref().ok_or_else(unknown)?;
         let there = preview.find(column).ok_or_else(unknown)?;

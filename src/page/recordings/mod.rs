@@ -5,14 +5,12 @@ mod columns;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use drivescope_recording::{
-    Mapping, Preview, ReadOptions, Recording, Report, read_with_preview,
-};
+use drivescope_recording::{Mapping, Preview, ReadOptions, Recording, Report, read_with_preview};
 use tempfile::TempPath;
 
+use crate::failure::told;
 use crate::page::incomplete::Incomplete;
 use crate::page::plain::plain;
-use crate::failure::told;
 
 /// Where a recording lies.
 #[derive(Debug)]

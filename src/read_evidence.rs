@@ -49,7 +49,7 @@ pub(crate) fn read_evidence(
 ) -> miette::Result<ReadEvidence> {
     let mut recordings = Vec::new();
     for (file, name) in files.iter().zip(short_names(files)) {
-        recordings.push((name, reading.read(file, session)?.0));
+        recordings.push((name, reading.read_for_model(file, session)?.0));
     }
     let read = evidence_of(drive, &recordings, given)?;
     for measured in &read.evidence.recordings {

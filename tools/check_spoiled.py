@@ -24,20 +24,25 @@ from spoil_recordings import make, spoilings
 from spoiling import drawing, files, judging
 
 ROOT = Path(__file__).resolve().parent.parent
-BUILD = ["cargo", "build", "--quiet", "--locked", "--example", "convert", "-p"]
+BUILD = ["cargo", "build", "--quiet", "--locked", "--example", "convert"]
+RELEASE = ("release", ["-p", "drivescope-recording", "--release"])
+# As the Rust tests build it, so that nothing is compiled twice.
+TEST = ("debug", ["--workspace", "--all-features", "--profile", "test"])
 LONGEST_RUN_S = 900.0
 BAD = ["refused", "wrong", "panic"]
 
 
-def built():
-    """The optimised program."""
-    subprocess.run([*BUILD, "drivescope-recording", "--release"], cwd=ROOT, check=True)
-    return ROOT / "target/release/examples/convert"
+def built(profile=RELEASE):
+    """The program of a profile: its folder, and what cargo is told."""
+    folder, told = profile
+    subprocess.run([*BUILD, *told], cwd=ROOT, check=True)
+    return ROOT / "target" / folder / "examples/convert"
 
 
 def convert(program, folder, paths):
-    """Runs the program over the files; it says in JSON what became of each."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Runs the program over the files; it says in JSON what became of each, now and not before."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     command = [program, folder, *paths]
     subprocess.run(command, stderr=subprocess.DEVNULL, timeout=LONGEST_RUN_S)
 

@@ -31,6 +31,16 @@ pub enum Error {
         /// The formats that are read.
         known: String,
     },
+    /// A file of another kind, whatever its name says.
+    #[error("{file}: is {what}, no recording; read are {known}, so export it as one of them")]
+    Other {
+        /// The file as the user named it.
+        file: String,
+        /// What it is.
+        what: &'static str,
+        /// The formats that are read.
+        known: String,
+    },
     /// The file cannot be written.
     #[error("{file}: cannot be written: {source}")]
     Write {
@@ -53,8 +63,11 @@ pub enum Error {
         /// The file.
         file: String,
     },
-    /// Names, but no samples.
-    #[error("{file}: holds a header but no samples")]
+    /// Names, or any other text, but no samples.
+    #[error(
+        "{file}: holds no rows of numbers; a recording is a table with a header such as \
+         `time [s],u [V],i [A]` and numbers below it"
+    )]
     HeaderOnly {
         /// The file.
         file: String,
@@ -75,7 +88,10 @@ pub enum Error {
         place: Place,
     },
     /// A row with another number of values than the header has names.
-    #[error("{place}: {found} values, but the header names {expected} columns")]
+    #[error(
+        "{place}: {found} values, but the header names {expected} columns; name every column once, \
+         and quote a name or a number that holds what parts them"
+    )]
     Ragged {
         /// The row.
         place: Place,
@@ -85,7 +101,10 @@ pub enum Error {
         expected: usize,
     },
     /// Text where a number should be.
-    #[error("{place}: column {position} `{column}`: `{text}` is not a number")]
+    #[error(
+        "{place}: column {position} `{column}`: `{text}` is not a number; map another column, or \
+         write numbers there"
+    )]
     NotANumber {
         /// The row.
         place: Place,
@@ -109,7 +128,10 @@ pub enum Error {
         byte: u8,
     },
     /// A line is longer than any header.
-    #[error("{place}: no line end within {limit} bytes; this is not a CSV file")]
+    #[error(
+        "{place}: no line end within {limit} bytes; this is not a CSV file: export the recording as \
+         one"
+    )]
     EndlessLine {
         /// Where the line starts.
         place: Place,
@@ -128,13 +150,16 @@ pub enum Error {
         columns: String,
     },
     /// Nothing but time.
-    #[error("{file}: holds time but no signal")]
+    #[error("{file}: holds time but no signal; a column of numbers beside it is needed")]
     NoSignals {
         /// The file.
         file: String,
     },
     /// Two columns of one name.
-    #[error("{file}: columns {first} and {second} are both called `{name}`; rename one")]
+    #[error(
+        "{file}: columns {first} and {second} are both called `{name}`; rename one, or leave \
+         the later one out with --columns {name}_unused={name}#2"
+    )]
     DuplicateColumn {
         /// The file.
         file: String,
@@ -204,7 +229,10 @@ pub enum Error {
         columns: String,
     },
     /// A time stamp that is no number.
-    #[error("{place}: time is missing or not finite")]
+    #[error(
+        "{place}: time is missing or not finite; cut the rows without one, or name the column of \
+         time with --columns time=NAME:UNIT"
+    )]
     TimeNotFinite {
         /// The row.
         place: Place,

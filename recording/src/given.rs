@@ -2,6 +2,7 @@
 
 use crate::canonical;
 use crate::counts::is_counts;
+use crate::guess;
 use crate::unit::Unit;
 
 /// A header's text split into name and unit.
@@ -33,30 +34,37 @@ impl Given {
         {
             return made(name, unit);
         }
+        // `omega_deg/s` and `speed 1/min`: a slash in a unit parts nothing.
+        let marked = marked(text);
+        if let Some((name, unit)) = marked.filter(|(_, unit)| unit.contains('/')) {
+            return made(name, unit);
+        }
         if let Some((name, unit)) = text.split_once('/') {
-            let named = canonical::exact(name.trim()).is_some()
-                || canonical::guess(name, None, None).is_some();
+            let named =
+                canonical::exact(name.trim()).is_some() || guess::guess(name, None, None).is_some();
             if !name.trim().is_empty() && (named || is_unit(unit)) {
                 return made(name, unit);
             }
         }
-        for mark in [",", " "] {
-            if let Some((name, unit)) = text.rsplit_once(mark)
-                && is_unit(unit)
-                && !unit.trim().is_empty()
-                && !name.trim().is_empty()
-                && (mark != " " || fits(name.trim(), unit))
-            {
-                return made(name, unit);
-            }
-        }
-        // `speed_rad_s`: only where word and unit fit each other, so that `I_m` stays a name.
-        let parts = text.match_indices('_').map(|(at, _)| (&text[..at], &text[at + 1..]));
-        match parts.into_iter().find(|(name, unit)| fits(name, unit)) {
+        match marked {
             Some((name, unit)) => made(name, unit),
             None => Given { text: text.to_owned(), name: text.to_owned(), unit: None },
         }
     }
+}
+
+/// Name and unit where a comma, a blank or an underscore parts them.
+fn marked(text: &str) -> Option<(&str, &str)> {
+    let part = |mark| text.rsplit_once(mark);
+    let whole = |(name, unit): &(&str, &str)| {
+        is_unit(unit) && !unit.trim().is_empty() && !name.trim().is_empty()
+    };
+    let comma = || part(',').filter(whole);
+    let blank = || part(' ').filter(whole).filter(|(name, unit)| fits(name.trim(), unit));
+    // `speed_rad_s`: only where word and unit fit each other, so that `I_m` stays a name.
+    let underscores = || text.match_indices('_').map(|(at, _)| (&text[..at], &text[at + 1..]));
+    let underscore = || underscores().find(|(name, unit)| fits(name, unit));
+    comma().or_else(blank).or_else(underscore)
 }
 
 /// Whether a signal of that name can be in that unit.
@@ -71,8 +79,8 @@ fn fits(name: &str, unit: &str) -> bool {
         Some(known) if name != "T" => {
             is_counts(unit) && known.accepts("rad") || { is_counts(unit) && known.accepts("m") }
         }
-        _ if is_counts(unit) => canonical::guess(name, None, None).is_some(),
-        _ => canonical::guess(name, Some(unit), None).is_some(),
+        _ if is_counts(unit) => guess::guess(name, None, None).is_some(),
+        _ => guess::guess(name, Some(unit), None).is_some(),
     }
 }
 
@@ -127,6 +135,13 @@ mod tests {
             ("motor_speed_1_min", "motor_speed", Some("1_min")),
             ("time_ms", "time", Some("ms")),
             ("theta_counts", "theta", Some("counts")),
+            ("omega_°/s", "omega", Some("°/s")),
+            ("motor_speed_1/min", "motor_speed", Some("1/min")),
+            ("Speed rad/s", "Speed", Some("rad/s")),
+            ("Speed, rad/s", "Speed", Some("rad/s")),
+            ("omega/rad_s", "omega", Some("rad_s")),
+            ("torque/N m", "torque", Some("N m")),
+            ("theta_m/rad", "theta_m", Some("rad")),
             ("I_m", "I_m", None),
             ("x_load", "x_load", None),
             ("theta_m", "theta_m", None),

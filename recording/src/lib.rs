@@ -22,6 +22,7 @@ mod error;
 mod file;
 mod formats;
 mod given;
+mod guess;
 mod header;
 mod kept;
 mod look;

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::canonical;
 use crate::given::Given;
+use crate::guess;
 use crate::table::Table;
 use crate::time_unit::{by_step, median_step};
 use crate::unit::{Quantity, Unit};
@@ -57,7 +58,7 @@ impl Preview {
             let before = columns.iter().filter(|it| it.name == name).count();
             let key = if before == 0 { name.clone() } else { format!("{name}#{}", before + 1) };
             let guess = canonical::exact(&name)
-                .or_else(|| canonical::guess(&name, unit.as_deref(), None).map(|it| it.canonical));
+                .or_else(|| guess::guess(&name, unit.as_deref(), None).map(|it| it.canonical));
             let as_time = as_time(unit.as_deref(), values);
             let thinned = thinned(values);
             let (least, greatest) = range(thinned.iter().flat_map(|it| [it.0, it.1]));

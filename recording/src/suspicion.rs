@@ -57,13 +57,19 @@ impl fmt::Display for Suspicion {
         match self {
             Suspicion::Ratio { signal, with, ratio, meaning } => {
                 write!(f, "{signal} is {ratio:.4} times what {with} says")?;
-                match meaning {
-                    Some(meaning) => write!(f, ": {meaning}")?,
-                    None => write!(f, ": a gear, or a wrong unit or calibration?")?,
-                }
+                let end = match meaning {
+                    Some(meaning) => {
+                        write!(f, ": {meaning}")?;
+                        "."
+                    }
+                    None => {
+                        write!(f, ": a gear, or a wrong unit or calibration")?;
+                        "?"
+                    }
+                };
                 // No unit turns a sign.
                 match *ratio > 0.0 {
-                    true => write!(f, ". If it is a unit, say --columns {signal}=COLUMN:UNIT"),
+                    true => write!(f, "{end} If it is a unit, say --columns {signal}=COLUMN:UNIT"),
                     false => Ok(()),
                 }
             }
@@ -81,6 +87,14 @@ impl fmt::Display for Suspicion {
                  --columns time=COLUMN:ms"
             ),
         }
+    }
+}
+
+impl Suspicion {
+    /// Whether the units of two measured signals exclude each other: one of them is another.
+    pub fn is_contradiction(&self) -> bool {
+        matches!(self, Self::Ratio { with, ratio, meaning: Some(_), .. }
+            if *ratio > 0.0 && with != "reference")
     }
 }
 
@@ -241,6 +255,8 @@ mod tests {
         assert!(told.contains("say --columns omega=COLUMN:UNIT"), "{told}");
         let (ratio, meaning) = only(&swinging(14.0, 1.0));
         assert!((ratio - 14.0).abs() < 0.1 && meaning.is_none(), "a gear");
+        let contradicts = |scale| suspicions(&swinging(scale, 1.0))[0].is_contradiction();
+        assert_eq!([60.0 / TAU, 60.0, 14.0, -1.0].map(contradicts), [true, true, false, false]);
     }
 
     #[test]

@@ -25,7 +25,7 @@ fn says(text: &str, words: &[&str]) {
 fn too_little() {
     says("", &["rec.csv", "empty"]);
     says("\n \n", &["empty"]);
-    says("time [s],u [V]\n", &["header but no samples"]);
+    says("time [s],u [V]\n", &["no rows of numbers", "header such as"]);
     says("time [s],u [V]\n0,1\n", &["one sample"]);
     says("time [s]\n0\n1\n", &["no signal"]);
 }
@@ -43,6 +43,8 @@ fn rows_that_are_not_rows() {
     let error = read_csv(&b"time,i,mode\n0,1,H\n0.1,2,N\n"[..], "rec.csv", &options).unwrap_err();
     assert!(error.to_string().contains("rec.csv:2: column 3 `mode`: `H`"), "{error}");
     says("0,1\n1,2\n", &["rec.csv:1", "numbers, not names"]);
+    // Any of the blanks may part names.
+    says("time Rotor angle u\n0 1 2\n1 2 3\n", &["rec.csv:2", "3 values", "4 columns", "quote"]);
 }
 
 #[test]
@@ -143,6 +145,24 @@ fn every_guess_is_said() {
         "column `vibration` is not known and kept as it is",
     ] {
         assert!(told.iter().any(|it| it == sentence), "{sentence}: {told:?}");
+    }
+}
+
+#[test]
+fn files_of_another_kind_are_known_whatever_their_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for (content, what) in [
+        (&b"\x89PNG\r\n\x1a\n\0\0"[..], "a picture (PNG)"),
+        (b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n", "a document (PDF)"),
+        (b"\x1f\x8b\x08\0", "packed by gzip"),
+        (b"{\"time\": [0, 1], \"u\": [1, 2]}\n", "structured text (JSON)"),
+        (b"<html><table><tr><td>0</td></tr></table></html>\n", "structured text (HTML"),
+        (b"Dear reader,\nthis has 2 lines, and no table.\n", "no rows of numbers"),
+    ] {
+        let path = folder.path().join("log.csv");
+        std::fs::write(&path, content).unwrap();
+        let error = read(&path, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("log.csv: ") && error.contains(what), "{error}");
     }
 }
 

@@ -34,6 +34,8 @@ fn layouts_of_every_kind_hold_the_same_values() {
         // Blanks, units below, a rule, quotes, bars.
         "  time [s]   u [V]\n   0.0       1.5\n   0.5      -2.25\n   1.0       3.125\n   1.5       4.0\n",
         "time[s] u[V]\n0.0 1.5\n0.5 -2.25\n1.0 3.125\n1.5 4.0\n",
+        // A blank in a name, told by what the words mean together.
+        "time[s] Vitesse mesurée[rad_s] aux3 u[V]\n0.0 7 3 1.5\n0.5 8 2 -2.25\n1.0 9 1 3.125\n1.5 9 4 4.0\n",
         "time;u\n[s];[V]\n0;1,5\n0,5;-2,25\n1;3,125\n1,5;4\n",
         "time [s] | u\n-----|-----\n0 | 1.5\n0.5 | -2.25\n1 | 3.125\n1.5 | 4\n",
         "\"time [s]\",\"u [V]\"\n\"0\",\"1.5\"\n\"0.5\",\"-2.25\"\n\"1\",\"3.125\"\n\"1.5\",\"4\"\n",

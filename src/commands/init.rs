@@ -84,7 +84,7 @@ impl Run for Init {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let given = Given::parse(self.given.as_deref().unwrap_or_default())?;
         session.check_writable(&[&self.output])?;
-        let (recording, report) = self.reading.read(&self.recording, session)?;
+        let (recording, report) = self.reading.read_for_model(&self.recording, session)?;
         let used = USED.into_iter().filter(|name| recording.signal(name).is_some());
         report.require(&recording, &used.collect::<Vec<_>>()).map_err(told)?;
         if let Some(offer) = offer(&report.constants, &given) {

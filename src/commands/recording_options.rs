@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use clap::Args;
-use drivescope_recording::{Mapping, ReadOptions, Recording, Report, read};
+use drivescope_recording::{Mapping, ReadOptions, Recording, Report, Suspicion, read};
 
-use crate::failure::told;
+use crate::failure::{Failure, told};
 use crate::session::Session;
 
 /// Options of reading a recording.
@@ -71,14 +71,61 @@ impl RecordingOptions {
         path: &Path,
         session: &Session,
     ) -> miette::Result<(Recording, Report)> {
+        let (recording, report) = self.opened(path, session)?;
+        Ok(remarked(recording, report, session))
+    }
+
+    /// As [`Self::read`], for a model of the machine: two units that exclude each other would make
+    /// it a wrong one.
+    ///
+    /// # Errors
+    /// As [`Self::read`], and units that contradict the values.
+    pub(crate) fn read_for_model(
+        &self,
+        path: &Path,
+        session: &Session,
+    ) -> miette::Result<(Recording, Report)> {
+        let (recording, report) = self.opened(path, session)?;
+        match report.suspicions.iter().find_map(|it| contradiction(&report, it)) {
+            Some(failure) => Err(failure.into()),
+            None => Ok(remarked(recording, report, session)),
+        }
+    }
+
+    fn opened(&self, path: &Path, session: &Session) -> miette::Result<(Recording, Report)> {
         let options = self.options(path, session)?;
-        let (recording, report) = read(path, &options).map_err(told)?;
+        let found = read(path, &options).map_err(told)?;
         if self.is_said() {
             session.keep_later(path, options);
         }
-        for remark in report.guesses().iter().chain(&report.warnings()) {
-            session.remark(format_args!("{}: {remark}", report.file));
-        }
-        Ok((recording, report))
+        Ok(found)
     }
+}
+
+/// Says what was assumed and what deserves attention.
+fn remarked(recording: Recording, report: Report, session: &Session) -> (Recording, Report) {
+    for remark in report.guesses().iter().chain(&report.warnings()) {
+        session.remark(format_args!("{}: {remark}", report.file));
+    }
+    (recording, report)
+}
+
+/// What to say of units that exclude each other.
+fn contradiction(report: &Report, suspicion: &Suspicion) -> Option<Failure> {
+    let Suspicion::Ratio { signal, with, ratio, meaning: Some(meaning) } = suspicion else {
+        return None;
+    };
+    let column = |signal: &str| {
+        let note = report.columns.iter().find(|note| note.signal == signal);
+        note.map_or_else(|| signal.to_owned(), |note| note.column.clone())
+    };
+    suspicion.is_contradiction().then(|| Failure::Usage {
+        what: format!("{}: {signal} is {ratio:.4} times what {with} says: {meaning}", report.file),
+        instead: format!(
+            "say the unit of one with --columns {signal}={}:UNIT, or keep the other out with \
+             --columns {with}_unused={}",
+            column(signal),
+            column(with)
+        ),
+    })
 }

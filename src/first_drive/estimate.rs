@@ -11,33 +11,18 @@ use drivescope_discovery::{
 use drivescope_plant::drive::{Drive, EffectData, Input};
 use drivescope_recording::Recording;
 
-use super::{Choice, Constant, FirstDrive, FirstDriveError, Given, Origin, Quality, Value};
+use super::origins::values;
+use super::usual::template;
+use super::{Choice, FirstDrive, FirstDriveError, Given, Origin, Quality, Value};
 use crate::failure::told;
 use crate::simulation::replay::Fit;
 
-/// What a small motor has where the recording does not tell: R ohm, L / R s, K V s/rad, J / K.
-const USUAL: [f64; 4] = [1.0, 1e-3, 0.05, 2e-3];
-/// Friction torque over the torque constant where the recording does not tell, A.
-const USUAL_FRICTION: f64 = 0.1;
 /// A constant load must leave at most this share of what was unexplained without it.
 const CLEARLY_LESS: f64 = 0.9;
+/// The offset's parameter.
+pub(super) const OFFSET: &str = "constant_load.T_0";
 /// A fit may leave at most this many times what least squares leave of a balance unexplained.
 const AS_WELL: f64 = 1.05;
-
-const BY_BALANCES: &str = "estimated: least squares on the balances";
-const BY_FIT: &str = "estimated: least squares on the balances, then a fit";
-const MEASURE_R: &str = "measure the resistance between the terminals";
-const MEASURE_L: &str =
-    "take it from the data sheet; a fit finds it if the recording is fast enough";
-const NEEDS_EXCITATION: &str = "take it from the data sheet, or record steps and reversals";
-const NEEDS_ACCELERATION: &str =
-    "the recording does not tell it and it is kept; record steps, or take it from the data sheet";
-const NEEDS_CURRENT: &str =
-    "without a current it cannot be told from K; a data sheet or a coasting run tells";
-const NEEDS_KNOWN_K: &str =
-    "take it from the data sheets of amplifier and motor: all other values are ratios to it";
-const IS_TORQUE: &str = "1: the torque itself drives";
-const DATA_SHEET: &str = "given: typed from a data sheet";
 
 /// What the recording says of the drive that was chosen.
 pub(super) fn first_drive(
@@ -81,42 +66,6 @@ fn seen(drive: &Drive, recording: &Recording) -> miette::Result<Evidence> {
     Ok(Evidence { recordings: vec![measured], noise: vec![sds] })
 }
 
-/// A drive of the chosen structure with what is given, and usual values.
-fn template(choice: &Choice, given: &Given) -> Result<Drive, FirstDriveError> {
-    let [r, time, k, j] = USUAL;
-    let of = |name: &str, usual: f64| given.value(name, choice.input).unwrap_or(usual);
-    let force = choice.input == Input::Force;
-    let r = of("R", r);
-    let k_m = of("K_m", if force { 1.0 } else { k });
-    let motor = match force {
-        true => format!("input = \"force\"\nK_m = {k_m:?}\n"),
-        false => format!(
-            "input = \"voltage\"\nR = {r:?}\nL = {:?}\nK_e = {:?}\nK_m = {k_m:?}\ntie_K = {}\n",
-            of("L", r * time),
-            of("K_e", k),
-            of("K_e", k) == k_m,
-        ),
-    };
-    let fixed = ["R", "L", "K_e", "K_m", "J", "B_m", "coulomb.T_c"].into_iter();
-    let fixed = fixed.filter(|name| {
-        let of_voltage = ["R", "L", "K_e"].contains(name);
-        (given.value(name, choice.input).is_some() && !(force && of_voltage))
-            || (*name == "K_m" && force)
-    });
-    let fixed: Vec<String> = fixed.map(|name| format!("{name:?}")).collect();
-    let text = format!(
-        "schema = 1\nname = \"first\"\nmotion = \"{}\"\n[motor]\n{motor}J = {:?}\nB_m = {:?}\n\
-         [[effect]]\nkind = \"coulomb\"\nT_c = {:?}\n[fit]\nfixed = [{}]\n",
-        super::text::motion(choice.motion),
-        of("J", j * k_m),
-        of("B_m", 0.0),
-        of("coulomb.T_c", USUAL_FRICTION * k_m),
-        fixed.join(", "),
-    );
-    Drive::parse(&text, "first.toml")
-        .map_err(|error| FirstDriveError::NoDrive { reason: error.to_string() })
-}
-
 /// The same drive with a constant load, where that explains the torque clearly better.
 fn with_constant_load(
     template: &Drive,
@@ -140,8 +89,6 @@ fn with_constant_load(
     Ok((clearly && begun.told.iter().any(|it| it.name == OFFSET)).then_some(begun))
 }
 
-const OFFSET: &str = "constant_load.T_0";
-
 /// The drive after a fit, with the estimates; none where least squares alone are the better answer.
 fn refined(begun: &Drive, evidence: &Evidence) -> Option<(Drive, Vec<Estimate>)> {
     let setting = Setting::of_fit(begun, evidence);
@@ -157,55 +104,6 @@ fn refined(begun: &Drive, evidence: &Evidence) -> Option<(Drive, Vec<Estimate>)>
     let own = fitted.recordings.into_iter().flat_map(|it| it.own);
     let estimates: Vec<Estimate> = fitted.parameters.into_iter().chain(own).collect();
     (lower && as_well).then_some((drive, estimates))
-}
-
-/// Every parameter of the drive with what is known of it.
-fn values(
-    drive: &Drive,
-    begun: &Begun,
-    estimates: Option<&[Estimate]>,
-    choice: &Choice,
-    given: &Given,
-) -> Vec<Value> {
-    let names = ["R", "L", "K_e", "K_m", "J", "B_m", "coulomb.T_c", OFFSET];
-    let all = drive.parameters();
-    let by_voltage_alone =
-        choice.input == Input::Voltage && !begun.told.iter().any(|it| it.name == "R");
-    let of = |name: &'static str| {
-        let known = all.iter().find(|it| it.name == name)?;
-        let tied = name == "K_m" && drive.motor.tie_k;
-        let source = if tied { "K_e" } else { name };
-        let begun = begun.told.iter().find(|it| it.name == source);
-        let fitted = estimates.and_then(|all| all.iter().find(|it| it.name == source));
-        let fitted = fitted.filter(|_| begun.is_some());
-        let (origin, std_error) = if given.value(name, choice.input).is_some() {
-            (Origin::Given(DATA_SHEET), None)
-        } else if name == "K_m" && choice.constant == Constant::Known {
-            (Origin::Given(IS_TORQUE), None)
-        } else if let Some(fitted) = fitted {
-            (Origin::Estimated(BY_FIT), Some(fitted.std_error))
-        } else if let Some(begun) = begun {
-            (Origin::Estimated(BY_BALANCES), Some(begun.std_error))
-        } else {
-            let todo = match name {
-                "R" => MEASURE_R,
-                "L" => MEASURE_L,
-                "K_m" if choice.constant == Constant::Ratio => NEEDS_KNOWN_K,
-                "J" => NEEDS_ACCELERATION,
-                "B_m" if by_voltage_alone => NEEDS_CURRENT,
-                _ => NEEDS_EXCITATION,
-            };
-            (Origin::Guessed(todo), None)
-        };
-        let unit = match name {
-            "K_m" if choice.input == Input::Force => choice.unit_of_constant(),
-            _ => known.unit.clone(),
-        };
-        // At the bound of what is possible there is no error to tell.
-        let std_error = std_error.filter(|error| *error > 0.0);
-        Some(Value { name, value: known.value, unit, std_error, origin })
-    };
-    names.into_iter().filter_map(of).collect()
 }
 
 /// How well the drive fits its recording.
@@ -234,6 +132,7 @@ mod tests {
 
     use super::*;
     use crate::expression::SignalOverTime;
+    use crate::first_drive::Constant;
     use crate::simulation::typed::{Driven, Run};
 
     const RICH: &str = "12 * sin(2 * t) + 6 * sin(7 * t) + 4 * sign(sin(20 * t))";

@@ -1,13 +1,16 @@
 //! A first drive file from a recording: what was measured decides what is modelled, least squares
 //! on the balances and a fit give its values, and what the recording does not tell is marked.
 //!
-//! [`choice`] says what is modelled; [`given`] reads what a data sheet says; [`estimate`] finds the
-//! values and how well they fit; [`text`] writes the file with its comments.
+//! [`choice`] says what is modelled; [`given`] reads what a data sheet says; [`usual`] makes the drive
+//! to begin with; [`estimate`] finds the values and how well they fit, [`origins`] where each comes
+//! from; [`text`] writes the file with its comments.
 
 mod choice;
 mod estimate;
 mod given;
+mod origins;
 mod text;
+mod usual;
 
 use drivescope_discovery::Unexplained;
 use drivescope_plant::drive::Drive;
@@ -19,6 +22,9 @@ pub(crate) use choice::{Choice, Constant};
 pub(crate) use given::{Given, held, offer};
 
 use crate::simulation::replay::Fit;
+
+/// A recording lasts so long at least, s.
+const LEAST_S: f64 = 1.0;
 
 /// Why no drive file can be made.
 #[derive(Debug, Error, Diagnostic)]
@@ -51,6 +57,15 @@ pub(crate) enum FirstDriveError {
         file: String,
         /// What is there.
         signals: String,
+    },
+    /// Friction and inertia need some time to show.
+    #[error("{file}: lasts {duration_s:.3} s, and a first drive needs {LEAST_S} s")]
+    #[diagnostic(help("record for longer: steps and reversals over some seconds"))]
+    TooShort {
+        /// The recording.
+        file: String,
+        /// All its segments together, s.
+        duration_s: f64,
     },
     /// A value of the command line.
     #[error("--given: `{item}` is no NAME=VALUE above zero, SI, of {names}")]
@@ -133,7 +148,14 @@ impl FirstDrive {
         input: Option<drivescope_plant::drive::Input>,
         given: &Given,
     ) -> miette::Result<Self> {
-        estimate::first_drive(recording, Choice::of(recording, input)?, given)
+        let choice = Choice::of(recording, input)?;
+        let duration_s = recording.len() as f64 * recording.period_s;
+        // Rounding of the sampling time is no reason to refuse.
+        if duration_s < LEAST_S * (1.0 - 1e-6) {
+            let file = recording.name.clone();
+            return Err(FirstDriveError::TooShort { file, duration_s }.into());
+        }
+        estimate::first_drive(recording, choice, given)
     }
 
     /// The text of the drive file, and the drive in it.

@@ -145,3 +145,46 @@ fn a_control_signal_alone_drives() {
     let fit = compared["recordings"][0]["outputs"][0]["fit_percent"].as_f64();
     assert!(fit.is_some_and(|percent| percent > 95.0), "{compared}");
 }
+
+/// Speed and angle of a drive that swings, each times a factor, sampled at 1 kHz.
+fn swinging(samples: u32, speed: f64, angle: f64) -> Vec<String> {
+    let row = |k: u32| {
+        let t = 1e-3 * f64::from(k);
+        let (omega, theta) = (20.0 + 80.0 * (7.0 * t).sin(), 20.0 * t - 11.43 * (7.0 * t).cos());
+        format!("{t:.3},{:.4},{:.5},{:.6}\n", 0.06 * omega, speed * omega, angle * theta)
+    };
+    (0..samples).map(row).collect()
+}
+
+#[test]
+fn what_cannot_be_repaired_is_said_in_one_sentence_with_the_next_step() {
+    let here = folder();
+    let names = "time [s],u [V],omega [rad/s],theta [rad]";
+    let table = |names: &str, rows: &[String]| format!("{names}\n{}", rows.concat());
+    let backwards: Vec<String> = swinging(3000, 1.0, 1.0).into_iter().rev().collect();
+    let degrees = 180.0 / std::f64::consts::PI;
+    for (text, said) in [
+        (
+            table("time [s],u [V],u [V],theta [rad]", &swinging(3000, 1.0, 1.0)),
+            ["columns 2 and 3 are both called `u`", "--columns u_unused=u#2"],
+        ),
+        (table(names, &swinging(3000, 60.0, 1.0)), ["times what theta says", "omega=omega:"]),
+        (table(names, &swinging(3000, 1.0, degrees)), ["degrees", "theta_unused=theta"]),
+        (table(names, &backwards), ["log.csv:3: time goes back", "sort the rows"]),
+        (table(names, &swinging(900, 1.0, 1.0)), ["lasts 0.900 s", "record for longer"]),
+        (table(names, &swinging(1, 1.0, 1.0)), ["log.csv: holds one sample", "at least two"]),
+        (String::new(), ["log.csv: is empty", "header such as"]),
+        ("%PDF-1.7\n".to_owned(), ["log.csv: is a document (PDF)", "export it as one"]),
+    ] {
+        put(here.path(), "log.csv", text);
+        let message = refused(here.path(), &["init", "log.csv", "-o", "first.toml"]);
+        // However wide the terminal is.
+        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.iter().all(|words| message.contains(words)), "{said:?}: {message}");
+    }
+    // What the sentence says to do helps.
+    put(here.path(), "log.csv", table(names, &swinging(3000, 30.0 / std::f64::consts::PI, 1.0)));
+    refused(here.path(), &["init", "log.csv", "-o", "first.toml"]);
+    let line = ["init", "log.csv", "-o", "first.toml", "--columns", "omega=omega:rpm"];
+    done(here.path(), &line);
+}

@@ -12,6 +12,8 @@ from .naming import WORDS, Column
 UNKNOWN = [("vibration", "g"), ("aux3", ""), ("bus_voltage", "V"), ("status_code", "")]
 WORDS_IN_CELLS = ["ok", "start", "läuft", "stop"]
 MISSING_CELLS = 12
+SINCE_FIRST = {"epoch_stamps", "iso_stamps", "clock_over_midnight"}
+"""Clocks that are read as seconds since the first row."""
 
 
 def write(folder, name, draft):
@@ -43,6 +45,7 @@ def write(folder, name, draft):
         "done": draft.done,
         "period_s": draft.clean.period,
         "tick_s": max(tick, log.coarse),
+        "from_first_row": draft.clock in SINCE_FIRST,
         "instants": log.instants,
         "signals": signals,
         "columns": {signal: column.name for signal, column in printed.items()},

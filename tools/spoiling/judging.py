@@ -3,8 +3,9 @@
 Stated errors of a sample: half a step of the printed digits where rows are samples; between rows
 also the straight line's error, curvature * gap^2 / 8, the stamps' tick * slope, and the noise of
 the sensors. Where sampling was even, samples are the rows themselves, whatever their stamps were;
-they may be interpolated at their stamps only where jitter * slope is below noise and digits, and
-then that is their error.
+they may be interpolated at their stamps only where stamps jitter and jitter * slope is below noise
+and digits, and then that is their error. Time is that of a uniform grid whose last sample is no
+more than a quarter of a step and what the stamps leave open off.
 """
 
 import json
@@ -17,8 +18,14 @@ SIGNALS = {
     *("u", "i", "omega", "v", "theta", "x", "reference", "T_l", "C_m", "T", "I_m", "temperature"),
     *("torque", "omega_load", "v_load", "theta_load", "x_load"),
 }
-PERIOD_OFF = 1e-3
-"""Share by which the sampling time may be off."""
+DRIFT = 0.25
+"""Steps that the grid may be off at the end of the longest run."""
+SAME_RATE = 1e-3
+"""Share by which sampling times of one rate may differ."""
+EXACT = 0.01
+"""Jitter below which stamps are those of samples, in steps."""
+GRID = 1e-6
+"""Steps that a printed time may be off its grid."""
 SIGMAS = 6.0
 """Standard deviations of noise that a sample may be off: once in 10^9."""
 ROUNDING = 1e-9
@@ -96,14 +103,22 @@ def _names(truth, read):
 def _period(truth, read):
     found = read.account["report"]["sampling"]["period_s"]
     slower = (truth["done"].get("joined_rates") or {}).get("slower", 1)
+    longest = max(_runs(truth), key=len)
+    lasts = truth["t"][longest[-1]] - truth["t"][longest[0]]
+    allowed = (DRIFT * truth["period_s"] * slower + truth["tick_s"]) / lasts
     off = min(abs(found / (truth["period_s"] * rate) - 1.0) for rate in (1, slower))
-    if off <= PERIOD_OFF:
+    if off <= allowed:
         return []
     return [f"sampling time {found} s, which is off by {100 * off:.2g} % of {truth['period_s']} s"]
 
 
+def _runs(truth):
+    """Rows of every run."""
+    return [np.flatnonzero(truth["run"] == run) for run in np.unique(truth["run"])]
+
+
 def _values(truth, read):
-    runs = [np.flatnonzero(truth["run"] == run) for run in np.unique(truth["run"])]
+    runs = _runs(truth)
     segments = read.segments()
     if len(segments) != len(runs):
         return [f"{len(segments)} segments instead of {len(runs)}"]
@@ -157,9 +172,7 @@ class _Part:
     def _first(self, read, rows, samples, runs):
         """Which row of the run the segment begins with."""
         stamp, tick = self.truth["stamp"], self.truth["tick_s"]
-        start = read.columns["time"][0]
-        # Epochs and times of day may count from the first row on.
-        base = start if abs(start - stamp[runs[0][0]]) > tick else stamp[runs[0][0]]
+        base = 0.0 if self.truth["from_first_row"] else stamp[runs[0][0]]
         expected = stamp[rows[: 1 + self.loose]] - stamp[runs[0][0]] + base
         off = np.abs(expected - self.time[0])
         # A clock may be that of all rows and not of the first alone.
@@ -175,12 +188,16 @@ class _Part:
         """What is wrong with it; errors of smooth signals are added to `errors`."""
         if self.reasons:
             return self.reasons
+        grid = self.time[0] + self.period * np.arange(len(self.time))
+        if np.abs(self.time - grid).max() > GRID * self.period:
+            return ["time is not uniform"]
         even = self._at_rows()
         if not even and (not self.truth["instants"] or not self._jitter_shows()):
             self._keep(errors, self.t[0] + self.step * np.arange(len(self.time)))
             return []
-        same_rate = abs(self.period / self.step - 1.0) < PERIOD_OFF
-        if not self.truth["instants"] and same_rate and self._jitter_shows():
+        same_rate = abs(self.period / self.step - 1.0) < SAME_RATE
+        told = self._jitter_shows() or self._is_exact()
+        if not self.truth["instants"] and same_rate and told:
             return even
         between = self._between()
         self._keep(errors, self.t[0] + self.time - self.time[0])
@@ -211,6 +228,10 @@ class _Part:
             if not signal["held"]
         ]
         return any(shown)
+
+    def _is_exact(self):
+        """Whether stamps are even enough to be samples as they stand."""
+        return max(self.late, self.truth["tick_s"]) <= EXACT * self.step
 
     def _at_rows(self):
         """Sample j is row j, empty places on a straight line; what contradicts that."""

@@ -143,8 +143,7 @@ class Naming:
         texts, one, zero = known[
             int(self.rng.integers(1, len(known))) if self.foreign_to(si) else 0
         ]
-        fit = [text for text in texts if "/" not in text or self.style not in ("_", "/")] or texts
-        text = str(self.rng.choice(fit))
+        text = str(self.rng.choice(texts))
         if text.startswith("counts"):
             self.counts = text
         return text, one, zero
@@ -182,4 +181,5 @@ class Naming:
             case "/":
                 return f"{column.name}/{unit}"
             case "row":
-                return column.name
+                # Nothing would tell which blank parts names.
+                return column.name.replace(" ", "_") if joined else column.name

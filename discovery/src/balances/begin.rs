@@ -2,22 +2,17 @@
 //! torque balance needs K.
 
 use drivescope_plant::drive::Drive;
-use drivescope_plant::parameters::NamedParameter;
 
 use super::laws::{Linear, without_states};
+use super::scales::{speeds, tried};
 use super::torque::{self, TorqueFit};
 use super::voltage;
-use super::windows::{Reading, SLOW, Windows};
+use super::windows::{Reading, Windows};
 use super::{Balances, Begun, Told};
-use crate::estimate::{Evidence, recorded_speeds, set};
+use crate::estimate::{Evidence, set};
 
 /// Standard errors from which on an inertia is told.
 const TOLD: f64 = 3.0;
-/// Speeds that are tried for a law's own scale.
-const SPEEDS_TRIED: usize = 8;
-/// The fastest of them as a share of the greatest speed: a law that bends over the whole range is
-/// told from viscous and dry friction by little.
-const FASTEST: f64 = 0.2;
 /// A tried speed must leave at most this share of the squared error that the file's value leaves.
 const CLEARLY_LESS: f64 = 0.98;
 /// Rounds in which the load's share is made right where only the voltage was measured.
@@ -153,25 +148,6 @@ fn constant(sum: f64, drive: &Drive) -> Option<f64> {
     let friction = drive.motor.b_m * drive.motor.r.unwrap_or(1.0);
     let root = (sum * sum - 4.0 * friction).max(0.0).sqrt();
     Some(0.5 * (sum + root)).filter(|k| *k > 0.0)
-}
-
-/// Parameters that are speeds: the scale of a law.
-fn speeds(others: &[NamedParameter]) -> impl Iterator<Item = &NamedParameter> {
-    others.iter().filter(|it| ["rad/s", "m/s"].contains(&it.unit.as_str()))
-}
-
-/// Values that are tried for a law's speed: those at which the recordings dwell, and the balances
-/// look.
-fn tried(parameter: &NamedParameter, evidence: &Evidence) -> impl Iterator<Item = f64> {
-    let (slow, fast) = recorded_speeds(&evidence.recordings, &evidence.noise);
-    let (low, high) = parameter.range;
-    let (slow, fast) = (slow.max(SLOW * fast).max(low), (FASTEST * fast).min(high));
-    let span = (slow < fast).then_some((slow, fast));
-    let at = move |k: usize| {
-        let share = k as f64 / (SPEEDS_TRIED - 1) as f64;
-        span.map(|(slow, fast)| slow * (fast / slow).powf(share))
-    };
-    (0..SPEEDS_TRIED).filter_map(at)
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@
 mod begin;
 mod laws;
 mod runs;
+mod scales;
 mod solve;
 mod torque;
 mod voltage;

@@ -6,11 +6,11 @@
 
 use std::io::Read;
 
-use super::clock::{Stamp, stamp};
 use super::encoding::text;
 use super::fields::BLANKS;
 use super::line::{Line, uncommented};
 use super::lines::{LineReader, Numbered};
+use super::names::{header_above, joined_brackets, joined_names, named, rows_are_numbered};
 use crate::error::Error;
 use crate::header::NAMELESS;
 
@@ -187,6 +187,12 @@ fn under(
         }
         if delimiter == BLANKS {
             layout.header = joined_brackets(&layout.header);
+            let expected = layout.header.len();
+            let Some(names) = joined_names(layout.header, width) else {
+                let line = seen[row].0;
+                return Err(Some(Misfit { line, found: width, expected: Some(expected) }));
+            };
+            layout.header = names;
         }
         if layout.header.len() + 1 == width && rows_are_numbered(split, width) {
             layout.header.insert(0, "row".to_owned());
@@ -222,80 +228,6 @@ fn longest_run(split: &[Line]) -> Option<(usize, usize, f64)> {
     best
 }
 
-/// The line above `row` that names `width` columns, and whether it names exactly those.
-///
-/// The last line comes first if it is long enough (its last columns may be empty); then plain text
-/// before a comment, the right width before a longer line, and a near line before a far one.
-fn header_above(split: &[Line], row: usize, width: usize, delimiter: u8) -> Option<(usize, bool)> {
-    let names = |line: &Line| match delimiter {
-        BLANKS => joined_brackets(&line.fields).len(),
-        _ => line.fields.len(),
-    };
-    let exact = |line: &Line| {
-        let trailing = line.fields.last().is_some_and(String::is_empty);
-        names(line) == width
-            || names(line) > 1 && names(line) + 1 == width
-            || names(line) == width + 1 && trailing
-    };
-    let longer = |line: &Line| names(line) > width && width > 1;
-    let search = |comment: bool, fits: &dyn Fn(&Line) -> bool| {
-        let found = |k: &usize| {
-            let line = &split[*k];
-            line.comment == comment && line.names() && fits(line)
-        };
-        (0..row).rev().find(found)
-    };
-    let last = (0..row).rev().find(|k| !split[*k].comment);
-    let next = last.filter(|k| split[*k].names() && longer(&split[*k])).map(|at| (at, false));
-    let (at, wanted) = search(false, &exact)
-        .filter(|at| next.is_none_or(|(nearer, _)| nearer <= *at))
-        .map(|at| (at, true))
-        .or(next)
-        .or_else(|| Some((search(true, &exact)?, true)))
-        .or_else(|| Some((search(false, &longer)?, false)))?;
-    // A line of units belongs to the names above it.
-    let paired = at > 0 && split[at].units() && split[at - 1].names() && {
-        !split[at - 1].units() && names(&split[at - 1]).abs_diff(names(&split[at])) <= 1
-    };
-    // Rows above a header are another table: then the header is not the first.
-    let before = split[..at].iter().filter(|line| line.row && line.fields.len() == width).count();
-    (before < 3).then_some((if paired { at - 1 } else { at }, wanted))
-}
-
-/// Names and units of the header at a line.
-fn named(split: &[Line], at: usize, row: usize, delimiter: u8) -> Layout {
-    let mut names = split[at].fields.clone();
-    if names.len() > 1 && names.last().is_some_and(String::is_empty) {
-        names.pop();
-    }
-    let mut header = names.clone();
-    for (k, name) in header.iter_mut().enumerate().filter(|(_, name)| name.is_empty()) {
-        *name = format!("{NAMELESS}{}", k + 1);
-    }
-    let mut rows_from = at + 1;
-    if let Some(units) = split.get(at + 1).filter(|line| at + 1 < row && line.units()) {
-        rows_from += 1;
-        for (name, unit) in header.iter_mut().zip(&units.fields) {
-            let unit = unit.trim_matches(['[', ']', '(', ')', '<', '>']).trim();
-            if !unit.is_empty() {
-                *name = format!("{name} [{unit}]");
-            }
-        }
-    }
-    let above = split[..at].iter().filter(|line| !line.comment).count();
-    Layout { header, names, delimiter, above, header_at: at, rows_from }
-}
-
-/// Whether the first column has no name because it numbers the rows (as R writes them), or holds
-/// the date that stands before the time at the same blank.
-fn rows_are_numbered(split: &[Line], width: usize) -> bool {
-    let rows = || split.iter().filter(|line| line.row && line.fields.len() == width);
-    let first = || rows().filter_map(|line| line.fields[0].parse::<i64>().ok());
-    let counted = first().count() == rows().count();
-    let dated = rows().all(|line| matches!(stamp(&line.fields[0], true), Some(Stamp::Day(_))));
-    dated || counted && first().zip(first().skip(1)).all(|(a, b)| b == a + 1)
-}
-
 /// Columns numbered from 1 on, in a file that holds rows of numbers and nothing else.
 fn nameless(seen: &[Numbered]) -> Option<Layout> {
     if seen.len() < NAMELESS_ROWS {
@@ -327,20 +259,4 @@ fn names_alone(seen: &[Numbered]) -> Option<Layout> {
         let (above, header_at) = (0, 0);
         Some(Layout { header, names, delimiter: b',', above, header_at, rows_from: last })
     })
-}
-
-/// `time [s] u [V]` parted at blanks is two names.
-fn joined_brackets(fields: &[String]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for field in fields {
-        let open = names.last().is_some_and(|name| {
-            let count = |marks: [char; 2]| name.matches(marks).count();
-            count(['[', '(']) > count([']', ')'])
-        });
-        match names.last_mut() {
-            Some(name) if open || field.starts_with(['[', '(']) => *name += &format!(" {field}"),
-            _ => names.push(field.clone()),
-        }
-    }
-    names
 }

@@ -1,5 +1,6 @@
 //! Recordings as CSV: read at once, read row by row, written.
 
+mod body;
 mod clock;
 mod column;
 mod encoding;
@@ -8,6 +9,7 @@ mod kinds;
 mod layout;
 mod line;
 mod lines;
+mod names;
 mod number;
 mod rows;
 mod settings;

@@ -10,6 +10,18 @@ use crate::error::Error;
 /// Bytes looked at: HDF5 may begin at byte 2048.
 const HEAD: u64 = 4096;
 
+/// First bytes of files that are no recordings, whatever their names say.
+const OTHERS: [(&[u8], &str); 8] = [
+    (b"\x89PNG", "a picture (PNG)"),
+    (b"\xff\xd8\xff", "a picture (JPEG)"),
+    (b"GIF8", "a picture (GIF)"),
+    (b"%PDF", "a document (PDF)"),
+    (b"\x1f\x8b", "packed by gzip"),
+    (b"\x7fELF", "a program"),
+    (b"{", "structured text (JSON)"),
+    (b"<", "structured text (HTML or XML)"),
+];
+
 /// The file's format; afterwards the file stands at its start.
 ///
 /// First bytes count more than the extension, since files get renamed and many loggers write
@@ -27,6 +39,9 @@ pub(crate) fn recognise(
     let mut head = Vec::new();
     opened.take(HEAD).read_to_end(&mut head).map_err(failed)?;
     opened.seek(SeekFrom::Start(0)).map_err(failed)?;
+    if let Some((_, what)) = OTHERS.iter().find(|(starts, _)| head.starts_with(starts)) {
+        return Err(Error::Other { file: file.to_owned(), what, known: formats_listed() });
+    }
     by_content(&head)
         .or_else(|| by_extension(path))
         .ok_or_else(|| Error::Format { file: file.to_owned(), known: formats_listed() })

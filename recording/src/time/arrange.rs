@@ -8,7 +8,7 @@ use super::rate::{Clock, Way, common_period};
 use super::rows::{Columns, Rows, rows};
 use super::slots::Slots;
 use super::split::split;
-use super::ticks::spread;
+use super::ticks::Stamped;
 use crate::clock::Break;
 use crate::error::Error;
 use crate::place::Lines;
@@ -62,66 +62,103 @@ pub(crate) fn arrange(
     lines: &Lines,
 ) -> Result<Arranged, Error> {
     let Rows { kept, runs, unstamped, repeated, disordered } = rows(&time, columns, run, lines)?;
-    let chosen = |values: &[f64]| match &kept {
-        Some(kept) => kept.iter().map(|k| values[*k]).collect(),
-        None => values.to_vec(),
+    let stamps = match &kept {
+        Some(kept) => kept.iter().map(|k| time[*k]).collect(),
+        None => time,
     };
-    let stamps = if kept.is_some() { chosen(&time) } else { time };
-    let (mut time, stamps) = match spread(&stamps, &runs) {
-        Some(time) => (time, Some(stamps)),
-        None => (stamps, None),
-    };
-    let spread = stamps.iter().flat_map(|stamps| stamps.iter().zip(&time));
-    let spread_s = spread.map(|(stamp, time)| (stamp - time).abs()).fold(0.0, f64::max);
-    let whole = split(&time, &runs);
-    let row = |k: usize| kept.as_ref().map_or(k, |kept| kept[k]);
+    let mut stamped = Stamped::of(stamps, &runs);
+    let parts = split(&stamped.time, &runs);
     let mut gaps = Stretches::default();
-    for segment in &whole[1..] {
-        gaps.add(row(segment.start), lines.line(row(segment.start)));
+    for part in &parts[1..] {
+        let row = kept.as_ref().map_or(part.start, |kept| kept[part.start]);
+        gaps.add(row, lines.line(row));
     }
-    // A stamp that never changes is no clock.
-    let runs = |part: &&Range<usize>| time[part.end - 1] > time[part.start];
-    let parts: Vec<Range<usize>> = whole.iter().filter(runs).cloned().collect();
-    let stray = time.len() - parts.iter().map(Range::len).sum::<usize>();
-    let jumps = disordered + whole.len() - 1;
-    if parts.is_empty() || (time.len() >= ENOUGH_ROWS && time.len() < LEAST_ROWS * jumps) {
-        let file = lines.file().to_owned();
-        return Err(Error::NoClock { file, jumps, rows: time.len() });
-    }
-    let ticks = |rows: &Range<usize>| {
-        stamps.as_ref().is_some_and(|stamps| stamps[rows.clone()] != time[rows.clone()])
-    };
-    let clock = |rows: Range<usize>| Clock::of(&time, ticks(&rows), rows);
-    let clocks: Vec<Clock> = parts.into_iter().map(clock).collect();
+    let clocks = clocks(&stamped, &parts, disordered, lines)?;
     let found_s = common_period(&clocks);
     let asked_s = period_s.unwrap_or(found_s);
     if !(asked_s.is_finite() && asked_s > 0.0) {
-        let (file, duration_s) = (lines.file().to_owned(), time[time.len() - 1] - time[0]);
-        return Err(Error::Period { file, period_s: asked_s, duration_s });
+        let duration_s = stamped.time[stamped.time.len() - 1] - stamped.time[0];
+        return Err(Error::Period { file: lines.file().to_owned(), period_s: asked_s, duration_s });
     }
-    let stamped = clocks.iter().filter(|clock| !clock.coarse);
-    let uneven: Vec<(Range<usize>, Slots)> =
-        stamped.filter_map(|it| Some((it.rows.clone(), it.slots.clone()?))).collect();
-    let by_stamps = match uneven.is_empty() {
-        true => None,
-        false => {
-            let columns: Vec<Vec<f64>> = columns.iter().map(|column| chosen(column)).collect();
-            let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-            Instants::of(&time, &columns, &uneven).sampled_at_stamps()
-        }
+    let by_stamps = by_stamps(&clocks, &stamped.time, columns, kept.as_deref());
+    let (mut segments, account) = on_grid(&clocks, &mut stamped.time, asked_s, by_stamps, lines)?;
+    let moved = one_clock(&mut segments, asked_s);
+    let between = segments.iter().any(|it| matches!(it.way, Way::Stamps));
+    let sampling = Sampling {
+        start_s: segments[0].start_s,
+        period_s: asked_s,
+        jitter: clocks.iter().map(|clock| clock.jitter).fold(0.0, f64::max),
+        resampled_from_s: period_s.map(|_| found_s),
+        uneven: between || stamped.is_spread() || clocks.iter().any(|it| it.slots.is_some()),
+        by_stamps: between,
+        largest_shift_s: clocks.iter().map(Clock::largest_s).fold(stamped.shift_s, f64::max),
+        interpolated: account.between as f64 / account.samples.max(1) as f64,
+        segments: segments.len(),
+        moved,
+        disordered,
+        stray: stamped.time.len() - clocks.iter().map(|it| it.rows.len()).sum::<usize>(),
     };
+    let (time, noise_gain) = (stamped.time, account.noise_gain());
+    Ok(Arranged { kept, time, segments, sampling, gaps, repeated, unstamped, noise_gain })
+}
+
+/// The clocks of the parts in which time runs: a stamp that never changes is none.
+fn clocks(
+    stamped: &Stamped,
+    parts: &[Range<usize>],
+    disordered: usize,
+    lines: &Lines,
+) -> Result<Vec<Clock>, Error> {
+    let time = &stamped.time;
+    let clocks: Vec<Clock> = parts
+        .iter()
+        .filter(|part| time[part.end - 1] > time[part.start])
+        .map(|part| Clock::of(time, stamped.is_spread_in(part), part.clone()))
+        .collect();
+    let (rows, jumps) = (time.len(), disordered + parts.len() - 1);
+    if clocks.is_empty() || (rows >= ENOUGH_ROWS && rows < LEAST_ROWS * jumps) {
+        return Err(Error::NoClock { file: lines.file().to_owned(), jumps, rows });
+    }
+    Ok(clocks)
+}
+
+/// Whether the signals say that rows were sampled at their stamps; none where they do not tell.
+fn by_stamps(
+    clocks: &[Clock],
+    time: &[f64],
+    columns: &Columns<'_>,
+    kept: Option<&[usize]>,
+) -> Option<bool> {
+    let stamped = clocks.iter().filter(|clock| !clock.coarse);
+    let uneven: Vec<(Range<usize>, &Slots)> =
+        stamped.filter_map(|it| Some((it.rows.clone(), it.slots.as_ref()?))).collect();
+    if uneven.is_empty() {
+        return None;
+    }
+    Instants::of(time, columns, kept, &uneven).sampled_at_stamps()
+}
+
+/// Every clock's rows on the grid, and what that does to noise. Rows that were sampled evenly get
+/// the times at which they were.
+fn on_grid(
+    clocks: &[Clock],
+    time: &mut [f64],
+    period_s: f64,
+    by_stamps: Option<bool>,
+    lines: &Lines,
+) -> Result<(Vec<Segment>, Account), Error> {
     let mut account = Account::default();
     let mut segments: Vec<Segment> = Vec::new();
-    for clock in &clocks {
-        if let Some(even) = clock.even_times(asked_s, by_stamps) {
-            time[clock.rows.clone()].copy_from_slice(&even);
+    for clock in clocks {
+        let time = &mut time[clock.rows.clone()];
+        if let Some(even) = clock.even_times(period_s, by_stamps) {
+            time.copy_from_slice(&even);
         }
-        let stamped = &time[clock.rows.clone()];
-        let way = clock.way(asked_s, by_stamps);
+        let way = clock.way(period_s, by_stamps);
         let samples = match &way {
             Way::Places(None) => clock.rows.len(),
             Way::Places(Some(places)) => places[places.len() - 1] + 1,
-            Way::Stamps => match samples(lines.file(), stamped, asked_s) {
+            Way::Stamps => match samples(lines.file(), time, period_s) {
                 Ok(samples) => samples,
                 Err(_) if clocks.len() > 1 => continue,
                 Err(error) => return Err(error),
@@ -130,35 +167,14 @@ pub(crate) fn arrange(
         match &way {
             Way::Places(None) => account.add_plain(samples),
             Way::Places(Some(places)) => account.add_placed(places),
-            Way::Stamps => account.add_stamped(stamped, asked_s, samples),
+            Way::Stamps => account.add_stamped(time, period_s, samples),
         }
-        let start_s = stamped[0];
-        segments.push(Segment { rows: clock.rows.clone(), start_s, samples, way });
+        segments.push(Segment { rows: clock.rows.clone(), start_s: time[0], samples, way });
     }
     if segments.is_empty() {
-        let file = lines.file().to_owned();
-        return Err(Error::Period { file, period_s: asked_s, duration_s: 0.0 });
+        return Err(Error::Period { file: lines.file().to_owned(), period_s, duration_s: 0.0 });
     }
-    let moved = one_clock(&mut segments, asked_s);
-    let uneven = segments.iter().any(|it| matches!(it.way, Way::Stamps))
-        || stamps.is_some()
-        || clocks.iter().any(|clock| clock.slots.is_some());
-    let sampling = Sampling {
-        start_s: segments[0].start_s,
-        period_s: asked_s,
-        jitter: clocks.iter().map(|clock| clock.jitter).fold(0.0, f64::max),
-        resampled_from_s: period_s.map(|_| found_s),
-        uneven,
-        by_stamps: segments.iter().any(|it| matches!(it.way, Way::Stamps)),
-        largest_shift_s: clocks.iter().map(Clock::largest_s).fold(spread_s, f64::max),
-        interpolated: account.between as f64 / account.samples.max(1) as f64,
-        segments: segments.len(),
-        moved,
-        disordered,
-        stray,
-    };
-    let noise_gain = account.noise_gain();
-    Ok(Arranged { kept, time, segments, sampling, gaps, repeated, unstamped, noise_gain })
+    Ok((segments, account))
 }
 
 impl Arranged {

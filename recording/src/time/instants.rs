@@ -6,6 +6,8 @@
 //! samples on either side, so that the noise of y is not on both sides of the equation; a second
 //! slope, from other samples, is the instrument, or the noise of the first would draw c to 0.
 
+use std::ops::Range;
+
 use super::rows::Columns;
 use super::slots::Slots;
 
@@ -37,15 +39,18 @@ impl Instants {
         (self.error < UNCERTAIN).then_some(self.by_stamps > 0.5)
     }
 
-    /// Of segments: the rows' times, their places, and the range of rows in the columns.
+    /// Of the rows' times, and of the ranges and places of those that form segments; `kept` says
+    /// which rows of the columns they are, where some were left out.
     pub(super) fn of(
         time: &[f64],
         columns: &Columns<'_>,
-        segments: &[(std::ops::Range<usize>, Slots)],
+        kept: Option<&[usize]>,
+        segments: &[(Range<usize>, &Slots)],
     ) -> Self {
         let (mut weight, mut weighted) = (0.0, 0.0);
         for values in columns {
-            let rows = differences(time, values, segments);
+            let value = |k: usize| values[kept.map_or(k, |kept| kept[k])];
+            let rows = differences(time, value, segments);
             if let Some((c, variance)) = slope(&rows) {
                 weight += 1.0 / variance;
                 weighted += c / variance;
@@ -70,12 +75,12 @@ struct Row {
 
 fn differences(
     time: &[f64],
-    values: &[f64],
-    segments: &[(std::ops::Range<usize>, Slots)],
+    value: impl Fn(usize) -> f64,
+    segments: &[(Range<usize>, &Slots)],
 ) -> Vec<Row> {
     let mut found = Vec::new();
     for (rows, slots) in segments {
-        let (t, y) = (&time[rows.clone()], &values[rows.clone()]);
+        let (t, y) = (&time[rows.clone()], |k: usize| value(rows.start + k));
         let even = |k: usize| slots.place(k + FARTHER + 1) - slots.place(k - FARTHER - 1);
         let last = t.len().saturating_sub(FARTHER + 1);
         for k in (FARTHER + 1..last).take(MOST_ROWS) {
@@ -84,12 +89,13 @@ fn differences(
             }
             let shifted = |k: usize, reach: usize| {
                 // Over places: stamps of rows that came late all together do not differ.
-                let slope = (y[k + reach] - y[k - reach]) / (2.0 * reach as f64 * slots.step_s);
+                let slope =
+                    (y(k + reach) - y(k - reach)) / (2.0 * reach as f64 * slots.line.step_s);
                 slope * slots.departure(t, k)
             };
             let second = |of: &dyn Fn(usize) -> f64| of(k + 1) - 2.0 * of(k) + of(k - 1);
             let (x, z) = (second(&|k| shifted(k, REACH)), second(&|k| shifted(k, FARTHER)));
-            let row = Row { x, z, y: second(&|k| y[k]) };
+            let row = Row { x, z, y: second(&y) };
             if row.x.is_finite() && row.z.is_finite() && row.y.is_finite() {
                 found.push(row);
             }
@@ -143,7 +149,7 @@ mod tests {
         let values: Vec<f64> =
             (0..4000).map(|k| (25.0 * at(k)).sin() + noisy * noise(k, 78.233)).collect();
         let slots = Slots::of(&time);
-        Instants::of(&time, &[&values], &[(0..4000, slots)])
+        Instants::of(&time, &[&values], None, &[(0..4000, &slots)])
     }
 
     #[test]
@@ -158,7 +164,7 @@ mod tests {
         let time: Vec<f64> = (0..100).map(|k| k as f64 + noise(k, 3.3)).collect();
         let slots = Slots::of(&time);
         let still = vec![2.0; 100];
-        let found = Instants::of(&time, &[&still], &[(0..100, slots)]);
+        let found = Instants::of(&time, &[&still], None, &[(0..100, &slots)]);
         assert_eq!(found.sampled_at_stamps(), None);
     }
 }

@@ -1,6 +1,7 @@
 //! Places of rows on a grid of a known step, lost samples left empty.
 //!
-//! A stamp can come late, never early by much, so a lost sample shows as a lead over the grid that
+//! Where stamps jitter by less than half a step, every row belongs to the place nearest to it. Beyond
+//! that a stamp can come late, never early by much, so a lost sample shows as a lead over the grid that
 //! no later row gives back:
 //!
 //! ```text
@@ -28,9 +29,13 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// On a grid of about that step.
-    pub(super) fn on(time: &[f64], step: f64) -> Self {
-        let mut places = Self::of(time, by_lead(time, step));
+    /// On about that grid.
+    pub(super) fn on(time: &[f64], line: Line) -> Self {
+        // Where nothing is off by half a step.
+        if let Some(nearest) = nearest(time, line) {
+            return Self::of(time, nearest);
+        }
+        let mut places = Self::of(time, by_lead(time, line.step_s));
         if places.holes() > 0 {
             places.move_holes(time);
             let first = places.of_rows[0];
@@ -101,6 +106,15 @@ pub(super) fn cost(line: &Line, time: f64, place: f64) -> f64 {
     ((time - line.first_s) / line.step_s - place).powi(2).min(1.0)
 }
 
+/// The place nearest to each stamp, from 0 on; nothing where two rows have the same.
+fn nearest(time: &[f64], line: Line) -> Option<Vec<usize>> {
+    let place = |t: &f64| ((t - line.first_s) / line.step_s).round();
+    let first = place(&time[0]);
+    let places: Vec<f64> = time.iter().map(|t| (place(t) - first).min(MOST_PLACES)).collect();
+    let rising = places.windows(2).all(|pair| pair[0] < pair[1]);
+    rising.then(|| places.into_iter().map(|place| place as usize).collect())
+}
+
 /// Places by the least lead over the grid among this row and all later ones.
 fn by_lead(time: &[f64], step: f64) -> Vec<usize> {
     let lead = |k: usize| (time[k] - time[0]) / step - k as f64;
@@ -125,7 +139,7 @@ mod tests {
         time[49] += 0.4;
         time[10] -= 0.3;
         time[98] += 0.45;
-        let found = Places::on(&time, 1.0);
+        let found = Places::on(&time, Line { step_s: 1.0, first_s: 0.0 });
         let expected: Vec<usize> = (0..100).filter(|k| *k != 50).collect();
         assert_eq!(found.of_rows, expected);
         assert!((found.line.step_s - 1.0).abs() < 1e-3 && found.holes() == 1, "{found:?}");

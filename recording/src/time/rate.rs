@@ -51,7 +51,7 @@ impl Clock {
             return Self { rows, period_s, jitter, coarse, slots: None };
         }
         let slots = Slots::of(stamped);
-        let (period_s, jitter) = (slots.step_s, slots.largest_s / slots.step_s);
+        let (period_s, jitter) = (slots.line.step_s, slots.largest_s / slots.line.step_s);
         Self { rows, period_s, jitter, coarse, slots: Some(slots) }
     }
 
@@ -84,7 +84,7 @@ impl Clock {
     /// When its rows were sampled, where that differs from their stamps and matters: between rows.
     pub(super) fn even_times(&self, period_s: f64, by_stamps: Option<bool>) -> Option<Vec<f64>> {
         let slots = self.slots.as_ref().filter(|_| self.is_other(period_s))?;
-        let at = |row: usize| slots.first_s + slots.step_s * slots.place(row) as f64;
+        let at = |row: usize| slots.line.first_s + slots.line.step_s * slots.place(row) as f64;
         self.is_even(by_stamps).then(|| (0..self.rows.len()).map(at).collect())
     }
 

@@ -221,6 +221,7 @@ fn least_ahead(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::testing::jitter;
 
     fn clock(rows: usize, step: f64) -> Vec<f64> {
         (0..rows).map(|k| k as f64 * step).collect()
@@ -228,11 +229,6 @@ mod tests {
 
     fn one(rows: usize) -> Vec<Range<usize>> {
         std::iter::once(0..rows).collect()
-    }
-
-    /// Deterministic jitter within one half.
-    fn jitter(k: usize) -> f64 {
-        (k as f64 * 0.754_877_666).fract() - 0.5
     }
 
     #[test]

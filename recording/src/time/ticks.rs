@@ -5,6 +5,8 @@
 //! are known to a step, however long a tick is; the others lie evenly between. Before a gap the
 //! rows of a tick follow it; behind a gap they lead to the next one.
 
+use std::ops::Range;
+
 use super::line::median;
 use super::rows::COARSE;
 use crate::clock::parted;
@@ -17,9 +19,42 @@ const STOOD_STILL: f64 = 3.0;
 /// Ticks that make a clock.
 const ENOUGH: usize = 3;
 
+/// The time of every row, and its stamp.
+pub(super) struct Stamped {
+    /// Where the row lies within its tick, s.
+    pub(super) time: Vec<f64>,
+    /// The stamps, s, where some were spread.
+    stamps: Option<Vec<f64>>,
+    /// How far a row was moved, at most, s.
+    pub(super) shift_s: f64,
+}
+
+impl Stamped {
+    /// Of stamps; `runs` are the rows at which a run begins.
+    pub(super) fn of(stamps: Vec<f64>, runs: &[usize]) -> Self {
+        let Some(time) = spread(&stamps, runs) else {
+            return Self { time: stamps, stamps: None, shift_s: 0.0 };
+        };
+        let shifts = stamps.iter().zip(&time).map(|(stamp, time)| (stamp - time).abs());
+        let shift_s = shifts.fold(0.0, f64::max);
+        Self { time, stamps: Some(stamps), shift_s }
+    }
+
+    /// Whether stamps were coarser than the sampling.
+    pub(super) fn is_spread(&self) -> bool {
+        self.stamps.is_some()
+    }
+
+    /// Whether some of these rows were moved.
+    pub(super) fn is_spread_in(&self, rows: &Range<usize>) -> bool {
+        let moved = |stamps: &Vec<f64>| stamps[rows.clone()] != self.time[rows.clone()];
+        self.stamps.as_ref().is_some_and(moved)
+    }
+}
+
 /// The times of all rows, those of coarse stamps spread; nothing where no run has such stamps.
 /// `runs` are the rows at which a run begins.
-pub(super) fn spread(time: &[f64], runs: &[usize]) -> Option<Vec<f64>> {
+fn spread(time: &[f64], runs: &[usize]) -> Option<Vec<f64>> {
     let mut all: Option<Vec<f64>> = None;
     for run in parted(runs.iter().copied(), time.len()) {
         if let Some(ticks) = Ticks::of(&time[run.clone()]) {

@@ -13,7 +13,8 @@ use std::io::{self, Read};
 use flate2::read::ZlibDecoder;
 
 use super::OCTAVE_TEXT;
-use super::variable::{Broken, MATRIX, Parser, word};
+use super::element::{Broken, word};
+use super::variable::{MATRIX, Parser};
 use crate::budget::Budget;
 use crate::error::Error;
 use crate::formats::tree::Tree;

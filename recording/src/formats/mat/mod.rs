@@ -1,5 +1,6 @@
 //! MAT files of version 5: vectors, matrices, structs and cells. (7.3 is HDF5.)
 
+mod element;
 mod level5;
 mod variable;
 

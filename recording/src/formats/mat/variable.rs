@@ -2,8 +2,8 @@
 
 use std::io::{self, Read};
 
+use super::element::{Broken, number, small_element, tag, text_of, word};
 use crate::budget::Budget;
-use crate::error::Error;
 use crate::formats::tree::{Matrix, Path, Tree};
 
 /// The type of an element that is a variable.
@@ -21,29 +21,13 @@ const ELEMENT: usize = 32;
 /// Bytes that are turned into numbers at a time; a multiple of every number's size.
 const CHUNK: usize = 1 << 16;
 
-/// Why a variable ends early.
-pub(super) enum Broken {
-    Io(io::Error),
-    What(&'static str),
-    TooLarge(Error),
-}
-
-impl From<Error> for Broken {
-    fn from(error: Error) -> Broken {
-        Broken::TooLarge(error)
-    }
-}
-
-impl From<io::Error> for Broken {
-    fn from(error: io::Error) -> Broken {
-        match error.kind() {
-            io::ErrorKind::UnexpectedEof => Broken::What("the file ends"),
-            io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData => {
-                Broken::What("packed data are damaged")
-            }
-            _ => Broken::Io(error),
-        }
-    }
+/// What a struct or a cell array holds.
+struct Held {
+    /// Where it stands.
+    path: Path,
+    /// How many elements, or structs.
+    count: usize,
+    depth: usize,
 }
 
 /// Puts variables where their names say.
@@ -71,8 +55,12 @@ impl Parser<'_> {
         let elements = lengths.iter().try_fold(1usize, |all, it| all.checked_mul(*it));
         let elements = elements.ok_or(Broken::What("impossible dimensions"))?;
         let other = match class {
-            1 if depth < DEEPEST => return self.cells(reader, &path, elements, depth),
-            2 if depth < DEEPEST => return self.fields(reader, &path, elements, depth),
+            1 if depth < DEEPEST => {
+                return self.cells(reader, &Held { path, count: elements, depth });
+            }
+            2 if depth < DEEPEST => {
+                return self.fields(reader, &Held { path, count: elements, depth });
+            }
             4 => return self.text(reader, path),
             1 => "cell array",
             2 => "struct",
@@ -96,13 +84,8 @@ impl Parser<'_> {
     }
 
     /// A struct, or every struct of an array: the fields' names, then their elements.
-    fn fields(
-        &mut self,
-        reader: &mut dyn Read,
-        path: &Path,
-        elements: usize,
-        depth: usize,
-    ) -> Result<(), Broken> {
+    fn fields(&mut self, reader: &mut dyn Read, held: &Held) -> Result<(), Broken> {
+        let Held { path, count, depth } = held;
         let length = small_element(reader, 4)?;
         let length = word(&length, 0) as usize;
         let names = small_element(reader, LONGEST_FIELDS)?;
@@ -110,26 +93,21 @@ impl Parser<'_> {
             return Ok(());
         }
         let names: Vec<String> = names.chunks_exact(length).map(text_of).collect();
-        for k in 0..if names.is_empty() { 0 } else { elements } {
+        for k in 0..if names.is_empty() { 0 } else { *count } {
             let holder =
-                if elements == 1 { path.clone() } else { numbered(path, &format!("({})", k + 1)) };
+                if *count == 1 { path.clone() } else { numbered(path, &format!("({})", k + 1)) };
             for name in &names {
                 let path = holder.iter().chain([name]).cloned().collect();
-                self.nested(reader, path, depth)?;
+                self.nested(reader, path, *depth)?;
             }
         }
         Ok(())
     }
 
-    fn cells(
-        &mut self,
-        reader: &mut dyn Read,
-        path: &Path,
-        elements: usize,
-        depth: usize,
-    ) -> Result<(), Broken> {
-        for k in 0..elements {
-            self.nested(reader, numbered(path, &format!("{{{}}}", k + 1)), depth)?;
+    fn cells(&mut self, reader: &mut dyn Read, held: &Held) -> Result<(), Broken> {
+        for k in 0..held.count {
+            let path = numbered(&held.path, &format!("{{{}}}", k + 1));
+            self.nested(reader, path, held.depth)?;
         }
         Ok(())
     }
@@ -213,72 +191,4 @@ fn numbered(path: &Path, which: &str) -> Path {
         last.push_str(which);
     }
     path
-}
-
-fn text_of(bytes: &[u8]) -> String {
-    let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
-    String::from_utf8_lossy(&bytes[..end]).trim().to_owned()
-}
-
-fn number(kind: u32, bytes: &[u8]) -> f64 {
-    let mut word = [0; 8];
-    word[..bytes.len()].copy_from_slice(bytes);
-    let unsigned = u64::from_le_bytes(word);
-    match kind {
-        1 => f64::from(unsigned as i8),
-        3 => f64::from(unsigned as i16),
-        5 => f64::from(unsigned as i32),
-        7 => f64::from(f32::from_bits(unsigned as u32)),
-        9 => f64::from_bits(unsigned),
-        12 => unsigned as i64 as f64,
-        _ => unsigned as f64,
-    }
-}
-
-/// An element whose data fit in memory whatever its tag says.
-fn small_element(reader: &mut dyn Read, most: u32) -> Result<Vec<u8>, Broken> {
-    let (_, bytes, inside) = tag(reader)?;
-    if let Some(inside) = inside {
-        return Ok(inside[..bytes as usize].to_vec());
-    }
-    if bytes > most {
-        return Err(Broken::What("a name or a dimension is too long"));
-    }
-    let mut data = vec![0; bytes.next_multiple_of(8) as usize];
-    reader.read_exact(&mut data)?;
-    data.truncate(bytes as usize);
-    Ok(data)
-}
-
-/// Type and byte count; the data themselves where they stand inside the tag.
-fn tag(reader: &mut dyn Read) -> Result<(u32, u32, Option<[u8; 4]>), Broken> {
-    let mut tag = [0; 8];
-    reader.read_exact(&mut tag)?;
-    let first = word(&tag, 0);
-    match (first & 0xffff, first >> 16) {
-        (kind, 0) => Ok((kind, word(&tag, 4), None)),
-        (kind, bytes @ 1..=4) => Ok((kind, bytes, Some([tag[4], tag[5], tag[6], tag[7]]))),
-        _ => Err(Broken::What("a tag is damaged")),
-    }
-}
-
-/// The number in four bytes from there.
-pub(super) fn word(bytes: &[u8], at: usize) -> u32 {
-    bytes[at..].iter().take(4).rev().fold(0, |word, byte| word << 8 | u32::from(*byte))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_of_every_stored_type() {
-        assert_eq!(number(1, &[0xff]), -1.0);
-        assert_eq!(number(2, &[0xff]), 255.0);
-        assert_eq!(number(3, &[0xfe, 0xff]), -2.0);
-        assert_eq!(number(5, &(-3i32).to_le_bytes()), -3.0);
-        assert_eq!(number(7, &0.5f32.to_le_bytes()), 0.5);
-        assert_eq!(number(9, &0.1f64.to_le_bytes()), 0.1);
-        assert_eq!(number(12, &(-4i64).to_le_bytes()), -4.0);
-    }
 }

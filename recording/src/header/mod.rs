@@ -1,72 +1,27 @@
 //! From column headers to signals: names, units, guesses.
 
-use serde::Serialize;
+mod capital_t;
+mod column;
+mod motion;
+mod which;
+
+pub(crate) use column::Column;
+pub use column::{ColumnNote, Taken};
+pub(crate) use which::{is_known, is_signal, is_time, missing_time};
+
+use capital_t::capital_t;
+use column::place;
+use motion::rotary;
+use which::{find, listed};
 
 use crate::canonical::{self, Canonical};
 use crate::counts::is_counts;
 use crate::error::Error;
 use crate::given::Given;
+use crate::guess;
 use crate::look::Look;
 use crate::mapping::Mapping;
-use crate::unit::{Quantity, Unit, known};
-use crate::words::words;
-
-/// How a column came to its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Taken {
-    /// The header names the signal.
-    Named,
-    /// The user said so.
-    Mapped,
-    /// A foreign name was recognised.
-    Guessed,
-    /// An unknown column, kept as it is.
-    Kept,
-}
-
-/// What became of a column.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ColumnNote {
-    /// The column's name in the file.
-    pub column: String,
-    /// The unit in its header or in the mapping.
-    pub given_unit: Option<String>,
-    /// The signal's name.
-    pub signal: String,
-    /// The unit of the signal's values.
-    pub unit: String,
-    /// Why.
-    pub taken: Taken,
-    /// Whether values were converted to another unit.
-    pub converted: bool,
-}
-
-/// A column with its name, its unit and the way its values get there.
-#[derive(Debug, Clone)]
-pub(crate) struct Column {
-    pub(crate) note: ColumnNote,
-    conversion: Option<Unit>,
-}
-
-impl Column {
-    pub(crate) fn convert(&self, value: f64) -> f64 {
-        self.conversion.map_or(value, |unit| unit.to_si(value))
-    }
-
-    /// Gives a column without a unit the one that its values turned out to be in.
-    pub(crate) fn take_unit(&mut self, unit: &str) {
-        self.conversion = Unit::parse(unit).filter(|unit| !unit.is_si());
-        self.note.given_unit = Some(unit.to_owned());
-        self.note.converted = self.conversion.is_some();
-    }
-
-    pub(crate) fn convert_all(&self, values: &mut [f64]) {
-        if let Some(unit) = self.conversion {
-            values.iter_mut().for_each(|value| *value = unit.to_si(*value));
-        }
-    }
-}
+use crate::unit::{Quantity, Unit};
 
 /// The columns of a table, and which of them is the time.
 #[derive(Debug)]
@@ -135,7 +90,7 @@ pub(crate) fn resolve(
                 column.name, known.name
             ));
         } else if unit.is_none_or(|unit| known.accepts(unit))
-            || canonical::guess(&column.name, unit, None).is_none()
+            || guess::guess(&column.name, unit, None).is_none()
         {
             let unit = column.unit.as_ref();
             columns[k] = Some(place(file, column, known.name, Some(known), unit, Taken::Named)?);
@@ -144,13 +99,13 @@ pub(crate) fn resolve(
     }
     let rotary = rotary(&given);
     // Of several columns for one signal one that moves wins, then the one nearest to a measurement.
-    let mut guesses: Vec<(bool, canonical::Rank, usize, &Canonical)> = Vec::new();
+    let mut guesses: Vec<(bool, guess::Rank, usize, &Canonical)> = Vec::new();
     for (k, column) in given.iter().enumerate().filter(|(k, _)| columns[*k].is_none()) {
         let constant = looks.get(k).is_some_and(|look| look.constant);
-        if let Some(guess) = canonical::guess(&column.name, column.unit.as_deref(), rotary) {
+        if let Some(guess) = guess::guess(&column.name, column.unit.as_deref(), rotary) {
             guesses.push((constant, guess.rank, k, guess.canonical));
         } else if column.unit.as_deref().is_some_and(is_counts)
-            && let Some(guess) = canonical::guess(&column.name, None, rotary)
+            && let Some(guess) = guess::guess(&column.name, None, rotary)
         {
             notes.push(uncounted(column, guess.canonical.name));
         }
@@ -162,7 +117,7 @@ pub(crate) fn resolve(
         }
         used.push(known.name);
         let column = &given[k];
-        let own = canonical::unit_in_name(&column.name).filter(|unit| known.accepts(unit));
+        let own = guess::unit_in_name(&column.name).filter(|unit| known.accepts(unit));
         let unit = column.unit.clone().or(own.map(str::to_owned));
         columns[k] =
             Some(place(file, column, known.name, Some(known), unit.as_ref(), Taken::Guessed)?);
@@ -188,41 +143,6 @@ pub(crate) fn resolve(
     Ok(Header { columns, time, notes })
 }
 
-/// A column called `T` without a unit: the tachometer beside the other signals of a bench, a
-/// temperature where its values are like one, and otherwise whatever a user says.
-fn capital_t(
-    file: &str,
-    given: &[Given],
-    k: usize,
-    look: Option<&Look>,
-    used: &[&str],
-) -> Result<(Column, Option<String>), Error> {
-    let is = |names: &[&str]| {
-        let named = |other: &Given| {
-            let guess = || canonical::guess(&other.name, other.unit.as_deref(), None);
-            let known = canonical::exact(&other.name).or_else(|| Some(guess()?.canonical));
-            known.is_some_and(|known| names.contains(&known.name))
-        };
-        given.iter().enumerate().any(|(other, column)| other != k && named(column))
-    };
-    let column = &given[k];
-    let other_speed = is(&["omega", "v"]);
-    if is(&["C_m", "I_m"]) && !other_speed && !used.contains(&"T") {
-        return Ok((place(file, column, "T", canonical::exact("T"), None, Taken::Named)?, None));
-    }
-    let warm = look.is_some_and(|look| look.like_degrees);
-    if warm && !is(&["temperature"]) && !used.contains(&"temperature") {
-        let (known, unit) = (canonical::exact("temperature"), Some("degC".to_owned()));
-        return Ok((
-            place(file, column, "temperature", known, unit.as_ref(), Taken::Guessed)?,
-            Some("column `T` moves as a temperature in degC does".to_owned()),
-        ));
-    }
-    let note = "column `T` may be a tachometer, a torque or a temperature: it is kept as it is; \
-                say which with --columns T=T:rpm, torque=T:Nm or temperature=T:degC";
-    Ok((place(file, column, "T", None, None, Taken::Kept)?, Some(note.to_owned())))
-}
-
 /// Whether a unit is a share of something rated, as drives give torques in.
 fn is_share(unit: &str) -> bool {
     Unit::parse(unit).is_some_and(|unit| unit.quantity == Quantity::Dimensionless)
@@ -246,108 +166,6 @@ fn nameless(given: &[Given]) -> bool {
 /// What a column without a name is called, with its number.
 pub(crate) const NAMELESS: &str = "column ";
 
-/// Whether the units tell of a turning machine (or of a straight one).
-fn rotary(given: &[Given]) -> Option<bool> {
-    let has = |quantities: [Quantity; 2]| {
-        given.iter().any(|column| {
-            let unit = column.unit.as_deref().and_then(Unit::parse);
-            let exact = canonical::exact(&column.name).filter(|_| column.unit.is_none());
-            unit.is_some_and(|unit| quantities.contains(&unit.quantity))
-                || exact.is_some_and(|known| quantities.contains(&known.quantities[0]))
-                    && !matches!(column.name.as_str(), "reference" | "T")
-        })
-    };
-    let turning = has([Quantity::Angle, Quantity::AngularSpeed]);
-    let straight = has([Quantity::Length, Quantity::Speed]);
-    // A torque turns, a force pushes.
-    let says = |wanted: [&str; 6]| {
-        let word = |word: &String| wanted.contains(&word.as_str());
-        given.iter().any(|column| words(&column.name).iter().any(word))
-    };
-    match (turning, straight) {
-        (true, true) => None,
-        (true, false) | (false, true) => Some(turning),
-        (false, false) => {
-            let torque = says(["torque", "trq", "moment", "drehmoment", "couple", "coppia"]);
-            let force = says(["force", "kraft", "fuerza", "forza", "thrust", "newton"]);
-            (torque != force).then_some(torque)
-        }
-    }
-}
-
-/// Whether a column of that text will be the signal.
-pub(crate) fn is_signal(text: &str, signal: &str, maps: &[Mapping]) -> bool {
-    let given = [Given::of(text)];
-    match maps.iter().find(|map| map.canonical == signal) {
-        Some(map) => find(&given, &map.foreign).is_some(),
-        None => {
-            let Given { name, unit, .. } = &given[0];
-            let guess = || Some(canonical::guess(name, unit.as_deref(), None)?.canonical);
-            canonical::exact(name).or_else(guess).is_some_and(|known| known.name == signal)
-        }
-    }
-}
-
-/// Whether a column of that text will be the time.
-pub(crate) fn is_time(text: &str, maps: &[Mapping]) -> bool {
-    is_signal(text, "time", maps)
-}
-
-/// Whether a column of that text will be a signal that the program knows or the user names.
-pub(crate) fn is_known(text: &str, maps: &[Mapping]) -> bool {
-    let given = [Given::of(text)];
-    let Given { name, unit, .. } = &given[0];
-    let guess = || Some(canonical::guess(name, unit.as_deref(), None)?.canonical);
-    maps.iter().any(|map| find(&given, &map.foreign).is_some())
-        || canonical::exact(name).or_else(guess).is_some()
-}
-
-/// The error of a file in which no column is the time.
-pub(crate) fn missing_time(file: &str, texts: &[String]) -> Error {
-    let given: Vec<Given> = texts.iter().map(|text| Given::of(text)).collect();
-    Error::MissingTime { file: file.to_owned(), columns: listed(&given) }
-}
-
-/// The column under its signal's name, in SI if the signal is known and keeps no unit of its own.
-fn place(
-    file: &str,
-    given: &Given,
-    signal: &str,
-    known_as: Option<&Canonical>,
-    unit: Option<&String>,
-    taken: Taken,
-) -> Result<Column, Error> {
-    let (unit_text, conversion) = match (known_as, unit) {
-        (None, unit) => (unit.map_or("1", String::as_str), None),
-        (Some(canonical), None) => (canonical.bare_unit, None),
-        (Some(canonical), Some(text)) => {
-            let unit = Unit::parse(text)
-                .filter(|unit| canonical.quantities.contains(&unit.quantity))
-                .ok_or_else(|| Error::UnknownUnit {
-                    file: file.to_owned(),
-                    column: given.name.clone(),
-                    signal: signal.to_owned(),
-                    unit: text.clone(),
-                    known: known(canonical.quantities),
-                })?;
-            if canonical.kept.contains(&unit.quantity) {
-                (text.as_str(), None)
-            } else {
-                (unit.quantity.si(), Some(unit).filter(|unit| !unit.is_si()))
-            }
-        }
-    };
-    let note = ColumnNote {
-        column: given.name.clone(),
-        given_unit: unit.cloned(),
-        signal: signal.to_owned(),
-        unit: unit_text.to_owned(),
-        taken,
-        converted: conversion.is_some(),
-    };
-    Ok(Column { note, conversion })
-}
-
 fn no_name_twice(file: &str, columns: &[Column]) -> Result<(), Error> {
     for (k, column) in columns.iter().enumerate() {
         let name = &column.note.signal;
@@ -361,26 +179,6 @@ fn no_name_twice(file: &str, columns: &[Column]) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// By its name, by the header's whole text, then without regard to case; `u#2` is the second of
-/// several columns called `u`.
-fn find(given: &[Given], wanted: &str) -> Option<usize> {
-    given
-        .iter()
-        .position(|column| column.name == wanted || column.text == wanted)
-        .or_else(|| given.iter().position(|column| column.name == Given::of(wanted).name))
-        .or_else(|| given.iter().position(|column| column.name.eq_ignore_ascii_case(wanted)))
-        .or_else(|| {
-            let (name, number) = wanted.rsplit_once('#')?;
-            let skipped = number.parse::<usize>().ok()?.checked_sub(1)?;
-            let mut same = given.iter().enumerate().filter(|(_, column)| column.name == name);
-            same.nth(skipped).map(|(position, _)| position)
-        })
-}
-
-fn listed(given: &[Given]) -> String {
-    given.iter().map(|column| format!("`{}`", column.name)).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -418,36 +216,6 @@ mod tests {
             assert_eq!(told(&["time", &format!("u [{unit}]")], "")[1], format!("u [{si}]"));
         }
         assert_eq!(told(&["time", "I_m", "C_m"], "")[1..], ["I_m [A]", "C_m [V]"]);
-    }
-
-    #[test]
-    fn a_capital_t_alone_is_what_its_values_and_neighbours_say() {
-        let told = |texts: &[&str], looks: &[Look]| {
-            let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
-            let header = resolve("a.csv", &texts, &[], looks).unwrap();
-            let column = header.columns.last().unwrap().note.clone();
-            (format!("{} [{}]", column.signal, column.unit), header.notes.concat())
-        };
-        let warm = [Look { like_degrees: true, ..Look::default() }; 2];
-        assert_eq!(told(&["time", "T"], &warm).0, "temperature [K]");
-        let (kept, note) = told(&["time", "T"], &[]);
-        assert!(kept == "T [1]" && note.contains("--columns T=T:rpm"), "{kept}: {note}");
-        // Beside a speed it is no tachometer, not even on a bench.
-        assert_eq!(told(&["time", "omega", "C_m", "T"], &[]).0, "T [1]");
-        for (text, signal) in [
-            ("T [Nm]", "torque [N m]"),
-            ("T_Nm", "torque [N m]"),
-            ("T [rad/s]", "T [rad/s]"),
-            ("T [V]", "T [V]"),
-            ("T [K]", "temperature [K]"),
-        ] {
-            assert_eq!(told(&["time", text], &[]).0, signal, "{text}");
-        }
-        for (text, signal) in
-            [("C_m [1]", "C_m [1]"), ("C_m [%]", "C_m [%]"), ("C_m [mV]", "C_m [V]")]
-        {
-            assert_eq!(told(&["time", text], &[]).0, signal, "{text}");
-        }
     }
 
     #[test]

@@ -1,16 +1,16 @@
 //! Recordings of a session: read, their columns matched, and what was said of them kept.
 
+mod columns;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use drivescope_recording::{
-    Choice, Mapping, Preview, ReadOptions, Recording, Report, choices, read_with_preview,
-};
+use drivescope_recording::{Mapping, Preview, ReadOptions, Recording, Report, read_with_preview};
 use tempfile::TempPath;
 
-use super::incomplete::Incomplete;
-use super::plain::plain;
 use crate::failure::told;
+use crate::page::incomplete::Incomplete;
+use crate::page::plain::plain;
 
 /// Where a recording lies.
 #[derive(Debug)]
@@ -25,21 +25,21 @@ enum Source {
 
 /// A recording that was read, or that is to be completed.
 #[derive(Debug)]
-pub(super) struct Taken {
+pub(in crate::page) struct Taken {
     /// What it is called.
-    pub(super) name: String,
+    pub(in crate::page) name: String,
     /// Its signals; none where it is to be completed.
-    pub(super) recording: Option<Arc<Recording>>,
+    pub(in crate::page) recording: Option<Arc<Recording>>,
     /// What became of its columns; none where it was simulated or is to be completed.
-    pub(super) report: Option<Report>,
+    pub(in crate::page) report: Option<Report>,
     /// Its columns as they stand in the file; none where it was simulated.
-    pub(super) preview: Option<Preview>,
+    pub(in crate::page) preview: Option<Preview>,
     /// What it lacks.
-    pub(super) incomplete: Option<Incomplete>,
+    pub(in crate::page) incomplete: Option<Incomplete>,
     /// What was said of its columns and its time.
-    pub(super) options: ReadOptions,
+    pub(in crate::page) options: ReadOptions,
     /// Where that is kept, or why it is not, in words.
-    pub(super) kept: Option<String>,
+    pub(in crate::page) kept: Option<String>,
     source: Source,
 }
 
@@ -48,7 +48,7 @@ impl Taken {
     ///
     /// # Errors
     /// Why it cannot be read.
-    pub(super) fn named(path: &Path) -> Result<Self, String> {
+    pub(in crate::page) fn named(path: &Path) -> Result<Self, String> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let kept = ReadOptions::kept(path).map_err(|error| told(error).to_string())?;
         let said = kept.is_some().then(|| format!("As kept in {}.", shown_place(path)));
@@ -60,18 +60,18 @@ impl Taken {
     ///
     /// # Errors
     /// Why it cannot be read.
-    pub(super) fn uploaded(name: String, path: TempPath) -> Result<Self, String> {
+    pub(in crate::page) fn uploaded(name: String, path: TempPath) -> Result<Self, String> {
         Self::read(name, Source::Own(path), ReadOptions::default())
     }
 
     /// A recording that was simulated.
-    pub(super) fn made(name: String, recording: Recording) -> Self {
+    pub(in crate::page) fn made(name: String, recording: Recording) -> Self {
         let content = Content { recording: Some(recording), ..Content::default() };
         Self::of(name, Source::Made, ReadOptions::default(), content)
     }
 
     /// Whether it was simulated.
-    pub(super) fn is_made(&self) -> bool {
+    pub(in crate::page) fn is_made(&self) -> bool {
         matches!(self.source, Source::Made)
     }
 
@@ -87,55 +87,11 @@ impl Taken {
         Self { name, recording, report, preview, incomplete, options, kept: None, source }
     }
 
-    /// Takes the column as that signal in that unit (as none where the signal has no name; in the
-    /// unit of its header where none is given).
-    ///
-    /// # Errors
-    /// Why the recording cannot be read so; it stays as it was.
-    pub(super) fn map(&mut self, column: &str, signal: &str, unit: &str) -> Result<(), String> {
-        let unknown = || format!("{}: it has no column `{column}`", self.name);
-        let preview = self.preview.as_ref().ok_or_else(unknown)?;
-        let there = preview.find(column).ok_or_else(unknown)?;
-        let is =
-            |map: &Mapping, key: &str| preview.find(&map.foreign).is_some_and(|it| it.key == key);
-        let mut columns = self.options.columns.clone();
-        columns.retain(|it| !is(it, &there.key) && it.canonical != signal);
-        if signal.is_empty() {
-            columns.push(Mapping::unused(&there.key));
-        } else {
-            let choice = choices().find(|it| it.signal == signal);
-            let choice = choice.ok_or_else(|| format!("there is no signal `{signal}`"))?;
-            // Another column of that very name gives way.
-            let others =
-                preview.columns.iter().filter(|it| it.name == signal && it.key != there.key);
-            let free: Vec<Mapping> = others
-                .filter(|it| !columns.iter().any(|map| is(map, &it.key)))
-                .map(|it| Mapping::unused(&it.key))
-                .collect();
-            columns.extend(free);
-            let now = self.signal_of(&there.key);
-            let unit = unit_for(&choice, there.unit.as_deref(), unit, now == Some(signal));
-            let (canonical, foreign) = (signal.to_owned(), there.key.clone());
-            columns.push(Mapping { canonical, foreign, unit });
-        }
-        let key = there.key.clone();
-        self.re_read(ReadOptions { columns, ..self.options.clone() }, Some(&key))
-    }
-
-    /// The signal that a column stands for at present, or would.
-    fn signal_of(&self, key: &str) -> Option<&str> {
-        let mapped = self.options.columns.iter().find(|it| it.foreign == key);
-        let note = || self.report.as_ref()?.columns.iter().find(|it| it.column == key);
-        let guess = || self.preview.as_ref()?.find(key)?.guess;
-        let mapped = mapped.map(|it| it.canonical.as_str());
-        mapped.or_else(|| Some(note()?.signal.as_str())).or_else(guess)
-    }
-
     /// Samples it every `period_s`, s, or as it was sampled.
     ///
     /// # Errors
     /// Why it cannot be; it stays as it was.
-    pub(super) fn resample(&mut self, period_s: Option<f64>) -> Result<(), String> {
+    pub(in crate::page) fn resample(&mut self, period_s: Option<f64>) -> Result<(), String> {
         self.re_read(ReadOptions { resample: period_s, ..self.options.clone() }, None)
     }
 
@@ -143,7 +99,7 @@ impl Taken {
     ///
     /// # Errors
     /// Why it cannot be; it stays as it was.
-    pub(super) fn rows_every(&mut self, period_s: Option<f64>) -> Result<(), String> {
+    pub(in crate::page) fn rows_every(&mut self, period_s: Option<f64>) -> Result<(), String> {
         self.re_read(ReadOptions { rows_every: period_s, ..self.options.clone() }, None)
     }
 
@@ -151,7 +107,7 @@ impl Taken {
     ///
     /// # Errors
     /// Why it cannot be read so; it stays as it was.
-    pub(super) fn again(&mut self) -> Result<(), String> {
+    pub(in crate::page) fn again(&mut self) -> Result<(), String> {
         self.re_read(ReadOptions::default(), None)
     }
 
@@ -177,7 +133,7 @@ impl Taken {
     }
 
     /// What a command line would say of its columns and its time, word by word.
-    pub(super) fn said(&self) -> Vec<String> {
+    pub(in crate::page) fn said(&self) -> Vec<String> {
         let ReadOptions { columns, resample, rows_every } = &self.options;
         let one = |it: &Mapping| {
             let unit = it.unit.as_ref().map_or(String::new(), |unit| format!(":{unit}"));
@@ -204,14 +160,6 @@ impl Source {
             Self::Made => None,
         }
     }
-}
-
-/// The unit to map with: the one that was said where it can be; that of the header where it fits;
-/// else the signal's own, to be corrected.
-fn unit_for(choice: &Choice, header: Option<&str>, said: &str, same: bool) -> Option<String> {
-    let said = Some(said).filter(|it| !it.is_empty() && (same || choice.accepts(it)));
-    let own = || Some(choice.bare_unit).filter(|_| header.is_some_and(|it| !choice.accepts(it)));
-    said.or_else(own).map(str::to_owned)
 }
 
 /// Keeps what was said beside the file; where, or why not.
@@ -260,18 +208,18 @@ mod tests {
     use super::*;
     use crate::page::incomplete::Repair;
 
-    fn rows(header: &str, row: impl Fn(f64) -> String) -> String {
+    pub(super) fn rows(header: &str, row: impl Fn(f64) -> String) -> String {
         let rows = (0..1000).map(|k| row(f64::from(k)));
         std::iter::once(header.to_owned()).chain(rows).collect::<Vec<_>>().join("\n")
     }
 
-    fn taken(text: &str) -> Taken {
+    pub(super) fn taken(text: &str) -> Taken {
         let file = tempfile::Builder::new().suffix(".csv").tempfile().expect("a file");
         std::fs::write(file.path(), text).expect("written");
         Taken::uploaded("bench.csv".to_owned(), file.into_temp_path()).expect("it has numbers")
     }
 
-    fn range(taken: &Taken, signal: &str) -> (f64, f64) {
+    pub(super) fn range(taken: &Taken, signal: &str) -> (f64, f64) {
         let values =
             &taken.recording.as_ref().and_then(|it| it.signal(signal)).expect(signal).values;
         values.iter().fold((f64::MAX, f64::MIN), |(low, high), it| (low.min(*it), high.max(*it)))
@@ -285,15 +233,6 @@ mod tests {
             Repair::Again => taken.again(),
         }
         .expect("it can be read so");
-    }
-
-    #[test]
-    fn a_unit_of_another_quantity_changes_nothing() {
-        let mut taken = taken(&rows("time [ms],u [V],omega [rad/s]", |k| format!("{k},{k},{k}")));
-        let said = taken.map("omega", "omega", "V").expect_err("no speed");
-        assert!(said.contains("bench.csv") && !said.contains("tmp"), "{said}");
-        assert_eq!(taken.options, ReadOptions::default());
-        assert!(taken.map("omega", "power", "").is_err(), "no such signal");
     }
 
     #[test]
@@ -319,23 +258,6 @@ mod tests {
         assert_eq!(taken.said(), ["--resample", "0.004", "--rows-every", "0.002"]);
         assert!(taken.resample(Some(-1.0)).is_err());
         assert_eq!(taken.recording.as_ref().map(|it| it.period_s), Some(0.004));
-    }
-
-    #[test]
-    fn a_column_changes_its_meaning_and_others_give_way() {
-        let header = "time [ms],u [V],omega [rad/s],enc [counts],speed2";
-        let mut taken = taken(&rows(header, |k| format!("{k},1,{k},{},{}", 2.0 * k, 3.0 * k)));
-        taken.map("enc", "theta", "").expect("counts are taken as rad first");
-        assert_eq!(range(&taken, "theta"), (0.0, 1998.0));
-        taken.map("enc", "theta", "counts/999").expect("a unit");
-        assert!((range(&taken, "theta").1 - 2.0 * std::f64::consts::TAU).abs() < 1e-12);
-        // The column called omega is not used then; it can be again.
-        taken.map("speed2", "omega", "rpm").expect("a unit");
-        assert!((range(&taken, "omega").1 - 2997.0 * std::f64::consts::PI / 30.0).abs() < 1e-9);
-        taken.map("omega", "omega", "").expect("its own name");
-        assert_eq!(range(&taken, "omega").1, 999.0);
-        taken.map("enc", "", "").expect("any column may be left out");
-        assert!(taken.recording.as_ref().is_some_and(|it| it.signal("theta").is_none()));
     }
 
     #[test]

@@ -22,6 +22,7 @@ mod driving;
 mod error;
 mod estimate;
 mod force;
+mod likelihood;
 mod measured;
 mod noise;
 mod observer;
@@ -39,8 +40,8 @@ pub use balances::{Begun, Told, Unexplained, begin, small_inertia, unexplained};
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{
-    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rung,
-    SecondOpinion, Step, Unwatched, Verdict, Watch, add, bic_of, discover,
+    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Ranked, Rule, Rung,
+    SecondOpinion, Step, Unwatched, Verdict, Watch, add, bic_of, discover, discover_by,
 };
 pub use doubt::{Doubt, doubts};
 pub use driving::{Driving, driving};

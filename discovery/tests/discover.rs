@@ -4,8 +4,8 @@
 mod testing;
 
 use drivescope_discovery::{
-    Discovery, Error, Evidence, Measured, Ranked, SecondOpinion, Step, Unwatched, Verdict, Watch,
-    add, bic_of, discover,
+    Discovery, Error, Evidence, Measured, Ranked, Rule, SecondOpinion, Step, Unwatched, Verdict,
+    Watch, add, bic_of, discover, discover_by,
 };
 use drivescope_plant::drive::{Drive, EffectData, LawData};
 use drivescope_plant::effects::custom::Target;
@@ -77,6 +77,31 @@ fn a_hidden_effect_is_named_and_its_absence_too() {
     assert_eq!((answer.verdict, answer.named.len()), (Verdict::None, 0), "{:?}", answer.ranking);
     // Noise alone is no second opinion.
     assert_eq!(answer.second_opinion, None);
+}
+
+#[test]
+fn the_rule_of_evidence_names_the_same_with_a_probability_and_knows_a_load() {
+    let by_evidence = |truth: &Drive, load: bool| {
+        let [estimation, validation] = recorded(truth, load, 3);
+        let rule = Rule::Evidence;
+        let found = discover_by(rule, &base(), &estimation, &validation, &Unwatched);
+        found.expect("the base can be fitted")
+    };
+    for load in [false, true] {
+        let answer = by_evidence(&with("unbalance", &[0.003, 0.002]), load);
+        assert_eq!(answer.named, ["unbalance"], "{:?}", answer.ranking);
+        let named = &answer.ranking[0];
+        assert!(named.probability.is_some_and(|it| it > 0.99 && it <= 1.0), "{named:?}");
+        // 3.6 mN m over a resistance to motion of some 20 mN m.
+        assert!(named.size.is_some_and(|it| (0.05..0.5).contains(&it)), "{named:?}");
+        let answer = by_evidence(&base(), load);
+        assert_eq!(
+            (answer.verdict, answer.named.len()),
+            (Verdict::None, 0),
+            "{:?}",
+            answer.ranking
+        );
+    }
 }
 
 #[test]

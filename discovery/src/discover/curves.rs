@@ -84,13 +84,13 @@ impl Curve {
     }
 
     /// What it adds to the balances of one recording, a hat at a time.
-    fn forcings(&self, drive: &Drive, measured: &Measured, run: &Trajectory) -> Vec<Forcing> {
+    pub(crate) fn forcings(
+        &self,
+        drive: &Drive,
+        measured: &Measured,
+        run: &Trajectory,
+    ) -> Vec<Forcing> {
         let n = run.speed.len();
-        let h = measured.period_s;
-        let acceleration = |k: usize| {
-            let (a, b) = (k.saturating_sub(1), (k + 1).min(n - 1));
-            (run.speed[b] - run.speed[a]) / ((b - a).max(1) as f64 * h)
-        };
         let z = |k: usize| match self.over {
             Over::Speed => run.speed[k],
             Over::SpeedMagnitude => run.speed[k].abs(),
@@ -98,7 +98,7 @@ impl Curve {
             Over::CurrentMagnitude => run.current[k].abs(),
             Over::Position => run.position[k],
             Over::Time => measured.time(k) - measured.clock.start_s,
-            Over::Acceleration => acceleration(k),
+            Over::Acceleration => run.acceleration[k],
         };
         let factor = |k: usize| match self.factor {
             Factor::One => 1.0,
@@ -144,12 +144,7 @@ impl Curve {
 }
 
 /// The curves that these recordings can tell.
-pub(crate) fn curves(
-    drive: &Drive,
-    scales: &Scales,
-    periods: &[f64],
-    runs: &[Trajectory],
-) -> Vec<Curve> {
+pub(crate) fn curves(drive: &Drive, scales: &Scales, runs: &[Trajectory]) -> Vec<Curve> {
     use {Balance::*, Factor::*};
     let uniform = |low: f64, high: f64, count: usize| -> Vec<f64> {
         (0..count).map(|k| low + (high - low) * k as f64 / (count - 1) as f64).collect()
@@ -162,11 +157,7 @@ pub(crate) fn curves(
         all.fold(0.0_f64, |most, value| most.max(value.abs()))
     };
     let (speed, current) = (most(|run| &run.speed), most(|run| &run.current));
-    let acceleration = runs.iter().zip(periods).map(|(run, period_s)| {
-        let changes = run.speed.windows(3).map(|three| 0.5 * (three[2] - three[0]).abs());
-        changes.fold(0.0, f64::max) / period_s
-    });
-    let acceleration = acceleration.fold(0.0, f64::max);
+    let acceleration = most(|run| &run.acceleration);
     let mut all = Vec::new();
     let mut add = |balance, over, factor, knots: Vec<f64>, period| {
         let increasing = knots.windows(2).all(|pair| pair[0] < pair[1]);

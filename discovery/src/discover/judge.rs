@@ -10,6 +10,7 @@ use super::left::{Rest, blocks};
 use super::refined::Refined;
 use super::refit::{Model, p_value, squared};
 use super::round::Round;
+use super::weighed::Weighed;
 use super::whiten::Whitener;
 
 /// A refitted candidate with what its gates say.
@@ -30,6 +31,8 @@ pub(crate) struct Judged {
     pub(super) by_inverse: Option<ByInverse>,
     /// What it changes in the innovations.
     pub(super) change: Vec<f64>,
+    /// By the rule of evidence.
+    pub(super) weighed: Option<Weighed>,
     /// Why it is not named.
     pub(crate) refused: Option<String>,
 }
@@ -98,6 +101,7 @@ impl Round<'_> {
                 validation_gain: squared(&before.validation) - squared(&after.validation),
                 shape: None,
                 change: difference(&before.estimation, &after.estimation),
+                weighed: None,
                 refused: None,
                 model,
             };
@@ -159,7 +163,7 @@ impl Round<'_> {
     }
 
     /// Why the validation data do not bear the candidate out.
-    fn why_not_repeated(&self, one: &Judged) -> String {
+    pub(super) fn why_not_repeated(&self, one: &Judged) -> String {
         match super::phase::turned(&one.model, &self.all[one.candidate], self.validation) {
             Some(turn) => format!(
                 "its phase changes from recording to recording (by {turn:.0} degrees): it does \

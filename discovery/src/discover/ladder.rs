@@ -16,6 +16,7 @@ use super::round::{Outcome, Round};
 use super::scales::Scales;
 use super::screen::screen;
 use super::typed;
+use super::weighed::Formula;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -33,7 +34,17 @@ const HAS_IT: &str = "the drive has it already, with coefficients that are not 0
 /// Starts of the base fit: the file's values may be far off.
 const STARTS: usize = 2;
 
-/// Finds what the drive's model lacks.
+/// By which rule an effect is named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rule {
+    /// Gains in BIC, tests and shapes, each with its threshold.
+    #[default]
+    Gates,
+    /// The evidence of one model with a random load in it.
+    Evidence,
+}
+
+/// Finds what the drive's model lacks, by the usual rule.
 ///
 /// # Errors
 /// Those of a fit of the base drive.
@@ -43,10 +54,25 @@ pub fn discover(
     validation: &Evidence,
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
+    discover_by(Rule::default(), drive, estimation, validation, watch)
+}
+
+/// Finds what the drive's model lacks.
+///
+/// # Errors
+/// Those of a fit of the base drive.
+pub fn discover_by(
+    rule: Rule,
+    drive: &Drive,
+    estimation: &Evidence,
+    validation: &Evidence,
+    watch: &dyn Watch,
+) -> Result<Discovery, Error> {
     let of_user = drive;
     let (drive, typed) = &typed::apart(of_user);
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
     let mut base: Option<Model> = None;
+    let mut formulas: Vec<Formula> = Vec::new();
     let seen = |error| seen_by(watch, error);
     let first = model.fitted.squares.sum;
     let (floor, validation_floor) =
@@ -70,13 +96,18 @@ pub fn discover(
             floor,
             validation_floor,
             named: &found.named.clone(),
+            formulas: &formulas,
+        };
+        let run = || match rule {
+            Rule::Gates => turn.run(),
+            Rule::Evidence => turn.weighed(),
         };
         let outcome = if round == 0 && watch.compares() {
-            let (outcome, fails) = rayon::join(|| turn.run(), || fails(&model, estimation));
+            let (outcome, fails) = rayon::join(run, || fails(&model, estimation));
             found.fails = fails;
             outcome
         } else {
-            turn.run()
+            run()
         };
         if round == 0 {
             found.not_judged = not;
@@ -97,11 +128,14 @@ pub fn discover(
         if !found.named.contains(&kind) && !turn.refines(&all[judged[best].candidate]) {
             found.named.push(kind.clone());
         }
-        let named = judged.swap_remove(best).model;
+        let best = judged.swap_remove(best);
+        let formula = best.weighed.map(|it| Formula::of(&all[best.candidate], it.size));
+        let named = best.model;
         let named = named.polished(estimation, validation, &seen).unwrap_or(named);
         found.climb(Some(kind), &named, watch);
         let before = std::mem::replace(&mut model, named);
         base.get_or_insert(before);
+        formulas.extend(formula);
     }
     if let (Some(base), Some(shape)) = (base, found.half_shape()) {
         found.take_back(&base, shape, floor, estimation, validation, watch);
@@ -201,6 +235,7 @@ pub fn bic_of(
         floor: floor(estimation, found.observer),
         validation_floor: floor(validation, found.observer),
         named: &[],
+        formulas: &[],
     };
     Ok(turn.gain_of_best())
 }
@@ -257,7 +292,9 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     let first = found.ladder.len() == 1;
     if first {
         found.ranking = outcome.judged.iter().map(ranked).collect();
-        found.second_opinion = turn.second_opinion(outcome, passed);
+        let by_gates = outcome.judged.iter().all(|one| one.weighed.is_none());
+        let second = by_gates.then(|| turn.second_opinion(outcome, passed));
+        found.second_opinion = second.flatten();
     } else {
         found.ranking.extend(passed.map(|best| ranked(&outcome.judged[best])));
     }

@@ -65,8 +65,7 @@ impl Left {
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Self {
         let (at, base, runs) = (&sight.at, sight.columns(), sight.runs());
-        let periods: Vec<f64> = at.evidence.recordings.iter().map(|one| one.period_s).collect();
-        let all = curves(at.drive, scales, &periods, runs);
+        let all = curves(at.drive, scales, runs);
         let plain = Projection::new(base.columns.clone(), &base.residual);
         // Responses are made twice rather than kept: all of a long recording fill the memory.
         let explained =

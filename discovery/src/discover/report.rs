@@ -89,6 +89,15 @@ pub struct Ranked {
     pub shape: Option<f64>,
     /// Its parameters.
     pub parameters: BTreeMap<String, Coefficient>,
+    /// That it is what is missing, among the candidates and nothing, 0 to 1; by the rule of
+    /// evidence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probability: Option<f64>,
+    /// Root of the mean square of what it does, as a share of what the balance holds (the torque
+    /// that is not inertia's, the voltage over the resistance, a tenth of a sensor's signal); by
+    /// the rule of evidence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<f64>,
     /// Why it was not named.
     pub refused: Option<String>,
 }

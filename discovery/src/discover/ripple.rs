@@ -23,6 +23,8 @@ pub(crate) struct Trajectory {
     pub(crate) speed: Vec<f64>,
     /// Position, rad (m): measured where it is.
     pub(crate) position: Vec<f64>,
+    /// Acceleration, rad/s^2 (m/s^2).
+    pub(crate) acceleration: Vec<f64>,
     /// What a torque or a voltage would do to it.
     pub(crate) linearised: Option<Linearised>,
 }
@@ -36,10 +38,21 @@ pub(crate) fn trajectories(at: &At<'_>) -> Vec<Trajectory> {
         at.with_case(recording, |case| {
             let [current, speed, position, ..] = case.trajectory().map(finite);
             let position = case.measured.angle.clone().unwrap_or(position);
-            Trajectory { current, speed, position, linearised: Linearised::of(case) }
+            let acceleration = differences(&speed, case.measured.period_s);
+            Trajectory { current, speed, position, acceleration, linearised: Linearised::of(case) }
         })
     };
     (0..at.fits.len()).into_par_iter().map(of).collect()
+}
+
+/// Central differences.
+fn differences(values: &[f64], period_s: f64) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    let at = |k: usize| {
+        let (a, b) = (k.saturating_sub(1), (k + 1).min(last));
+        (values[b] - values[a]) / ((b - a).max(1) as f64 * period_s)
+    };
+    (0..values.len()).map(at).collect()
 }
 
 /// cos(N theta) and sin(N theta), averaged from each sample to the next.

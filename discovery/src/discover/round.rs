@@ -14,6 +14,7 @@ use super::report::{Coefficient, Ranked, Step, Watch};
 use super::scales::Scales;
 use super::screen::{Screen, Screened, screen};
 use super::sight::Sight;
+use super::weighed::Formula;
 use crate::estimate::{Estimate, Evidence};
 
 /// What a round has to go on.
@@ -35,9 +36,12 @@ pub(crate) struct Round<'a> {
     pub(crate) validation_floor: f64,
     /// Kinds that were named before.
     pub(crate) named: &'a [String],
+    /// What their formulas may leave.
+    pub(crate) formulas: &'a [Formula],
 }
 
 /// What a round found.
+#[derive(Default)]
 pub(crate) struct Outcome {
     /// Refitted candidates, best first.
     pub(crate) judged: Vec<Judged>,
@@ -200,7 +204,7 @@ impl Round<'_> {
         self.judged(models)
     }
 
-    fn models(&self, promising: &[&Screened]) -> Vec<(usize, Model)> {
+    pub(super) fn models(&self, promising: &[&Screened]) -> Vec<(usize, Model)> {
         if self.watch.stopped() {
             return Vec::new();
         }
@@ -233,6 +237,8 @@ impl Round<'_> {
             excess_removed: (removed / excess).clamp(0.0, 1.0),
             validation_gain: one.validation_gain,
             shape: one.shape,
+            probability: one.weighed.map(|it| it.probability),
+            size: one.weighed.map(|it| it.size),
             parameters: parameters.map(coefficient).collect(),
             refused: one.refused.clone(),
         }

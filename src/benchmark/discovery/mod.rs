@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use drivescope_discovery::{
-    Error, Evidence, Measured, Unwatched, Verdict, add, bic_of, discover, noise,
+    Error, Evidence, Measured, Rule, Unwatched, Verdict, add, bic_of, discover_by, noise,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
@@ -154,6 +154,7 @@ pub(crate) struct Found {
 pub(crate) fn run(
     cases: usize,
     seed: u64,
+    rule: Rule,
     python: &foreign::Python,
     advance: &(dyn Fn() + Sync),
 ) -> miette::Result<Found> {
@@ -162,7 +163,7 @@ pub(crate) fn run(
     all.extend(own::cases(cases - all.len(), seed));
     let judged = all.par_iter().enumerate().map(|(number, case)| {
         interrupt::check()?;
-        let outcome = judge(case, gives_noise(number));
+        let outcome = judge(case, gives_noise(number), rule);
         advance();
         Ok(outcome)
     });
@@ -173,11 +174,11 @@ pub(crate) fn run(
         interrupt::check()?;
         let start = Instant::now();
         // One that ends in an error takes its time too.
-        let _ = answer(&all[number], gives_noise(number));
+        let _ = answer(&all[number], gives_noise(number), rule);
         outcomes[number].alone_s = Some(start.elapsed().as_secs_f64());
         advance();
     }
-    let emps = emps::folder().map(|folder| emps::Emps::of(&folder)).transpose()?;
+    let emps = emps::folder().map(|folder| emps::Emps::of(&folder, rule)).transpose()?;
     Ok(Found { outcomes, emps })
 }
 
@@ -199,14 +200,14 @@ fn evidence(drive: &Drive, record: &Record, given: bool) -> Result<Evidence, Err
     Ok(Evidence { recordings: vec![measured], noise: vec![sds] })
 }
 
-fn judge(case: &Case, noise_given: bool) -> Outcome {
+fn judge(case: &Case, noise_given: bool, rule: Rule) -> Outcome {
     let detectable = match case.group {
         Group::Null | Group::NullLoaded | Group::NullZeroSpeed | Group::Outside => None,
         Group::Hidden | Group::HiddenLoaded | Group::Pair | Group::Graded => {
             Some(detectable(case, noise_given))
         }
     };
-    let answer = answer(case, noise_given).map_err(|error| error.to_string());
+    let answer = answer(case, noise_given, rule).map_err(|error| error.to_string());
     let (hidden, grade) = (case.hidden.clone(), case.grade);
     let (group, foreign) = (case.group, case.foreign);
     Outcome { group, foreign, grade, noise_given, hidden, detectable, answer, alone_s: None }
@@ -227,10 +228,10 @@ fn detectable(case: &Case, noise_given: bool) -> bool {
     case.hidden.iter().all(|kind| gain(kind).map_or(true, |gain| gain > DETECTABLE))
 }
 
-fn answer(case: &Case, noise_given: bool) -> Result<Answer, Error> {
+fn answer(case: &Case, noise_given: bool, rule: Rule) -> Result<Answer, Error> {
     let estimation = evidence(&case.drive, &case.estimation, noise_given)?;
     let validation = evidence(&case.drive, &case.validation, noise_given)?;
-    let found = discover(&case.drive, &estimation, &validation, &Unwatched)?;
+    let found = discover_by(rule, &case.drive, &estimation, &validation, &Unwatched)?;
     let set = |id: &String| {
         let ranked = found.ranking.iter().find(|it| it.effect == *id && it.refused.is_none());
         let others = ranked.map_or(vec![], |it| it.confusion_set.clone());

@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::benchmark::discovery::{Table, python, run, timed};
 use crate::commands::Run;
+use crate::commands::rule::RuleName;
 use crate::failure::{Ending, Failure};
 use crate::session::Session;
 
@@ -22,6 +23,9 @@ pub(super) struct OfDiscovery {
     /// Cases to draw; 1000 hold more than 300 without a hidden effect.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     cases: usize,
+    /// By which rule an effect is named.
+    #[arg(long, value_enum, default_value = "gates")]
+    rule: RuleName,
 }
 
 impl Run for OfDiscovery {
@@ -38,7 +42,7 @@ impl Run for OfDiscovery {
         let seed = session.given_seed.unwrap_or_else(fresh);
         let bar = session.progress((self.cases + timed(self.cases)) as u64, "discovering");
         let advance = || bar.inc(1);
-        let found = run(self.cases, seed, &python(), &advance)?;
+        let found = run(self.cases, seed, self.rule.into(), &python(), &advance)?;
         bar.finish_and_clear();
         let table = Table::new(seed, found);
         session.answer(&table.text(), &table)?;

@@ -8,10 +8,11 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Discovery, Error, Evidence, Watch, discover};
+use drivescope_discovery::{Discovery, Error, Evidence, Watch, discover_by};
 use drivescope_plant::drive::Drive;
 
 use super::Run;
+use super::rule::RuleName;
 use crate::drive_source;
 use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
@@ -35,6 +36,9 @@ pub(crate) struct Discover {
     /// Report to write (.html): what is missing, the ladder, parameters, and what is left.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// By which rule an effect is named.
+    #[arg(long, value_enum, default_value = "gates")]
+    rule: RuleName,
     #[command(flatten)]
     evidence: EvidenceOptions,
 }
@@ -49,7 +53,10 @@ impl Run for Discover {
             report: self.out.as_ref(),
             evidence: &self.evidence,
         };
-        search.run(session, discover)
+        let rule = self.rule.into();
+        search.run(session, |drive, estimation, validation, watch| {
+            discover_by(rule, drive, estimation, validation, watch)
+        })
     }
 }
 

@@ -1,0 +1,193 @@
+//! What a fitted drive may be off by, so that nothing of it is taken for something missing: its
+//! parameters, an offset of the torque in every recording, and the law of dry friction at zero
+//! speed, which no formula holds exactly.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::columns::{A_PASS, Series, Source};
+use super::filter::Track;
+use super::gram::{Gram, Products, References, gram};
+use super::marginal::{Terms, log_evidence};
+use super::randomness::Randomness;
+use super::scene::Scene;
+
+/// Standard deviation of a parameter's share, of the balance's size: nearly flat.
+pub(crate) const FLAT: f64 = 5.0;
+/// Standard deviation of a recording's own offset of the torque, of the balance's size.
+const OFFSET: f64 = 0.02;
+/// Standard deviation by which dry friction at zero speed may differ, of the balance's size, and
+/// the speeds over which it does, over the fastest one.
+const ZERO_SPEED: f64 = 0.3;
+const NEAR_ZERO: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
+
+/// Series of the base in one recording.
+pub(crate) struct Base {
+    offsets: Vec<Series>,
+    zero_speed: Vec<Series>,
+    nothing: Vec<Series>,
+}
+
+impl Base {
+    /// Of that recording of the scene; `fastest` is the greatest speed of all.
+    pub(crate) fn of(scene: &Scene<'_>, recording: usize, track: &Track, fastest: f64) -> Self {
+        let torque = |torque: Vec<f64>| Series { torque, ..Series::default() };
+        let offset = |other: usize| {
+            torque(if other == recording { vec![1.0; track.ticks.len()] } else { vec![] })
+        };
+        let near = |share: &f64| {
+            let width = share * fastest;
+            let differs = |omega: f64| {
+                if omega == 0.0 { 0.0 } else { omega.signum() - (omega / width).tanh() }
+            };
+            torque(track.ticks.iter().map(|tick| differs(tick.filtered[1])).collect())
+        };
+        let most_own = scene.recordings.iter().map(|it| it.own.len()).max().unwrap_or(0);
+        Self {
+            offsets: (0..scene.recordings.len()).map(offset).collect(),
+            zero_speed: NEAR_ZERO.iter().map(near).collect(),
+            nothing: vec![Series::default(); most_own],
+        }
+    }
+
+    /// Its sources in the order of [`terms`].
+    pub(crate) fn sources<'a>(&'a self, scene: &'a Scene<'_>, recording: usize) -> Vec<Source<'a>> {
+        let it = &scene.recordings[recording];
+        let passes = |names: &'a [String]| {
+            names.chunks(A_PASS).map(|names| Source::parameters(&it.drive, names, scene.longest_s))
+        };
+        let mut sources: Vec<Source<'a>> = passes(&scene.names).collect();
+        sources.push(Source::Series(&self.offsets));
+        sources.push(Source::Series(&self.zero_speed));
+        for (other, of) in scene.recordings.iter().enumerate() {
+            if other == recording {
+                sources.extend(passes(&it.own));
+            } else {
+                sources.push(Source::Series(&self.nothing[..of.own.len()]));
+            }
+        }
+        sources
+    }
+
+    /// ln of the probability of the recordings, the base's coefficients integrated out; nothing
+    /// where the model overflows.
+    pub(crate) fn evidence(
+        scene: &Scene<'_>,
+        randomness: &Randomness,
+        references: &References,
+    ) -> Option<f64> {
+        let tracks = scene.tracks(randomness)?;
+        let grams = grams(scene, &tracks, references, |_| Further::default(), &|| false);
+        let terms = terms(scene);
+        let likelihood: f64 = tracks.iter().map(|track| track.log_likelihood).sum();
+        let pooled = Pooled::of(&grams, terms.variances.len(), scene, references);
+        Some(likelihood + log_evidence(&pooled.sum(scene, |_| true), &terms))
+    }
+}
+
+/// The parameters alone, whose priors are flat.
+pub(crate) fn parameters(scene: &Scene<'_>) -> Terms {
+    let all = terms(scene);
+    let flat = |(_, variance): &(&usize, &f64)| **variance == FLAT * FLAT;
+    let (columns, variances) = all.columns.iter().zip(&all.variances).filter(flat).unzip();
+    Terms { columns, variances }
+}
+
+/// The base's columns with the variances of their priors.
+pub(crate) fn terms(scene: &Scene<'_>) -> Terms {
+    let own: usize = scene.recordings.iter().map(|it| it.own.len()).sum();
+    let mut variances = vec![FLAT * FLAT; scene.names.len()];
+    variances.extend(vec![OFFSET * OFFSET; scene.recordings.len()]);
+    variances.extend(vec![ZERO_SPEED * ZERO_SPEED; NEAR_ZERO.len()]);
+    variances.extend(vec![FLAT * FLAT; own]);
+    Terms { columns: (0..variances.len()).collect(), variances }
+}
+
+/// Sources of one recording beside the base: those that stand in the background with it, and those
+/// that are judged, in groups of so many columns.
+#[derive(Default)]
+pub(crate) struct Further<'a> {
+    pub(crate) background: Vec<Source<'a>>,
+    pub(crate) judged: Vec<Source<'a>>,
+    pub(crate) groups: &'a [usize],
+}
+
+/// Products of the base's columns, then of the `further` ones of each recording.
+pub(crate) fn grams<'a>(
+    scene: &'a Scene<'_>,
+    tracks: &'a [Track],
+    references: &References,
+    further: impl Fn(usize) -> Further<'a> + Sync,
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Vec<Gram> {
+    let fastest = fastest(tracks);
+    let one = |recording: usize| {
+        let it = &scene.recordings[recording];
+        let base = Base::of(scene, recording, &tracks[recording], fastest);
+        let mut background = base.sources(scene, recording);
+        let further = further(recording);
+        background.extend(further.background.iter().copied());
+        let groups = |first: usize, end: usize| -> Vec<Range<usize>> {
+            let ends = further.groups.iter().scan(first, |next, count| {
+                *next += count;
+                Some(*next - count..*next)
+            });
+            let groups: Vec<Range<usize>> = ends.collect();
+            debug_assert_eq!(groups.last().map_or(first, |last| last.end), end);
+            groups
+        };
+        let track = &tracks[recording];
+        let sources = (background.as_slice(), further.judged.as_slice());
+        gram(&it.drive, it.measured, track, references, sources, &groups, stopped)
+    };
+    (0..scene.recordings.len()).into_par_iter().map(one).collect()
+}
+
+pub(crate) fn fastest(tracks: &[Track]) -> f64 {
+    let ticks = tracks.iter().flat_map(|track| &track.ticks);
+    ticks.fold(f64::MIN_POSITIVE, |most, tick| most.max(tick.filtered[1].abs()))
+}
+
+/// Products of several recordings with columns in units of the balances' sizes.
+pub(crate) struct Pooled {
+    each: Vec<Products>,
+    /// Of each column its own unit in that unit: a coefficient of the scaled column times this is
+    /// the coefficient of the column.
+    pub(crate) scale: Vec<f64>,
+}
+
+impl Pooled {
+    /// `base` columns are the base's; a column of nothing stays nothing.
+    pub(crate) fn of(
+        grams: &[Gram],
+        base: usize,
+        scene: &Scene<'_>,
+        references: &References,
+    ) -> Self {
+        let samples: usize = grams.iter().map(|gram| gram.samples).sum();
+        let columns = grams[0].size.len();
+        // Offsets and friction at zero speed are in units of the balance as they stand.
+        let as_it_stands = scene.names.len()
+            ..scene.names.len() + scene.recordings.len() + NEAR_ZERO.len().min(base);
+        let of = |column: usize| {
+            if as_it_stands.contains(&column) {
+                return references.torque;
+            }
+            let sum: f64 = grams.iter().map(|it| it.size[column] * it.samples as f64).sum();
+            let rms = (sum / samples as f64).sqrt();
+            if rms > 0.0 && rms.is_finite() { 1.0 / rms } else { 0.0 }
+        };
+        let mut scale: Vec<f64> = (0..columns).map(of).collect();
+        scale.push(1.0);
+        let each = grams.iter().map(|gram| gram.products.scaled(&scale));
+        Self { each: each.collect(), scale }
+    }
+
+    /// The products of the recordings that are `wanted` by whether they were held out.
+    pub(crate) fn sum(&self, scene: &Scene<'_>, wanted: impl Fn(bool) -> bool) -> Products {
+        let each = self.each.iter().zip(&scene.recordings).filter(|(_, it)| wanted(it.held_out));
+        let none = self.each[0].scaled(&vec![0.0; self.scale.len()]);
+        each.fold(none, |sum, (products, _)| sum.and(products))
+    }
+}

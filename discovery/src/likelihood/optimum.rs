@@ -1,0 +1,120 @@
+//! The evidence of a drive with a law in it, fitted: linearised at its own optimum.
+//!
+//! At its null a law that is far from linear is judged by a poor column. With the law in the drive
+//! and everything fitted, the columns are those of the law as it is; the prior of its coefficients
+//! still stands around their null.
+
+use super::base::{Further, Pooled, grams, parameters, terms};
+use super::columns::Source;
+use super::gram::References;
+use super::marginal::{Terms, ln_mean_exp, log_evidence, standing_out};
+use super::randomness::Randomness;
+use super::scene::Scene;
+use super::weigh::SIZES;
+
+/// What is added to the law of the base, in a fitted drive.
+pub(crate) struct Law<'a> {
+    /// Its name in the drive.
+    pub(crate) id: &'a str,
+    /// Its coefficients, which are 0 where it vanishes.
+    pub(crate) coefficients: &'a [String],
+}
+
+/// ln of the evidence of the recordings of the fit, and of these with those held out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Optimum {
+    pub(crate) fitted: f64,
+    pub(crate) held_out: f64,
+    pub(crate) all: f64,
+    /// Root of the mean square of what the law does, of the balance's size.
+    pub(crate) size: f64,
+}
+
+/// Of the scene's drive; nothing where it overflows.
+pub(crate) fn optimum(
+    scene: &Scene<'_>,
+    law: Option<&Law<'_>>,
+    randomness: &Randomness,
+    references: &References,
+) -> Option<Optimum> {
+    let tracks = scene.tracks(randomness)?;
+    let without: Vec<_> = scene
+        .recordings
+        .iter()
+        .map(|it| {
+            let mut drive = it.drive.clone();
+            drive.effects.retain(|effect| law.is_none_or(|law| effect.id != law.id));
+            drive
+        })
+        .collect();
+    let further = |recording: usize| {
+        let drive = &without[recording];
+        let difference = Source::Difference { drive, longest_s: scene.longest_s };
+        match law {
+            Some(_) => Further { judged: vec![difference], groups: &[1], ..Further::default() },
+            None => Further::default(),
+        }
+    };
+    let grams = grams(scene, &tracks, references, further, &|| false);
+    let mut terms = terms(scene);
+    let base = terms.columns.len();
+    let pooled = Pooled::of(&grams, base, scene, references);
+    // Values of the law's coefficients in the units of their columns: the prior stands around 0.
+    let mut values = vec![0.0; base];
+    let (mut own, mut of_law) = (Vec::new(), Vec::new());
+    if let Some(law) = law {
+        let known = scene.drive.parameters();
+        for (place, name) in scene.names.iter().enumerate() {
+            let Some(("", parameter)) =
+                name.strip_prefix(law.id).map(|it| it.split_once('.').unwrap_or(("none", "")))
+            else {
+                continue;
+            };
+            of_law.push(place);
+            let value = known.iter().find(|it| it.name == *name).map_or(0.0, |it| it.value);
+            if law.coefficients.iter().any(|it| it == parameter) {
+                own.push(place);
+                values[place] = value / pooled.scale[place];
+            } else {
+                // A shape is known to a factor.
+                let relative = value.abs() / pooled.scale[place];
+                terms.variances[place] = (relative * relative).clamp(1e-12, 1e12);
+            }
+        }
+    }
+    let likelihood = |wanted: &dyn Fn(bool) -> bool| -> f64 {
+        let each = scene.recordings.iter().zip(&tracks).filter(|(it, _)| wanted(it.held_out));
+        each.map(|(_, track)| track.log_likelihood).sum()
+    };
+    let evidence = |wanted: &dyn Fn(bool) -> bool| {
+        let products = pooled.sum(scene, wanted);
+        let (products, moved) = products.shifted(&values);
+        let of = |size: f64| {
+            let mut terms: Terms = terms.clone();
+            for place in &own {
+                terms.variances[*place] = size * size;
+            }
+            log_evidence(&products, &terms)
+        };
+        let mean = if own.is_empty() { of(1.0) } else { ln_mean_exp(SIZES.map(of).into_iter()) };
+        likelihood(wanted) + moved + mean
+    };
+    let size = if law.is_some() {
+        let samples: usize = grams.iter().map(|gram| gram.samples).sum();
+        let sum: f64 = grams.iter().map(|it| it.size[base] * it.samples as f64).sum();
+        let mut others = parameters(scene);
+        let kept: Vec<bool> = others.columns.iter().map(|it| !of_law.contains(it)).collect();
+        let mut keep = kept.iter();
+        others.columns.retain(|_| keep.next().is_some_and(|kept| *kept));
+        others.variances.truncate(others.columns.len());
+        (sum / samples as f64).sqrt() * standing_out(&pooled.sum(scene, |_| true), &others, base)
+    } else {
+        0.0
+    };
+    Some(Optimum {
+        fitted: evidence(&|held_out| !held_out),
+        held_out: evidence(&|held_out| held_out),
+        all: evidence(&|_| true),
+        size,
+    })
+}

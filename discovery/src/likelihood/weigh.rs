@@ -1,0 +1,354 @@
+//! What every law at its null, and every free curve, would explain beside a fitted drive.
+//!
+//! All columns of a recording stand in one matrix of products, so that the evidence of any set of
+//! them is one small decomposition.
+
+use drivescope_plant::drive::{Drive, Input};
+
+use super::base::{Further, Pooled, grams, parameters, terms};
+use super::columns::{A_PASS, Series, Source};
+use super::filter::Track;
+use super::gram::{Products, References};
+use super::marginal::{Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
+use super::randomness::Randomness;
+use super::scene::{Recorded, Scene, longest};
+use crate::discover::{Candidate, Curve, Scales, Trajectory, curves};
+
+/// Standard deviations of a law's coefficients, of the balance's size.
+pub(crate) const SIZES: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+/// The same of a curve's values.
+const CURVE_SIZES: [f64; 5] = [0.003, 0.01, 0.03, 0.1, 0.3];
+
+/// A law in one of its shapes, or a curve, with its columns.
+#[derive(Debug, Clone)]
+struct Seat {
+    candidate: usize,
+    variant: usize,
+    columns: Vec<usize>,
+}
+
+/// What a law explains in its best shape.
+#[derive(Debug, Clone)]
+pub(crate) struct LawWeight {
+    /// Its number in the list of candidates.
+    pub(crate) candidate: usize,
+    /// Its shapes, the most probable first.
+    pub(crate) variants: Vec<usize>,
+    /// Coefficients of the most probable shape; none where the null is infinite.
+    pub(crate) coefficients: Vec<f64>,
+    /// ln of the evidence over that of the base, averaged over shapes and sizes.
+    pub(crate) evidence: f64,
+    /// Whether the base imitates it.
+    pub(crate) imitated: bool,
+    /// Whether its column has a number everywhere.
+    pub(crate) finite: bool,
+}
+
+/// What a curve explains.
+#[derive(Debug, Clone)]
+pub(crate) struct CurveWeight {
+    pub(crate) curve: Curve,
+    pub(crate) evidence: f64,
+    /// ln of the probability of the recordings held out, given the others, over that of the base.
+    pub(crate) repeats: f64,
+    /// Root of its mean square, of the balance's size.
+    pub(crate) size: f64,
+}
+
+/// The weights of everything.
+#[derive(Debug, Clone)]
+pub(crate) struct Weights {
+    /// Most probable first.
+    pub(crate) laws: Vec<LawWeight>,
+    /// Most probable first.
+    pub(crate) curves: Vec<CurveWeight>,
+}
+
+/// Share of a column's amplitude beside the base below which the base imitates it.
+const IMITATED: f64 = 1e-2;
+
+/// What is known of the variables along the tracks.
+fn trajectory(it: &Recorded<'_>, track: &Track) -> Trajectory {
+    let of = |value: &dyn Fn(&super::filter::Tick) -> f64| {
+        let mut values = vec![0.0; it.measured.len()];
+        for tick in &track.ticks {
+            values[tick.sample] = value(tick);
+        }
+        values
+    };
+    let force = it.drive.motor.input == Input::Force;
+    Trajectory {
+        current: if force { it.measured.u.clone() } else { of(&|tick| tick.filtered[0]) },
+        speed: of(&|tick| tick.filtered[1]),
+        position: of(&|tick| tick.filtered[2]),
+        acceleration: of(&|tick| tick.acceleration(it.measured.period_s)),
+        linearised: None,
+    }
+}
+
+/// Laws at their nulls that share a pass, under names of their seats.
+struct Passes {
+    seats: Vec<Vec<(usize, usize)>>,
+    names: Vec<Vec<String>>,
+}
+
+fn seat_name(place: usize) -> String {
+    format!("seat {place}")
+}
+
+impl Passes {
+    /// Stiff laws, laws of sensors and typed ones, which may overflow, keep to themselves.
+    fn of(candidates: &[Candidate]) -> Self {
+        let mut seats: Vec<Vec<(usize, usize)>> = Vec::new();
+        let (mut room, mut company) = (0, usize::MAX);
+        for (number, candidate) in candidates.iter().enumerate().filter(|it| it.1.is_linear()) {
+            let k = candidate.coefficients.len();
+            let info = candidate.info;
+            let alone = info.stiff || info.senses() || info.id == "delay" || candidate.is_typed();
+            let own = if alone { number } else { usize::MAX };
+            for variant in 0..candidate.variants.len() {
+                if room < k || own != company {
+                    seats.push(Vec::new());
+                    room = A_PASS;
+                }
+                if let Some(pass) = seats.last_mut() {
+                    pass.push((number, variant));
+                }
+                (room, company) = (room - k, own);
+            }
+        }
+        let of = |pass: &Vec<(usize, usize)>| {
+            let one = |(place, (candidate, _)): (usize, &(usize, usize))| {
+                let names = candidates[*candidate].coefficients.iter();
+                names.map(move |name| format!("{}.{name}", seat_name(place))).collect::<Vec<_>>()
+            };
+            pass.iter().enumerate().flat_map(one).collect()
+        };
+        let names = seats.iter().map(of).collect();
+        Self { seats, names }
+    }
+
+    fn drive(&self, pass: usize, drive: &Drive, candidates: &[Candidate]) -> Drive {
+        let mut with = drive.clone();
+        for (place, (candidate, variant)) in self.seats[pass].iter().enumerate() {
+            let mut effect = candidates[*candidate].variants[*variant].effect.clone();
+            effect.id = seat_name(place);
+            with.effects.push(effect);
+        }
+        with
+    }
+}
+
+/// The drives and series from which the columns of one recording are made.
+struct Made {
+    with: Vec<(Drive, f64)>,
+    stiff: Vec<(Drive, f64)>,
+    curves: Vec<Vec<Series>>,
+}
+
+/// Weighs the candidates and the curves beside the scene's drive.
+///
+/// `tolerated` names curves that stand in the background with a standard deviation: what the
+/// formula of a named law may leave.
+pub(crate) fn weigh(
+    scene: &Scene<'_>,
+    randomness: &Randomness,
+    references: &References,
+    candidates: &[Candidate],
+    scales: &Scales,
+    tolerated: impl Fn(&Curve) -> Option<f64>,
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Option<Weights> {
+    let tracks = scene.tracks(randomness)?;
+    let trajectories: Vec<Trajectory> =
+        scene.recordings.iter().zip(&tracks).map(|(it, track)| trajectory(it, track)).collect();
+    let families = curves(scene.drive, scales, &trajectories);
+    let passes = Passes::of(candidates);
+    let mut stiff: Vec<(usize, usize)> = Vec::new();
+    for (number, candidate) in candidates.iter().enumerate().filter(|it| !it.1.is_linear()) {
+        stiff.extend((0..candidate.variants.len()).map(|variant| (number, variant)));
+    }
+    let timed = |drive: Drive| {
+        let longest_s = longest(&drive).min(scene.longest_s);
+        (drive, longest_s)
+    };
+    let made: Vec<Made> = scene
+        .recordings
+        .iter()
+        .zip(&tracks)
+        .zip(&trajectories)
+        .map(|((it, track), trajectory)| {
+            let with = |pass: usize| timed(passes.drive(pass, &it.drive, candidates));
+            let changed = |(candidate, variant): &(usize, usize)| {
+                let candidate = &candidates[*candidate];
+                timed(candidate.added(&it.drive, &candidate.variants[*variant]))
+            };
+            Made {
+                with: (0..passes.seats.len()).map(with).collect(),
+                stiff: stiff.iter().map(changed).collect(),
+                curves: families.iter().map(|curve| series(curve, it, track, trajectory)).collect(),
+            }
+        })
+        .collect();
+    // What stands in the background comes first, for only its products with all are known.
+    let known: Vec<(usize, f64)> = families
+        .iter()
+        .enumerate()
+        .filter_map(|(number, curve)| Some((number, tolerated(curve)?)))
+        .collect();
+    let is_known = |number: usize| known.iter().any(|(it, _)| *it == number);
+    let mut seats = Vec::new();
+    let mut background = terms(scene);
+    let base = background.columns.len();
+    let mut next = base;
+    let mut take = |count: usize| {
+        next += count;
+        (next - count..next).collect::<Vec<usize>>()
+    };
+    for (number, sd) in &known {
+        background = background.with(&take(families[*number].knots.len()), sd * sd);
+    }
+    for (candidate, variant) in passes.seats.iter().flatten() {
+        let columns = take(candidates[*candidate].coefficients.len());
+        seats.push(Seat { candidate: *candidate, variant: *variant, columns });
+    }
+    for (candidate, variant) in stiff {
+        seats.push(Seat { candidate, variant, columns: take(1) });
+    }
+    let curves: Vec<(Curve, Vec<usize>)> = families
+        .iter()
+        .enumerate()
+        .filter(|(number, _)| !is_known(*number))
+        .map(|(_, curve)| (curve.clone(), take(curve.knots.len())))
+        .collect();
+    let groups: Vec<usize> = seats
+        .iter()
+        .map(|seat| seat.columns.len())
+        .chain(curves.iter().map(|(_, columns)| columns.len()))
+        .collect();
+    let further = |recording: usize| {
+        let made = &made[recording];
+        let linear = made.with.iter().zip(&passes.names);
+        let linear = linear.map(|((drive, longest_s), names)| Source::Parameters {
+            drive,
+            names,
+            longest_s: *longest_s,
+        });
+        let stiff = made.stiff.iter();
+        let stiff =
+            stiff.map(|(drive, longest_s)| Source::Difference { drive, longest_s: *longest_s });
+        let judged = made.curves.iter().enumerate().filter(|(number, _)| !is_known(*number));
+        Further {
+            background: known.iter().map(|(it, _)| Source::Series(&made.curves[*it])).collect(),
+            judged: linear.chain(stiff).chain(judged.map(|(_, it)| Source::Series(it))).collect(),
+            groups: &groups,
+        }
+    };
+    let grams = grams(scene, &tracks, references, further, stopped);
+    let pooled = Pooled::of(&grams, base, scene, references);
+    let weighing = Weighing {
+        fitted: pooled.sum(scene, |held_out| !held_out),
+        all: pooled.sum(scene, |_| true),
+        scale: &pooled.scale,
+        background,
+        parameters: parameters(scene),
+    };
+    Some(Weights { laws: weighing.laws(candidates, &seats), curves: weighing.curves(curves) })
+}
+
+/// A curve's hats along a recording.
+fn series(curve: &Curve, it: &Recorded<'_>, track: &Track, along: &Trajectory) -> Vec<Series> {
+    let of = |values: &Vec<f64>| -> Vec<f64> {
+        let at = |sample: usize| values.get(sample).copied().unwrap_or(0.0);
+        track.ticks.iter().map(|tick| at(tick.sample)).collect()
+    };
+    let forcings = curve.forcings(&it.drive, it.measured, along);
+    let one = |it: &crate::response::Forcing| Series {
+        torque: of(&it.torque),
+        voltage: of(&it.voltage),
+        ..Series::default()
+    };
+    forcings.iter().map(one).collect()
+}
+
+struct Weighing<'a> {
+    fitted: Products,
+    all: Products,
+    scale: &'a [f64],
+    background: Terms,
+    /// The parameters of the base alone.
+    parameters: Terms,
+}
+
+impl Weighing<'_> {
+    /// ln of the evidence of columns of any of those sizes beside the background.
+    fn of(&self, products: &Products, columns: &[usize], sizes: &[f64]) -> f64 {
+        let with = |size: &f64| log_evidence(products, &self.background.with(columns, size * size));
+        ln_mean_exp(sizes.iter().map(with))
+    }
+
+    fn laws(&self, candidates: &[Candidate], seats: &[Seat]) -> Vec<LawWeight> {
+        let base = log_evidence(&self.fitted, &self.background);
+        let mut found = Vec::new();
+        for (number, candidate) in candidates.iter().enumerate() {
+            let mut own: Vec<(&Seat, f64)> = seats
+                .iter()
+                .filter(|seat| seat.candidate == number)
+                .map(|seat| (seat, self.of(&self.fitted, &seat.columns, &SIZES) - base))
+                .collect();
+            let evidence = ln_mean_exp(own.iter().map(|(_, evidence)| *evidence));
+            own.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let Some((best, _)) = own.first() else { continue };
+            let finite = best.columns.iter().all(|column| self.scale[*column] > 0.0);
+            let coefficients = if candidate.is_linear() { self.coefficients(best) } else { vec![] };
+            found.push(LawWeight {
+                candidate: number,
+                variants: own.iter().map(|(seat, _)| seat.variant).collect(),
+                coefficients,
+                evidence,
+                imitated: own.iter().all(|(seat, _)| self.imitated(&seat.columns)),
+                finite,
+            });
+        }
+        found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        found
+    }
+
+    /// The most probable coefficients of a law, in their own units.
+    fn coefficients(&self, seat: &Seat) -> Vec<f64> {
+        let terms = self.background.with(&seat.columns, 1.0);
+        let mean = coefficients(&self.fitted, &terms);
+        let place = self.background.columns.len();
+        let one = |(k, column): (usize, &usize)| {
+            mean.as_ref().map_or(0.0, |mean| mean[place + k] * self.scale[*column])
+        };
+        seat.columns.iter().enumerate().map(one).collect()
+    }
+
+    /// Whether nothing of a law stands out of the base's own columns.
+    fn imitated(&self, columns: &[usize]) -> bool {
+        let out = |column: &usize| standing_out(&self.fitted, &self.parameters, *column);
+        columns.iter().all(|column| out(column) < IMITATED)
+    }
+
+    fn curves(&self, curves: Vec<(Curve, Vec<usize>)>) -> Vec<CurveWeight> {
+        let bases =
+            [&self.fitted, &self.all].map(|products| log_evidence(products, &self.background));
+        let mut found: Vec<CurveWeight> = curves
+            .into_iter()
+            .map(|(curve, columns)| {
+                let [fitted, all] = [&self.fitted, &self.all]
+                    .map(|products| self.of(products, &columns, &CURVE_SIZES));
+                let evidence = fitted - bases[0];
+                // Coefficients of hats, each of which is not 0 over a part of the samples only.
+                let terms = self.background.with(&columns, 0.1);
+                let size = coefficients(&self.fitted, &terms).map_or(0.0, |mean| {
+                    mean.rows(self.background.columns.len(), columns.len()).norm()
+                });
+                CurveWeight { curve, evidence, repeats: all - bases[1] - evidence, size }
+            })
+            .collect();
+        found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        found
+    }
+}

@@ -59,8 +59,8 @@ impl Share {
 }
 
 enum Maker<'a> {
-    Duals { stepper: Stepper<'a, A_PASS>, names: usize },
-    Difference { stepper: Stepper<'a, 1> },
+    Duals { stepper: Box<Stepper<'a, A_PASS>>, names: usize },
+    Difference { stepper: Box<Stepper<'a, 1>> },
     Series(&'a [Series]),
 }
 
@@ -83,12 +83,12 @@ impl<'a> Pass<'a> {
                     None => Dual { v: value, d: [0.0; A_PASS] },
                 };
                 let stepper = Stepper::new(drive, measured, known, longest_s, seed);
-                (Maker::Duals { stepper, names: names.len() }, names.len())
+                (Maker::Duals { stepper: Box::new(stepper), names: names.len() }, names.len())
             }
             Source::Difference { drive, longest_s } => {
                 let seed = |_: &str, value: f64| Dual { v: value, d: [0.0; 1] };
                 let stepper = Stepper::new(drive, measured, known, longest_s, seed);
-                (Maker::Difference { stepper }, 1)
+                (Maker::Difference { stepper: Box::new(stepper) }, 1)
             }
             Source::Series(series) => (Maker::Series(series), series.len()),
         };

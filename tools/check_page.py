@@ -28,7 +28,8 @@ INPUTS = {
 HIDDEN = "cogging"
 FLOOR = 1.0
 NEAR_THE_FLOOR = 1.1
-# A recording of 1e5 samples: how long it may take to see it, and the memory of the server.
+# A recording of 1e5 samples: how long it may take to see it, and the memory of a server that has
+# nothing else.
 SAMPLES_S = 100
 FIRST_VIEW_MS = 300
 DRAWN_MS = 150
@@ -374,9 +375,14 @@ def main():
             report(context, check, Path(folder) / "found.html")
             wrong_unit(page, server, check, folder)
             mapped(page, server, check, folder, pictures)
-            large(page, server, check, folder)
             faults(page, server, check, pictures)
             # Before the server: the page would say that it is gone.
+            page.close()
+        # In a server of its own: the sessions before it would count as its memory.
+        with Server(program, folder) as server:
+            page = watched(context, check, re.search("//(.*?)/", server.url)[1])
+            page.goto(server.url)
+            large(page, server, check, folder)
             page.close()
         browser.close()
     print(f"page: {len(check.wrong)} problems")

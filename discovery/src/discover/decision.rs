@@ -19,8 +19,8 @@ pub(crate) const SIZE: f64 = 0.02;
 /// The same of a further name.
 pub(crate) const FURTHER_SIZE: f64 = 0.04;
 /// Least share of the evidence of the best free curve that a law must have: a law with less only
-/// resembles what is missing.
-pub(crate) const SHARE: f64 = 0.7;
+/// resembles what is missing. A curve follows what any formula leaves of a real machine too.
+pub(crate) const SHARE: f64 = 0.5;
 /// Laws whose evidence is that close are not told apart: 150 to 1.
 pub(crate) const CONFUSED: f64 = 5.0;
 /// Share of its evidence that a law may have less than a richer one that excludes it and still be

@@ -130,8 +130,13 @@ pub fn discover_by(
         }
         let best = judged.swap_remove(best);
         let formula = best.weighed.map(|it| Formula::of(&all[best.candidate], it.size));
+        let weighed = best.weighed;
         let named = best.model;
-        let named = named.polished(estimation, validation, &seen).unwrap_or(named);
+        let named = if weighed.is_some_and(|it| it.by_balance) {
+            named
+        } else {
+            named.polished(estimation, validation, &seen).unwrap_or(named)
+        };
         found.climb(Some(kind), &named, watch);
         let before = std::mem::replace(&mut model, named);
         base.get_or_insert(before);

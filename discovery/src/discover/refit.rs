@@ -76,7 +76,7 @@ impl Model {
 
 /// Squared error, in units of the noise, by which a fit of a candidate may miss its minimum: far
 /// below what the gates ask for ([`super::gates::DELTA_BIC`]).
-const NEAR_ENOUGH: f64 = 1.0;
+pub(super) const NEAR_ENOUGH: f64 = 1.0;
 
 /// Steps after which the begins of a law are compared.
 const FIRST_STEPS: usize = 6;

@@ -4,13 +4,13 @@
 
 use std::ops::Range;
 
+use drivescope_plant::drive::Drive;
 use rayon::prelude::*;
 
-use super::columns::{A_PASS, Series, Source};
+use super::columns::{A_PASS, Pass, Series, Share, Source};
 use super::filter::Track;
 use super::gram::{Gram, Products, References, gram};
 use super::marginal::{Terms, log_evidence};
-use super::randomness::Randomness;
 use super::scene::Scene;
 
 /// Standard deviation of a parameter's share, of the balance's size: nearly flat.
@@ -23,7 +23,7 @@ const ZERO_SPEED: f64 = 0.3;
 const NEAR_ZERO: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
 
 /// Series of the base in one recording.
-pub(crate) struct Base {
+pub(super) struct Base {
     offsets: Vec<Series>,
     zero_speed: Vec<Series>,
     nothing: Vec<Series>,
@@ -31,7 +31,7 @@ pub(crate) struct Base {
 
 impl Base {
     /// Of that recording of the scene; `fastest` is the greatest speed of all.
-    pub(crate) fn of(scene: &Scene<'_>, recording: usize, track: &Track, fastest: f64) -> Self {
+    fn of(scene: &Scene, recording: usize, track: &Track, fastest: f64) -> Self {
         let torque = |torque: Vec<f64>| Series { torque, ..Series::default() };
         let offset = |other: usize| {
             torque(if other == recording { vec![1.0; track.ticks.len()] } else { vec![] })
@@ -51,43 +51,93 @@ impl Base {
         }
     }
 
-    /// Its sources in the order of [`terms`].
-    pub(crate) fn sources<'a>(&'a self, scene: &'a Scene<'_>, recording: usize) -> Vec<Source<'a>> {
+    /// Its sources in the order of [`terms`]; `known` shares are those of its parameters.
+    fn sources<'a>(
+        &'a self,
+        scene: &'a Scene,
+        recording: usize,
+        known: Option<&'a Known>,
+    ) -> Vec<Source<'a>> {
         let it = &scene.recordings[recording];
-        let passes = |names: &'a [String]| {
-            names.chunks(A_PASS).map(|names| Source::parameters(&it.drive, names, scene.longest_s))
+        let given = |shares: &'a [Share], names: &[String]| {
+            vec![Source::Given { shares, count: names.len() }]
         };
-        let mut sources: Vec<Source<'a>> = passes(&scene.names).collect();
+        let passes = |names: &'a [String]| passes(&it.drive, names);
+        let mut sources =
+            known.map_or_else(|| passes(&scene.names), |it| given(&it.machine, &scene.names));
         sources.push(Source::Series(&self.offsets));
         sources.push(Source::Series(&self.zero_speed));
         for (other, of) in scene.recordings.iter().enumerate() {
             if other == recording {
-                sources.extend(passes(&it.own));
+                sources.extend(
+                    known.map_or_else(|| passes(&it.own), |known| given(&known.own, &it.own)),
+                );
             } else {
                 sources.push(Source::Series(&self.nothing[..of.own.len()]));
             }
         }
         sources
     }
+}
 
-    /// ln of the probability of the recordings, the base's coefficients integrated out; nothing
-    /// where the model overflows.
-    pub(crate) fn evidence(
-        scene: &Scene<'_>,
-        randomness: &Randomness,
-        references: &References,
-    ) -> Option<f64> {
-        let tracks = scene.tracks(randomness)?;
-        let grams = grams(scene, &tracks, references, |_| Further::default(), &|| false);
-        let terms = terms(scene);
-        let likelihood: f64 = tracks.iter().map(|track| track.log_likelihood).sum();
-        let pooled = Pooled::of(&grams, terms.variances.len(), scene, references);
-        Some(likelihood + log_evidence(&pooled.sum(scene, |_| true), &terms))
+/// Shares of a drive's parameters along a track: those of the machine and of the recording.
+pub(super) struct Known {
+    machine: Vec<Share>,
+    own: Vec<Share>,
+}
+
+impl Known {
+    /// Of each recording, as the plant is linearised along the tracks.
+    pub(super) fn of(scene: &Scene, tracks: &[Track]) -> Vec<Self> {
+        let one = |(it, track): (&super::scene::Recorded, &Track)| {
+            let shares = |names: &[String]| {
+                let passes = passes(&it.drive, names).into_iter();
+                let each: Vec<(usize, Vec<Share>)> = passes
+                    .map(|source| Pass::new(&it.drive, it.recording(), source))
+                    .map(|pass| (pass.len(), pass.all(&track.ticks)))
+                    .collect();
+                let at = |tick: usize| {
+                    each.iter().flat_map(move |(count, all)| &all[tick * count..][..*count])
+                };
+                (0..track.ticks.len()).flat_map(at).copied().collect()
+            };
+            Self { machine: shares(&scene.names), own: shares(&it.own) }
+        };
+        scene.recordings.par_iter().zip(tracks).map(one).collect()
     }
 }
 
+/// Passes over parameters of a drive.
+pub(super) fn passes<'a>(drive: &'a Drive, names: &'a [String]) -> Vec<Source<'a>> {
+    names.chunks(A_PASS).map(|names| Source::Parameters { drive, names }).collect()
+}
+
+/// ln of the probability of the recordings along those tracks, what is not `flat` of the base
+/// integrated out, and the parameters too where they are.
+pub(super) fn probability(
+    scene: &Scene,
+    tracks: &[Track],
+    references: &References,
+    known: Option<&[Known]>,
+    flat: bool,
+) -> f64 {
+    let grams = grams(scene, tracks, references, known, |_| Further::default(), &|| false);
+    let all = terms(scene);
+    let pooled = Pooled::of(&grams, all.variances.len(), scene, references);
+    let terms = if flat { all } else { nuisance(&all) };
+    let likelihood: f64 = tracks.iter().map(|track| track.log_likelihood).sum();
+    likelihood + log_evidence(&pooled.sum(scene, |_| true), &terms)
+}
+
+/// Those of the terms that are no parameters: what no value of the drive describes.
+fn nuisance(all: &Terms) -> Terms {
+    let kept = |(_, variance): &(&usize, &f64)| **variance != FLAT * FLAT;
+    let (columns, variances) = all.columns.iter().zip(&all.variances).filter(kept).unzip();
+    Terms { columns, variances }
+}
+
 /// The parameters alone, whose priors are flat.
-pub(crate) fn parameters(scene: &Scene<'_>) -> Terms {
+pub(crate) fn parameters(scene: &Scene) -> Terms {
     let all = terms(scene);
     let flat = |(_, variance): &(&usize, &f64)| **variance == FLAT * FLAT;
     let (columns, variances) = all.columns.iter().zip(&all.variances).filter(flat).unzip();
@@ -95,7 +145,7 @@ pub(crate) fn parameters(scene: &Scene<'_>) -> Terms {
 }
 
 /// The base's columns with the variances of their priors.
-pub(crate) fn terms(scene: &Scene<'_>) -> Terms {
+pub(crate) fn terms(scene: &Scene) -> Terms {
     let own: usize = scene.recordings.iter().map(|it| it.own.len()).sum();
     let mut variances = vec![FLAT * FLAT; scene.names.len()];
     variances.extend(vec![OFFSET * OFFSET; scene.recordings.len()]);
@@ -113,11 +163,13 @@ pub(crate) struct Further<'a> {
     pub(crate) groups: &'a [usize],
 }
 
-/// Products of the base's columns, then of the `further` ones of each recording.
+/// Products of the base's columns, then of the `further` ones of each recording; `known` are the
+/// shares of the base's parameters where they are at hand.
 pub(crate) fn grams<'a>(
-    scene: &'a Scene<'_>,
+    scene: &'a Scene,
     tracks: &'a [Track],
     references: &References,
+    known: Option<&'a [Known]>,
     further: impl Fn(usize) -> Further<'a> + Sync,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Gram> {
@@ -125,7 +177,8 @@ pub(crate) fn grams<'a>(
     let one = |recording: usize| {
         let it = &scene.recordings[recording];
         let base = Base::of(scene, recording, &tracks[recording], fastest);
-        let mut background = base.sources(scene, recording);
+        let known = known.map(|known| &known[recording]);
+        let mut background = base.sources(scene, recording, known);
         let further = further(recording);
         background.extend(further.background.iter().copied());
         let groups = |first: usize, end: usize| -> Vec<Range<usize>> {
@@ -139,7 +192,7 @@ pub(crate) fn grams<'a>(
         };
         let track = &tracks[recording];
         let sources = (background.as_slice(), further.judged.as_slice());
-        gram(&it.drive, it.measured, track, references, sources, &groups, stopped)
+        gram(&it.drive, it.recording(), track, references, sources, &groups, stopped)
     };
     (0..scene.recordings.len()).into_par_iter().map(one).collect()
 }
@@ -159,12 +212,7 @@ pub(crate) struct Pooled {
 
 impl Pooled {
     /// `base` columns are the base's; a column of nothing stays nothing.
-    pub(crate) fn of(
-        grams: &[Gram],
-        base: usize,
-        scene: &Scene<'_>,
-        references: &References,
-    ) -> Self {
+    pub(crate) fn of(grams: &[Gram], base: usize, scene: &Scene, references: &References) -> Self {
         let samples: usize = grams.iter().map(|gram| gram.samples).sum();
         let columns = grams[0].size.len();
         // Offsets and friction at zero speed are in units of the balance as they stand.
@@ -185,7 +233,7 @@ impl Pooled {
     }
 
     /// The products of the recordings that are `wanted` by whether they were held out.
-    pub(crate) fn sum(&self, scene: &Scene<'_>, wanted: impl Fn(bool) -> bool) -> Products {
+    pub(crate) fn sum(&self, scene: &Scene, wanted: impl Fn(bool) -> bool) -> Products {
         let each = self.each.iter().zip(&scene.recordings).filter(|(_, it)| wanted(it.held_out));
         let none = self.each[0].scaled(&vec![0.0; self.scale.len()]);
         each.fold(none, |sum, (products, _)| sum.and(products))

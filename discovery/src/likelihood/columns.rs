@@ -1,19 +1,20 @@
 //! Columns: what a small change of the drive would do to the innovations of a filtered recording.
 //!
 //! A change adds a share g to the state over each sample, and O to what the sensors show. Both come
-//! from the plant itself, which takes the sample from the filtered state with the change as a dual
-//! (a law at its null, a parameter), or with the change as it is (a law whose null is infinite);
-//! a free curve or a line in time acts through the disturbances d_T and d_V. The filter then does
+//! from the plant itself at the filtered state, with the change as a dual (a law at its null, a
+//! parameter), or with the change as it is (a law whose null is infinite); a free curve or a line in time acts through the disturbances d_T and d_V. The filter then does
 //! with them what it does with the data:
 //!
 //! nu = H e + O,  w = nu / sd,  e <- A (e - K nu) + g.
 
-use drivescope_numerics::Dual;
 use drivescope_plant::drive::Drive;
 use drivescope_plant::model::OWN;
 use nalgebra::DMatrix;
 
-use super::filter::{LOAD, SENSORS, Stepper, Tick, VOLTAGE, Vector, own_states};
+use super::direction::Direction;
+use super::filter::{LOAD, SENSORS, Tick, VOLTAGE, Vector, own_states};
+use super::rates::Rates;
+use super::stepper::{Stepped, Stepper};
 use crate::measured::Measured;
 
 /// Directions of a pass.
@@ -23,9 +24,12 @@ pub(crate) const A_PASS: usize = 8;
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Source<'a> {
     /// Derivatives by those parameters of the drive, at most [`A_PASS`].
-    Parameters { drive: &'a Drive, names: &'a [String], longest_s: f64 },
-    /// What another drive does otherwise than that of the track: one column.
-    Difference { drive: &'a Drive, longest_s: f64 },
+    Parameters { drive: &'a Drive, names: &'a [String] },
+    /// Shares that are known, those of a tick after those of another.
+    Given { shares: &'a [Share], count: usize },
+    /// What a drive does otherwise than one that was stepped from every state of the track: one
+    /// column; own states of which only the first few are `shared`, sub-steps no longer than that.
+    Difference { of: &'a Drive, from: &'a [Stepped], shared: usize, longest_s: f64 },
     /// Series in units of torque, voltage, and of what each sensor shows, by the sample's tick.
     Series(&'a [Series]),
 }
@@ -46,54 +50,57 @@ pub(crate) struct Share {
     pub(crate) shown: [f64; SENSORS],
 }
 
-impl<'a> Source<'a> {
-    pub(crate) fn parameters(drive: &'a Drive, names: &'a [String], longest_s: f64) -> Self {
-        Self::Parameters { drive, names, longest_s }
-    }
-}
-
 impl Share {
-    fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Self { state: Vector::zeros(), shown: [0.0; SENSORS] }
     }
 }
 
 enum Maker<'a> {
-    Duals { stepper: Box<Stepper<'a, A_PASS>>, names: usize },
-    Difference { stepper: Box<Stepper<'a, 1>> },
+    Rates(Box<Rates<'a>>),
+    Given(&'a [Share]),
+    Difference { of: Box<Stepper<'a>>, from: &'a [Stepped], rows: usize },
     Series(&'a [Series]),
 }
 
 /// A pass on its way along a track.
 pub(crate) struct Pass<'a> {
     maker: Maker<'a>,
-    known: usize,
+    /// Of the drive of the track, kg m^2 (kg) and H.
+    inertia: f64,
+    inductance: f64,
     errors: Vec<Vector>,
     room: Vec<Share>,
 }
 
 impl<'a> Pass<'a> {
     /// `base` is the drive of the track.
-    pub(crate) fn new(base: &Drive, measured: &'a Measured, source: Source<'a>) -> Self {
+    pub(crate) fn new(
+        base: &Drive,
+        recording: (&'a Measured, &'a Direction),
+        source: Source<'a>,
+    ) -> Self {
         let known = own_states(base);
         let (maker, count) = match source {
-            Source::Parameters { drive, names, longest_s } => {
-                let seed = |name: &str, value: f64| match names.iter().position(|it| it == name) {
-                    Some(place) => Dual::parameter(value, place),
-                    None => Dual { v: value, d: [0.0; A_PASS] },
-                };
-                let stepper = Stepper::new(drive, measured, known, longest_s, seed);
-                (Maker::Duals { stepper: Box::new(stepper), names: names.len() }, names.len())
+            Source::Parameters { drive, names } => {
+                (Maker::Rates(Box::new(Rates::new(drive, recording, known, names))), names.len())
             }
-            Source::Difference { drive, longest_s } => {
-                let seed = |_: &str, value: f64| Dual { v: value, d: [0.0; 1] };
-                let stepper = Stepper::new(drive, measured, known, longest_s, seed);
-                (Maker::Difference { stepper: Box::new(stepper) }, 1)
+            Source::Given { shares, count } => (Maker::Given(shares), count),
+            Source::Difference { of, from, shared, longest_s } => {
+                let rows = OWN + shared.min(own_states(of)).min(known).min(LOAD - OWN);
+                let of = Box::new(Stepper::new(of, recording.0, known, longest_s));
+                (Maker::Difference { of, from, rows }, 1)
             }
             Source::Series(series) => (Maker::Series(series), series.len()),
         };
         let errors = vec![Vector::zeros(); count];
-        Self { maker, known: known.min(LOAD - OWN), errors, room: vec![Share::none(); count] }
+        Self {
+            maker,
+            inertia: base.motor.j,
+            inductance: base.motor.l.unwrap_or(1.0),
+            errors,
+            room: vec![Share::none(); count],
+        }
     }
 
     /// Number of its columns.
@@ -101,46 +108,39 @@ impl<'a> Pass<'a> {
         self.errors.len()
     }
 
+    /// Shares of all its changes along a track, those of a tick after those of another.
+    pub(crate) fn all(mut self, track: &[Tick]) -> Vec<Share> {
+        let mut all = Vec::with_capacity(self.len() * track.len());
+        for (number, tick) in track.iter().enumerate() {
+            self.shares(number, tick);
+            all.extend_from_slice(&self.room);
+        }
+        all
+    }
+
     /// Shares of all its changes at that tick, whose number on the track is `number`.
     fn shares(&mut self, number: usize, tick: &Tick) {
-        let Self { maker, known, room, .. } = self;
-        let rows = OWN + *known;
+        let Self { maker, room, inertia, inductance, .. } = self;
         match maker {
-            Maker::Duals { stepper, names } => {
-                if tick.begins {
-                    stepper.begin();
-                }
-                let constant = |v: f64, _: usize| Dual { v, d: [0.0; A_PASS] };
-                let shown = stepper.shown(tick.sample, &tick.predicted, constant);
-                let next = stepper.step(tick.sample, &tick.filtered, constant);
-                for (place, share) in room.iter_mut().enumerate().take(*names) {
-                    for row in 0..rows {
-                        share.state[row] = next[row][0].d[place];
-                    }
-                    share.shown = shown.map(|it| it.d[place]);
-                }
+            Maker::Rates(rates) => rates.shares(tick, room),
+            Maker::Given(shares) => {
+                let count = room.len();
+                room.copy_from_slice(&shares[number * count..][..count]);
             }
-            Maker::Difference { stepper } => {
-                if tick.begins {
-                    stepper.begin();
+            Maker::Difference { of, from, rows } => {
+                let (with, without) = (of.at(tick), from[number]);
+                // One that has fewer own states does nothing to those of the other.
+                for row in 0..*rows {
+                    room[0].state[row] = with.state[row] - without.state[row];
                 }
-                let constant = |v: f64, _: usize| Dual { v, d: [0.0; 1] };
-                let shown = stepper.shown(tick.sample, &tick.predicted, constant);
-                let next = stepper.step(tick.sample, &tick.filtered, constant);
-                // One that has fewer own states than the drive of the track does nothing to them.
-                for row in 0..rows.min(next.len()) {
-                    room[0].state[row] = next[row][0].v - tick.propagated[row];
-                }
-                for sensor in 0..SENSORS {
-                    room[0].shown[sensor] = shown[sensor].v - tick.shown[sensor];
-                }
+                room[0].shown = std::array::from_fn(|it| with.shown[it] - without.shown[it]);
             }
             Maker::Series(series) => {
                 for (share, one) in room.iter_mut().zip(series.iter()) {
                     let at = |values: &Vec<f64>| values.get(number).copied().unwrap_or(0.0);
                     let (torque, voltage) = (at(&one.torque), at(&one.voltage));
-                    share.state = tick.transition.column(LOAD) * torque
-                        + tick.transition.column(VOLTAGE) * voltage;
+                    share.state = tick.transition.column(LOAD) * (torque / *inertia)
+                        + tick.transition.column(VOLTAGE) * (voltage / *inductance);
                     share.state[LOAD] = 0.0;
                     share.state[VOLTAGE] = 0.0;
                     share.shown = std::array::from_fn(|sensor| at(&one.shown[sensor]));

@@ -2,63 +2,41 @@
 //! recording (extended Kalman filter).
 //!
 //! The state is what the drive's model has (current, speed, position, own states) and two
-//! disturbances, d_T in the balance of torques and d_V in that of voltages, each an
-//! Ornstein-Uhlenbeck process. A sample is advanced by the plant itself, exactly and through its
-//! stick-slip events, from the filtered state; its derivative by that state, from duals in the
-//! same step, carries the covariance (Anderson and Moore, Optimal Filtering, 1979, ch. 8).
+//! disturbances, d_T / J in the balance of torques and d_V / L in that of voltages, each an
+//! Ornstein-Uhlenbeck process. A sample is advanced by the plant's own right-hand side from the
+//! filtered state, linear over the sample; its derivative by that state, from duals, carries the
+//! covariance (Anderson and Moore, Optimal Filtering, 1979, ch. 8). Dry friction acts against the
+//! motion that was measured ([`Direction`]).
 //! A random load is thus a part of the model and no excuse: whatever it explains has its price.
 
 use drivescope_numerics::Dual;
 use drivescope_plant::drive::{Drive, Input};
-use drivescope_plant::integrate::{Integrator, State};
-use drivescope_plant::model::{Applied, CURRENT, OWN, POSITION, SPEED};
-use drivescope_plant::sampled::DelayLine;
+use drivescope_plant::effects::registry::Entry;
+use drivescope_plant::model::{CURRENT, OWN, POSITION, SPEED};
 use nalgebra::{SMatrix, SVector};
 
+use super::direction::Direction;
+use super::exponential::Exponential;
+use super::noise::Noise;
+use super::plant::Plant;
 use crate::measured::{Measured, Output};
 
 /// States of the filter at most: current, speed, position, three own states, d_T, d_V.
 pub(crate) const STATES: usize = 8;
 /// Own states of effects that the filter corrects.
-const OWN_STATES: usize = 3;
-/// Place of d_T and of d_V in the state.
+pub(crate) const OWN_STATES: usize = 3;
+/// Place of d_T / J and of d_V / L in the state.
 pub(crate) const LOAD: usize = OWN + OWN_STATES;
 pub(crate) const VOLTAGE: usize = LOAD + 1;
+/// Parts of a sample in which teeth may meet, and parts of the armature's time constant.
+const KNOCKING: usize = 8;
+const SETTLING: f64 = 6.0;
 /// Sensors: of current, speed and position; those beside the motor are not filtered.
 pub(crate) const SENSORS: usize = 3;
 
 pub(crate) type Vector = SVector<f64, STATES>;
 pub(crate) type Square = SMatrix<f64, STATES, STATES>;
 type Number = Dual<STATES>;
-
-/// What is random in a recording: two disturbances and the sensors' noise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Noise {
-    /// Standard deviation of the load torque, N m (N), and its correlation time, s.
-    pub(crate) load_sd: f64,
-    pub(crate) load_s: f64,
-    /// Standard deviation of the voltage, V, and its correlation time, s.
-    pub(crate) voltage_sd: f64,
-    pub(crate) voltage_s: f64,
-    /// Standard deviation of each sensor's noise, in its unit.
-    pub(crate) sensors: [f64; SENSORS],
-}
-
-impl Noise {
-    /// Share of each disturbance that is left after a sample.
-    fn left(&self, period_s: f64) -> [f64; 2] {
-        [self.load_s, self.voltage_s].map(|time| (-period_s / time).exp())
-    }
-
-    /// Variances that a sample adds to the disturbances.
-    fn added(&self, period_s: f64) -> [f64; 2] {
-        let [load, voltage] = self.left(period_s);
-        [
-            self.load_sd * self.load_sd * (1.0 - load * load),
-            self.voltage_sd * self.voltage_sd * (1.0 - voltage * voltage),
-        ]
-    }
-}
 
 /// A sample of a filtered recording; one that was not measured has no gain.
 #[derive(Debug, Clone)]
@@ -72,8 +50,12 @@ pub(crate) struct Tick {
     pub(crate) filtered: Vector,
     /// The state one sample later, before anything is known of it.
     pub(crate) propagated: Vector,
-    /// Its derivative by the filtered state.
+    /// The mean over the sample.
+    pub(crate) mean: Vector,
+    /// Derivative of the propagated state by the filtered one.
     pub(crate) transition: Square,
+    /// The same by the rates of the states over the sample, s.
+    pub(crate) input: Square,
     /// What the sensors should have shown, and the derivative by the predicted state.
     pub(crate) shown: [f64; SENSORS],
     pub(crate) sense: [Vector; SENSORS],
@@ -98,113 +80,6 @@ pub(crate) struct Track {
     pub(crate) ticks: Vec<Tick>,
     /// Logarithm of the likelihood, without its constant.
     pub(crate) log_likelihood: f64,
-}
-
-/// One sample of the plant from states that are imposed.
-pub(crate) struct Stepper<'a, const P: usize> {
-    measured: &'a Measured,
-    integrator: Integrator<Dual<P>>,
-    state: State<Dual<P>, 1>,
-    delay: Option<DelayLine<Dual<P>, 1>>,
-    /// Own states that the filter knows.
-    known: usize,
-    period: Dual<P>,
-}
-
-/// What acts over a sample: voltage and load, with d_V and d_T in them.
-fn applied<const P: usize>(
-    measured: &Measured,
-    sample: usize,
-    voltage: Dual<P>,
-    torque: Dual<P>,
-) -> Applied<Dual<P>, 1> {
-    let load = measured.load.as_ref().map_or(0.0, |load| load[sample]);
-    Applied {
-        u: [Dual { v: measured.u[sample], d: [0.0; P] } + voltage],
-        load: [Dual { v: load, d: [0.0; P] } - torque],
-        time: measured.time(sample),
-    }
-}
-
-impl<'a, const P: usize> Stepper<'a, P> {
-    /// Of a drive, whose parameters are made by `scalar` from name and value; `known` own states
-    /// are imposed, those after them run on their own.
-    pub(crate) fn new(
-        drive: &Drive,
-        measured: &'a Measured,
-        known: usize,
-        longest_s: f64,
-        scalar: impl Fn(&str, f64) -> Dual<P>,
-    ) -> Self {
-        let values = drive.parameters();
-        let model = drive.model_of(|name| {
-            let known = values.iter().find(|parameter| parameter.name == name);
-            scalar(name, known.expect("a drive has what its model asks for").value)
-        });
-        let state = State::at_rest(&model);
-        let delay = model.delays().map(DelayLine::new);
-        let period = Dual { v: measured.period_s, d: [0.0; P] };
-        Self {
-            measured,
-            integrator: Integrator::paced(model, longest_s),
-            state,
-            delay,
-            known,
-            period,
-        }
-    }
-
-    /// A piece begins: own states at rest.
-    pub(crate) fn begin(&mut self) {
-        let model = self.integrator.model();
-        self.state = State::at_rest(model);
-        self.delay = model.delays().map(DelayLine::new);
-    }
-
-    /// Imposes a state of the filter; `seed` makes a number of its value and place.
-    fn impose(&mut self, state: &Vector, seed: impl Fn(f64, usize) -> Dual<P>) {
-        let own = self.known.min(OWN_STATES);
-        for (place, [value]) in self.state.x.iter_mut().enumerate().take(OWN + own) {
-            *value = seed(state[place], place);
-        }
-        let omega = self.state.x[SPEED][0];
-        self.state.set_speed(self.integrator.model(), 0, omega);
-    }
-
-    /// What the sensors show of that state.
-    pub(crate) fn shown(
-        &mut self,
-        sample: usize,
-        state: &Vector,
-        seed: impl Fn(f64, usize) -> Dual<P>,
-    ) -> [Dual<P>; SENSORS] {
-        self.impose(state, &seed);
-        let applied =
-            applied(self.measured, sample, seed(state[VOLTAGE], VOLTAGE), seed(state[LOAD], LOAD));
-        let shown = self.integrator.model().outputs(&self.state.x, &applied);
-        [shown.i[0], shown.omega[0], shown.theta[0]]
-    }
-
-    /// The plant's states one sample later.
-    pub(crate) fn step(
-        &mut self,
-        sample: usize,
-        state: &Vector,
-        seed: impl Fn(f64, usize) -> Dual<P>,
-    ) -> &[[Dual<P>; 1]] {
-        self.impose(state, &seed);
-        let applied =
-            applied(self.measured, sample, seed(state[VOLTAGE], VOLTAGE), seed(state[LOAD], LOAD));
-        match &mut self.delay {
-            None => self.integrator.advance(&mut self.state, &applied, self.period),
-            Some(line) => {
-                for (held, length) in line.pieces(&applied, self.period) {
-                    self.integrator.advance(&mut self.state, held, *length);
-                }
-            }
-        }
-        &self.state.x
-    }
 }
 
 /// Own states of a drive's effects.
@@ -248,21 +123,142 @@ fn beginning(drive: &Drive, measured: &Measured, first: usize, noise: &Noise) ->
     (mean, covariance)
 }
 
+/// What the model foretells of a sample, and its derivative.
+trait Linearised {
+    /// A piece begins.
+    fn begin(&mut self);
+    /// What the sensors show of the predicted state.
+    fn shown(&mut self, tick: &mut Tick);
+    /// The filtered state one sample later, disturbances left out.
+    fn propagate(&mut self, tick: &mut Tick);
+}
+
+/// The plant itself, its rates linear over a part of a sample.
+struct Itself<'a> {
+    plant: Plant<'a, STATES>,
+    direction: &'a Direction,
+    exponential: Exponential,
+    /// Parts of a sample, and how long each is, s.
+    parts: usize,
+    part_s: f64,
+}
+
+impl Linearised for Itself<'_> {
+    fn begin(&mut self) {
+        self.plant.begin();
+    }
+
+    fn shown(&mut self, tick: &mut Tick) {
+        self.plant.enter(tick.sample);
+        let shown = self.plant.shown(&tick.predicted, Number::parameter);
+        tick.shown = shown.map(|it| it.v);
+        tick.sense = shown.map(|it| Vector::from(it.d));
+    }
+
+    fn propagate(&mut self, tick: &mut Tick) {
+        tick.propagated = tick.filtered;
+        tick.transition = Square::identity();
+        let direction = self.direction.at(tick.sample);
+        tick.mean = Vector::zeros();
+        for _ in 0..self.parts {
+            self.plant.rates(&tick.propagated, direction, Number::parameter);
+            let (mut f, mut rates) = (Vector::zeros(), Square::zeros());
+            for (row, [rate]) in self.plant.rate.iter().enumerate().take(self.plant.imposed) {
+                f[row] = rate.v;
+                for column in 0..STATES {
+                    rates[(row, column)] = rate.d[column];
+                }
+            }
+            self.exponential.set(&rates, self.part_s);
+            let Exponential { whole, input, mean, .. } = &self.exponential;
+            tick.mean += (tick.propagated + mean * f) / self.parts as f64;
+            tick.propagated += input * f;
+            tick.transition = whole * tick.transition;
+            tick.input = whole * tick.input + input;
+        }
+        self.plant.advance();
+    }
+}
+
+/// The plant as it was linearised along a track.
+struct Along<'a> {
+    ticks: std::slice::Iter<'a, Tick>,
+    now: Option<&'a Tick>,
+}
+
+impl Linearised for Along<'_> {
+    fn begin(&mut self) {}
+
+    fn shown(&mut self, tick: &mut Tick) {
+        self.now = self.ticks.next();
+        let Some(now) = self.now else { return };
+        let apart = tick.predicted - now.predicted;
+        tick.shown =
+            std::array::from_fn(|sensor| now.shown[sensor] + now.sense[sensor].dot(&apart));
+        tick.sense = now.sense;
+    }
+
+    fn propagate(&mut self, tick: &mut Tick) {
+        let Some(now) = self.now else { return };
+        tick.propagated = now.propagated + now.transition * (tick.filtered - now.filtered);
+        tick.mean =
+            now.mean + 0.5 * (tick.filtered - now.filtered + tick.propagated - now.propagated);
+        tick.transition = now.transition;
+        tick.input = now.input;
+    }
+}
+
 /// Filters a recording. Nothing where the model overflows.
 pub(crate) fn track(
     drive: &Drive,
-    measured: &Measured,
+    (measured, direction): (&Measured, &Direction),
     noise: &Noise,
-    longest_s: f64,
 ) -> Option<Track> {
     let constant = |_: &str, value: f64| Number { v: value, d: [0.0; STATES] };
-    let known = own_states(drive);
-    let mut plant = Stepper::new(drive, measured, known, longest_s, constant);
+    let plant = Plant::new(drive, measured, own_states(drive), constant);
+    let parts = parts(drive, measured.period_s);
+    let part_s = measured.period_s / parts as f64;
+    let exponential = Exponential::new();
+    let plant = Itself { plant, direction, exponential, parts, part_s };
+    filter(drive, (measured, direction), noise, plant)
+}
+
+/// Parts of a sample over each of which the drive is nearly linear.
+fn parts(drive: &Drive, period_s: f64) -> usize {
+    let knocks = |kind: &str| Entry::find(kind).is_some_and(|entry| entry.info.knocks);
+    if drive.effects.iter().any(|it| knocks(&it.kind)) {
+        return KNOCKING;
+    }
+    let armature = match (drive.motor.r, drive.motor.l) {
+        (Some(r), Some(l)) if drive.motor.input == Input::Voltage => period_s * r / l,
+        _ => 0.0,
+    };
+    (SETTLING * armature).ceil().clamp(1.0, KNOCKING as f64) as usize
+}
+
+impl Track {
+    /// The same recording with other noise, the plant as it was linearised along this track.
+    pub(crate) fn with(
+        &self,
+        drive: &Drive,
+        recording: (&Measured, &Direction),
+        noise: &Noise,
+    ) -> Option<Self> {
+        filter(drive, recording, noise, Along { ticks: self.ticks.iter(), now: None })
+    }
+}
+
+fn filter(
+    drive: &Drive,
+    (measured, direction): (&Measured, &Direction),
+    noise: &Noise,
+    mut plant: impl Linearised,
+) -> Option<Track> {
     let variances = noise.sensors.map(|sd| sd * sd);
     let left = noise.left(measured.period_s);
     let added = noise.added(measured.period_s);
     let (mut ticks, mut log_likelihood) = (Vec::with_capacity(measured.len()), 0.0);
-    let force = drive.motor.input == Input::Force;
+    let electrical = drive.motor.input != Input::Force;
     for piece in &measured.pieces {
         plant.begin();
         let (mut mean, mut covariance) = beginning(drive, measured, piece.start, noise);
@@ -272,21 +268,22 @@ pub(crate) fn track(
                 covariance.row_mut(POSITION).fill(0.0);
                 covariance.column_mut(POSITION).fill(0.0);
             }
-            let predicted = mean;
-            let shown = plant.shown(sample, &predicted, Number::parameter);
             let mut tick = Tick {
                 sample,
                 begins: sample == piece.start,
-                predicted,
+                predicted: mean,
                 filtered: mean,
                 propagated: mean,
+                mean,
                 transition: Square::zeros(),
-                shown: shown.map(|it| it.v),
-                sense: shown.map(|it| Vector::from(it.d)),
+                input: Square::zeros(),
+                shown: [0.0; SENSORS],
+                sense: [Vector::zeros(); SENSORS],
                 gain: [Vector::zeros(); SENSORS],
                 inverse_sd: [0.0; SENSORS],
                 innovation: [0.0; SENSORS],
             };
+            plant.shown(&mut tick);
             for channel in &measured.outputs {
                 let (sensor, value) = (channel.output as usize, channel.values[sample]);
                 if sensor >= SENSORS || !value.is_finite() {
@@ -296,7 +293,7 @@ pub(crate) fn track(
                 let seen = covariance * sense;
                 let variance = sense.dot(&seen) + variances[sensor];
                 let gain = seen / variance;
-                let expected = tick.shown[sensor] + sense.dot(&(mean - predicted));
+                let expected = tick.shown[sensor] + sense.dot(&(mean - tick.predicted));
                 let innovation = value - expected;
                 mean += gain * innovation;
                 covariance -= gain * seen.transpose();
@@ -306,21 +303,23 @@ pub(crate) fn track(
                 log_likelihood -= 0.5 * (tick.innovation[sensor].powi(2) + variance.ln());
             }
             tick.filtered = mean;
-            let next = plant.step(sample, &mean, Number::parameter);
-            for (row, [value]) in next.iter().enumerate().take(OWN + known.min(OWN_STATES)) {
-                mean[row] = value.v;
-                for column in 0..STATES {
-                    tick.transition[(row, column)] = value.d[column];
-                }
-            }
-            mean[LOAD] *= left[0];
-            mean[VOLTAGE] *= left[1];
+            plant.propagate(&mut tick);
+            tick.propagated[LOAD] = left[0] * mean[LOAD];
+            tick.propagated[VOLTAGE] = left[1] * mean[VOLTAGE];
             tick.transition[(LOAD, LOAD)] = left[0];
-            tick.transition[(VOLTAGE, VOLTAGE)] = if force { 0.0 } else { left[1] };
-            tick.propagated = mean;
+            tick.transition[(VOLTAGE, VOLTAGE)] = if electrical { left[1] } else { 0.0 };
+            mean = tick.propagated;
             covariance = tick.transition * covariance * tick.transition.transpose();
             covariance[(LOAD, LOAD)] += added[0];
-            covariance[(VOLTAGE, VOLTAGE)] += if force { 0.0 } else { added[1] };
+            // Any acceleration within the sample, early or late in it.
+            let (loose, period) = (direction.loose(sample).powi(2), measured.period_s);
+            covariance[(SPEED, SPEED)] += loose;
+            covariance[(SPEED, POSITION)] += 0.5 * period * loose;
+            covariance[(POSITION, SPEED)] += 0.5 * period * loose;
+            if measured.angle.is_none() {
+                covariance[(POSITION, POSITION)] += period * period / 3.0 * loose;
+            }
+            covariance[(VOLTAGE, VOLTAGE)] += if electrical { added[1] } else { 0.0 };
             if !mean.iter().all(|value| value.is_finite()) {
                 return None;
             }

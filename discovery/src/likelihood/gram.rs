@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::columns::{Pass, Share, Source};
+use super::direction::Direction;
 use super::filter::{LOAD, SENSORS, Tick, Track, VOLTAGE};
 use crate::measured::Measured;
 
@@ -30,17 +31,24 @@ struct Yield {
     speed_of_torque: f64,
     speed_of_voltage: f64,
     current_of_voltage: f64,
+    /// Which sensors were read.
+    read: [bool; SENSORS],
 }
 
 impl Yield {
-    fn of(track: &Track, electrical: bool) -> Self {
+    fn of(track: &Track, drive: &Drive) -> Self {
         let by = |tick: &Tick, row: usize, column: usize| tick.transition[(row, column)];
         let free = track.ticks.iter().max_by(|a, b| by(a, 1, LOAD).total_cmp(&by(b, 1, LOAD)));
         let at = |row: usize, column: usize| free.map_or(0.0, |tick| by(tick, row, column));
+        let inductance = drive.motor.l.unwrap_or(1.0);
+        let electrical = if drive.motor.input == Input::Voltage { 1.0 / inductance } else { 0.0 };
         Self {
-            speed_of_torque: at(1, LOAD),
-            speed_of_voltage: if electrical { at(1, VOLTAGE) } else { 0.0 },
-            current_of_voltage: if electrical { at(0, VOLTAGE) } else { 0.0 },
+            speed_of_torque: at(1, LOAD) / drive.motor.j,
+            speed_of_voltage: electrical * at(1, VOLTAGE),
+            current_of_voltage: electrical * at(0, VOLTAGE),
+            read: std::array::from_fn(|it| {
+                track.ticks.iter().any(|tick| tick.inverse_sd[it] > 0.0)
+            }),
         }
     }
 
@@ -50,7 +58,8 @@ impl Yield {
         let over = |a: f64, b: f64| if b == 0.0 { 0.0 } else { a / b };
         let voltage = over(share.state[0], self.current_of_voltage);
         let torque = over(share.state[1] - self.speed_of_voltage * voltage, self.speed_of_torque);
-        let shown = (0..SENSORS).map(|it| (share.shown[it] / references.shown[it]).powi(2));
+        let read = (0..SENSORS).filter(|it| self.read[*it]);
+        let shown = read.map(|it| (share.shown[it] / references.shown[it]).powi(2));
         (torque / references.torque).powi(2)
             + (voltage / references.voltage).powi(2)
             + shown.sum::<f64>()
@@ -186,16 +195,16 @@ pub(crate) struct Gram {
 /// sources are the background, each other source is a group of `groups` in turn.
 pub(crate) fn gram<'a>(
     drive: &Drive,
-    measured: &'a Measured,
+    recording: (&'a Measured, &'a Direction),
     track: &Track,
     references: &References,
     (background, others): (&[Source<'a>], &[Source<'a>]),
     groups: &dyn Fn(usize, usize) -> Vec<Range<usize>>,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Gram {
-    let yields = Yield::of(track, drive.motor.input == Input::Voltage);
+    let yields = Yield::of(track, drive);
     let make = |source: &Source<'a>| {
-        let pass = Pass::new(drive, measured, *source);
+        let pass = Pass::new(drive, recording, *source);
         let size = vec![0.0; pass.len()];
         (pass, size)
     };

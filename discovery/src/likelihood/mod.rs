@@ -10,20 +10,27 @@
 //!
 //! [`weigh()`] judges every law at its null and every curve; [`optimum()`] a law that was fitted.
 
+mod averaged;
 mod base;
 mod columns;
+mod direction;
+mod exponential;
 mod filter;
 mod gram;
+mod ground;
 mod marginal;
+mod noise;
 mod optimum;
+mod plant;
 mod randomness;
+mod rates;
+mod refine;
 mod scene;
+mod stepper;
 #[cfg(test)]
 mod tests;
 mod weigh;
 
-pub(crate) use gram::References;
-pub(crate) use optimum::{Law, Optimum, optimum};
-pub(crate) use randomness::Randomness;
+pub(crate) use ground::Ground;
 pub(crate) use scene::Scene;
 pub(crate) use weigh::{CurveWeight, LawWeight, Weights, weigh};

@@ -4,12 +4,15 @@
 //! and everything fitted, the columns are those of the law as it is; the prior of its coefficients
 //! still stands around their null.
 
-use super::base::{Further, Pooled, grams, parameters, terms};
-use super::columns::Source;
+use rayon::prelude::*;
+
+use super::base::{Further, Known, Pooled, grams, parameters, terms};
+use super::columns::{Pass, Share, Source};
+use super::filter::{Track, own_states};
 use super::gram::References;
 use super::marginal::{Terms, ln_mean_exp, log_evidence, standing_out};
-use super::randomness::Randomness;
-use super::scene::Scene;
+use super::scene::{Recorded, Scene};
+use super::stepper::stepped;
 use super::weigh::SIZES;
 
 /// What is added to the law of the base, in a fitted drive.
@@ -30,32 +33,41 @@ pub(crate) struct Optimum {
     pub(crate) size: f64,
 }
 
-/// Of the scene's drive; nothing where it overflows.
-pub(crate) fn optimum(
-    scene: &Scene<'_>,
-    law: Option<&Law<'_>>,
-    randomness: &Randomness,
+impl Law<'_> {
+    /// Shares of what is lost in each recording where the law is taken out of the drive.
+    pub(super) fn taken_out(&self, scene: &Scene, tracks: &[Track]) -> Vec<Vec<Share>> {
+        let one = |(it, track): (&Recorded, &Track)| {
+            let mut without = it.drive.clone();
+            without.effects.retain(|effect| effect.id != self.id);
+            let (known, shared) = (own_states(&it.drive), own_states(&without));
+            let ticks = &track.ticks;
+            let from = stepped(&it.drive, &it.measured, known, scene.longest_s, ticks);
+            let longest_s = scene.longest_s;
+            let source = Source::Difference { of: &without, from: &from, shared, longest_s };
+            Pass::new(&it.drive, it.recording(), source).all(ticks)
+        };
+        scene.recordings.par_iter().zip(tracks).map(one).collect()
+    }
+}
+
+/// Of the scene's drive along those tracks, with the shares of its parameters and of what is lost
+/// without the law; nothing where it overflows.
+pub(super) fn optimum(
+    scene: &Scene,
+    law: Option<(&Law<'_>, &[Vec<Share>])>,
+    (tracks, known): (&[Track], &[Known]),
     references: &References,
 ) -> Option<Optimum> {
-    let tracks = scene.tracks(randomness)?;
-    let without: Vec<_> = scene
-        .recordings
-        .iter()
-        .map(|it| {
-            let mut drive = it.drive.clone();
-            drive.effects.retain(|effect| law.is_none_or(|law| effect.id != law.id));
-            drive
-        })
-        .collect();
-    let further = |recording: usize| {
-        let drive = &without[recording];
-        let difference = Source::Difference { drive, longest_s: scene.longest_s };
-        match law {
-            Some(_) => Further { judged: vec![difference], groups: &[1], ..Further::default() },
-            None => Further::default(),
-        }
+    let further = |recording: usize| match law {
+        Some((_, taken_out)) => Further {
+            judged: vec![Source::Given { shares: &taken_out[recording], count: 1 }],
+            groups: &[1],
+            ..Further::default()
+        },
+        None => Further::default(),
     };
-    let grams = grams(scene, &tracks, references, further, &|| false);
+    let grams = grams(scene, tracks, references, Some(known), further, &|| false);
+    let law = law.map(|(law, _)| law);
     let mut terms = terms(scene);
     let base = terms.columns.len();
     let pooled = Pooled::of(&grams, base, scene, references);
@@ -83,7 +95,7 @@ pub(crate) fn optimum(
         }
     }
     let likelihood = |wanted: &dyn Fn(bool) -> bool| -> f64 {
-        let each = scene.recordings.iter().zip(&tracks).filter(|(it, _)| wanted(it.held_out));
+        let each = scene.recordings.iter().zip(tracks).filter(|(it, _)| wanted(it.held_out));
         each.map(|(_, track)| track.log_likelihood).sum()
     };
     let evidence = |wanted: &dyn Fn(bool) -> bool| {

@@ -1,10 +1,13 @@
 //! How random the load, the voltage and the sensors are: what makes the recordings most probable.
 
-use super::base::Base;
-use super::filter::{Noise, SENSORS};
+use std::sync::Arc;
+
+use super::base::{Known, probability};
+use super::filter::SENSORS;
 use super::gram::References;
+use super::noise::Noise;
 use super::scene::{Recorded, Scene, rms};
-use crate::measured::{Measured, Output};
+use crate::measured::Output;
 use drivescope_plant::drive::Input;
 
 /// Longest correlation time of a random load, s: what stays the same for longer is a load.
@@ -23,10 +26,11 @@ const STRETCHES: usize = 2;
 /// Two disturbances, and factors on what is known of the sensors' noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Randomness {
-    /// Standard deviation, N m (N), and correlation time, s, of the load.
+    /// Standard deviation of the load over the inertia, rad/s^2 (m/s^2), and its correlation time,
+    /// s. So a fit that moves the inertia does not move what is random.
     pub(crate) load_sd: f64,
     pub(crate) load_s: f64,
-    /// Standard deviation of the voltage, V.
+    /// Standard deviation of the voltage over the inductance, A/s.
     pub(crate) voltage_sd: f64,
     /// Factor on each sensor's noise.
     pub(crate) sensors: [f64; SENSORS],
@@ -50,31 +54,50 @@ impl Randomness {
     }
 
     /// A first guess, from what drives.
-    fn guess(scene: &Scene<'_>) -> Self {
+    fn guess(scene: &Scene) -> Self {
         let u = rms(scene.recordings.iter().flat_map(|it| it.measured.u.iter().copied()));
         let current = match scene.drive.motor.input {
             Input::Force => u,
             Input::Voltage => u / scene.drive.motor.r.unwrap_or(1.0),
         };
-        let load_sd = 0.1 * scene.drive.motor.k_m.abs() * current;
-        Self { load_sd, load_s: 0.05, voltage_sd: 0.01 * u, sensors: [1.0; SENSORS] }
+        let motor = &scene.drive.motor;
+        let load_sd = 0.1 * motor.k_m.abs() * current / motor.j;
+        Self {
+            load_sd,
+            load_s: 0.05,
+            voltage_sd: 0.01 * u / inductance(scene),
+            sensors: [1.0; SENSORS],
+        }
     }
 
-    /// Found by a search along each of its numbers on the recordings of the fit, with the sizes of
-    /// the balances.
-    pub(crate) fn of(scene: &Scene<'_>) -> Option<(Self, References)> {
-        let parts = parts(scene);
-        let scene = scene.fitted().along(&parts);
-        let guess = Self::guess(&scene);
+    /// Where the search begins, with the sizes of the balances.
+    pub(super) fn begin(scene: &Scene) -> Option<(Self, References)> {
+        let guess = Self::guess(scene);
         let references = scene.references(&scene.tracks(&guess)?);
-        let period = scene.recordings.iter().map(|it| it.measured.period_s).fold(0.0, f64::max);
-        let mut best = Self {
-            load_sd: 0.05 * references.torque,
-            voltage_sd: 0.02 * references.voltage,
-            load_s: (10.0 * period).max(0.05),
+        let begin = Self {
+            load_sd: 0.05 * references.torque / scene.drive.motor.j,
+            voltage_sd: 0.02 * references.voltage / inductance(scene),
+            load_s: (10.0 * slowest(scene)).max(0.05),
             ..guess
         };
-        let evidence = |tried: &Self| Base::evidence(&scene, tried, &references);
+        Some((begin, references))
+    }
+
+    /// Found by a search along each of its numbers by factors of at most `step`, the plant linearised
+    /// as it is here.
+    pub(super) fn searched(
+        &self,
+        scene: &Scene,
+        references: &References,
+        mut step: f64,
+    ) -> Option<Self> {
+        let along = scene.tracks(self)?;
+        let known = Known::of(scene, &along);
+        let evidence = |tried: &Self| {
+            let tracks = scene.retraced(&along, tried)?;
+            Some(probability(scene, &tracks, references, Some(&known), true))
+        };
+        let mut best = *self;
         let mut most = evidence(&best)?;
         let has = |output| scene.recordings.iter().any(|it| it.measured.output(output).is_some());
         let mut numbers = vec![0, 1];
@@ -83,8 +106,8 @@ impl Randomness {
         }
         let outputs = [Output::Current, Output::Speed, Output::Position];
         numbers.extend((0..SENSORS).filter(|it| has(outputs[*it])).map(|it| 3 + it));
+        let period = slowest(scene);
         let longest_s = LONGEST_S.max(4.0 * period);
-        let mut step: f64 = 3.0;
         let mut last = vec![true; numbers.len()];
         while step > 1.25 {
             let mut moved = false;
@@ -116,31 +139,39 @@ impl Randomness {
                 step = step.sqrt();
             }
         }
-        Some((best, references))
+        Some(best)
     }
 }
 
-/// Stretches of the recordings of the fit that are enough to tell how random they are, the same
-/// share of each.
-fn parts(scene: &Scene<'_>) -> Vec<(usize, Measured)> {
-    let all: usize =
-        scene.recordings.iter().filter(|it| !it.held_out).map(|it| it.measured.len()).sum();
-    let share = (ENOUGH as f64 / all as f64).min(1.0);
-    let fitted = scene.recordings.iter().enumerate().filter(|(_, it)| !it.held_out);
-    let cut = |(number, it): (usize, &Recorded<'_>)| {
-        let n = it.measured.len();
+/// H; 1 where there is no armature.
+fn inductance(scene: &Scene) -> f64 {
+    scene.drive.motor.l.unwrap_or(1.0)
+}
+
+/// Longest sampling time, s.
+fn slowest(scene: &Scene) -> f64 {
+    scene.recordings.iter().map(|it| it.measured.period_s).fold(0.0, f64::max)
+}
+
+/// The scene along stretches of the recordings of the fit that are enough to tell its numbers, the
+/// same share of each.
+pub(super) fn excerpt(scene: &Scene) -> Scene {
+    let fitted: Vec<(usize, &Recorded)> =
+        scene.recordings.iter().enumerate().filter(|(_, it)| !it.held_out).collect();
+    let all: usize = fitted.iter().map(|(_, it)| it.measured.len()).sum();
+    let share = ENOUGH as f64 / all as f64;
+    let cut = |(number, it): &(usize, &Recorded)| {
+        let (number, measured) = (*number, it.measured.clone());
+        let n = measured.len();
         let length = (share * n as f64 / STRETCHES as f64) as usize;
         let stretch = move |k: usize| {
             let from = (k as f64 / STRETCHES as f64 * n as f64) as usize;
             from..(from + length).min(n)
         };
-        let one = move |k: usize| it.measured.part(stretch(k)).ok().map(|part| (number, part));
+        let one =
+            move |k: usize| measured.part(stretch(k)).ok().map(|part| (number, Arc::new(part)));
         (0..STRETCHES).filter_map(one).collect::<Vec<_>>()
     };
-    let parts: Vec<(usize, Measured)> = fitted.flat_map(cut).collect();
-    if share < 1.0 && !parts.is_empty() {
-        return parts;
-    }
-    let whole = scene.recordings.iter().enumerate().filter(|(_, it)| !it.held_out);
-    whole.map(|(number, it)| (number, it.measured.clone())).collect()
+    let parts: Vec<_> = fitted.iter().flat_map(cut).collect();
+    if share < 1.0 && !parts.is_empty() { scene.along(&parts) } else { scene.fitted() }
 }

@@ -1,8 +1,12 @@
 //! A fitted drive at recordings: those it was fitted to, and those held out to judge by.
 
-use drivescope_plant::drive::{Drive, Input};
+use std::sync::Arc;
+
+use drivescope_plant::drive::{Drive, EffectData, Input};
 use rayon::prelude::*;
 
+use super::averaged::averaged;
+use super::direction::Direction;
 use super::filter::{SENSORS, Track, track};
 use super::gram::References;
 use super::randomness::Randomness;
@@ -14,24 +18,31 @@ use crate::observer::Observer;
 
 /// One recording with the drive as it was there.
 #[derive(Debug, Clone)]
-pub(crate) struct Recorded<'a> {
+pub(crate) struct Recorded {
     pub(crate) drive: Drive,
     /// Parameters that belong to this recording.
     pub(crate) own: Vec<String>,
-    pub(crate) measured: &'a Measured,
+    pub(crate) measured: Arc<Measured>,
+    pub(crate) direction: Arc<Direction>,
     /// Standard deviation of each sensor's noise, in its unit.
     pub(crate) noise: [f64; SENSORS],
     /// Whether nothing was fitted to it.
     pub(crate) held_out: bool,
 }
 
+impl Recorded {
+    pub(super) fn recording(&self) -> (&Measured, &Direction) {
+        (&self.measured, &self.direction)
+    }
+}
+
 /// A fitted drive at its recordings.
 #[derive(Debug, Clone)]
-pub(crate) struct Scene<'a> {
-    pub(crate) drive: &'a Drive,
+pub(crate) struct Scene {
+    pub(crate) drive: Drive,
     /// Parameters of the machine that were estimated.
     pub(crate) names: Vec<String>,
-    pub(crate) recordings: Vec<Recorded<'a>>,
+    pub(crate) recordings: Vec<Recorded>,
     /// Sub-steps are no longer than that, s.
     pub(crate) longest_s: f64,
 }
@@ -41,59 +52,123 @@ pub(crate) fn longest(drive: &Drive) -> f64 {
     Setting::new(drive, Observer::NONE).longest_s
 }
 
-impl<'a> Scene<'a> {
-    pub(crate) fn of(model: &'a Model, estimation: &'a Evidence, validation: &'a Evidence) -> Self {
+impl Scene {
+    pub(crate) fn of(model: &Model, estimation: &Evidence, validation: &Evidence) -> Self {
         let drive = &model.fitted.drive;
-        let recorded = |evidence: &'a Evidence, fits: &[crate::estimate::Fit], held_out: bool| {
-            let each = evidence.recordings.iter().zip(&evidence.noise).zip(fits);
-            let one =
-                |((measured, noise), fit): ((&'a Measured, &Vec<f64>), &crate::estimate::Fit)| {
-                    let mut sensors = [1.0; SENSORS];
-                    let known = measured.outputs.iter().zip(noise);
-                    for (channel, sd) in known.filter(|(it, _)| (it.output as usize) < SENSORS) {
-                        sensors[channel.output as usize] = *sd;
-                    }
-                    Recorded {
-                        drive: with_own(drive, fit),
-                        own: fit.own.iter().map(|it| it.name.clone()).collect(),
-                        measured,
-                        noise: sensors,
-                        held_out,
-                    }
-                };
+        // A sensor is the same in every recording, however quiet one of them seems.
+        let mut sensors = [0.0_f64; SENSORS];
+        for evidence in [estimation, validation] {
+            for (measured, noise) in evidence.recordings.iter().zip(&evidence.noise) {
+                let known = measured.outputs.iter().zip(noise);
+                for (channel, sd) in known.filter(|(it, _)| (it.output as usize) < SENSORS) {
+                    let known = &mut sensors[channel.output as usize];
+                    *known = known.max(*sd);
+                }
+            }
+        }
+        let sensors = sensors.map(|sd| if sd > 0.0 { sd } else { 1.0 });
+        let recorded = |evidence: &Evidence, fits: &[crate::estimate::Fit], held_out: bool| {
+            let each = evidence.recordings.iter().zip(fits);
+            let one = |(measured, fit): (&Measured, &crate::estimate::Fit)| {
+                let measured = averaged(drive, measured).unwrap_or_else(|| measured.clone());
+                Recorded {
+                    drive: with_own(drive, fit),
+                    own: fit.own.iter().map(|it| it.name.clone()).collect(),
+                    direction: Arc::new(Direction::of(drive, &measured, &sensors)),
+                    measured: Arc::new(measured),
+                    noise: sensors,
+                    held_out,
+                }
+            };
             each.map(one).collect::<Vec<_>>()
         };
         let mut recordings = recorded(estimation, &model.fitted.recordings, false);
         recordings.extend(recorded(validation, &model.validation.recordings, true));
-        Self { drive, names: model.names(), recordings, longest_s: longest(drive) }
+        Self { drive: drive.clone(), names: model.names(), recordings, longest_s: longest(drive) }
     }
 
     /// The recordings it was fitted to alone.
     pub(crate) fn fitted(&self) -> Self {
-        let fitted = self.recordings.iter().filter(|it| !it.held_out).cloned();
-        Self { recordings: fitted.collect(), names: self.names.clone(), ..*self }
+        let recordings = self.recordings.iter().filter(|it| !it.held_out).cloned().collect();
+        Self { recordings, ..self.clone() }
     }
 
     /// The same along parts of its recordings, each with the number of its recording.
-    pub(crate) fn along<'b>(&self, parts: &'b [(usize, Measured)]) -> Scene<'b>
-    where
-        'a: 'b,
-    {
-        let one = |(number, measured): &'b (usize, Measured)| {
+    pub(crate) fn along(&self, parts: &[(usize, Arc<Measured>)]) -> Self {
+        let one = |(number, measured): &(usize, Arc<Measured>)| {
             let it = &self.recordings[*number];
-            let (drive, own) = (it.drive.clone(), it.own.clone());
-            Recorded { drive, own, measured, noise: it.noise, held_out: it.held_out }
+            let direction = Arc::new(Direction::of(&it.drive, measured, &it.noise));
+            Recorded { measured: measured.clone(), direction, ..it.clone() }
         };
-        let recordings = parts.iter().map(one).collect();
-        Scene { drive: self.drive, names: self.names.clone(), recordings, ..*self }
+        Self { recordings: parts.iter().map(one).collect(), ..self.clone() }
+    }
+
+    /// With an effect in the drive, of which those parameters are estimated too.
+    pub(crate) fn with(
+        &self,
+        effect: &EffectData,
+        estimated: impl Iterator<Item = String>,
+    ) -> Self {
+        let mut with = self.clone();
+        with.names.extend(estimated);
+        with.drive.effects.push(effect.clone());
+        for it in &mut with.recordings {
+            it.drive.effects.push(effect.clone());
+        }
+        with.longest_s = longest(&with.drive).min(self.longest_s);
+        with
+    }
+
+    /// With a law in every recording whose coefficients belong to the recording: what does not repeat
+    /// is no part of the machine, and is known all the same.
+    pub(crate) fn disturbed(&self, law: &EffectData, coefficients: &[String]) -> Self {
+        let mut disturbed = self.clone();
+        for it in &mut disturbed.recordings {
+            let id = format!("disturbance {}", it.own.len());
+            let mut law = EffectData { id: id.clone(), ..law.clone() };
+            for (_, value) in
+                law.parameters.iter_mut().filter(|(name, _)| coefficients.contains(name))
+            {
+                *value = 0.0;
+            }
+            it.drive.effects.push(law);
+            it.own.extend(coefficients.iter().map(|name| format!("{id}.{name}")));
+        }
+        disturbed
+    }
+
+    /// Sets a parameter of the machine; one that is not possible stays.
+    pub(crate) fn set(&mut self, name: &str, value: f64) {
+        if self.drive.set(name, value).is_ok() {
+            for it in &mut self.recordings {
+                // The same parameter of the same structure.
+                let _ = it.drive.set(name, value);
+            }
+        }
+    }
+
+    /// With the values that another scene has of its parameters.
+    pub(crate) fn with_values_of(mut self, other: &Self) -> Self {
+        for it in other.drive.parameters() {
+            if self.names.contains(&it.name) {
+                self.set(&it.name, it.value);
+            }
+        }
+        self
     }
 
     /// Every recording filtered; nothing where the model overflows.
     pub(crate) fn tracks(&self, randomness: &Randomness) -> Option<Vec<Track>> {
-        let one = |it: &Recorded<'_>| {
-            track(&it.drive, it.measured, &randomness.at(&it.noise), self.longest_s)
-        };
+        let one = |it: &Recorded| track(&it.drive, it.recording(), &randomness.at(&it.noise));
         self.recordings.par_iter().map(one).collect()
+    }
+
+    /// The same where the plant was linearised along those tracks.
+    pub(crate) fn retraced(&self, along: &[Track], randomness: &Randomness) -> Option<Vec<Track>> {
+        let one = |(it, track): (&Recorded, &Track)| {
+            track.with(&it.drive, it.recording(), &randomness.at(&it.noise))
+        };
+        self.recordings.par_iter().zip(along).map(one).collect()
     }
 
     /// Sizes of the balances and of what the sensors show along those tracks: the torque that is

@@ -5,13 +5,14 @@
 
 use drivescope_plant::drive::{Drive, Input};
 
-use super::base::{Further, Pooled, grams, parameters, terms};
+use super::base::{Further, Pooled, grams, parameters, passes, terms};
 use super::columns::{A_PASS, Series, Source};
-use super::filter::Track;
+use super::filter::{Track, own_states};
 use super::gram::{Products, References};
 use super::marginal::{Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene, longest};
+use super::stepper::{Stepped, stepped};
 use crate::discover::{Candidate, Curve, Scales, Trajectory, curves};
 
 /// Standard deviations of a law's coefficients, of the balance's size.
@@ -58,6 +59,8 @@ pub(crate) struct CurveWeight {
 /// The weights of everything.
 #[derive(Debug, Clone)]
 pub(crate) struct Weights {
+    /// ln of the evidence of the base.
+    base: f64,
     /// Most probable first.
     pub(crate) laws: Vec<LawWeight>,
     /// Most probable first.
@@ -68,7 +71,7 @@ pub(crate) struct Weights {
 const IMITATED: f64 = 1e-2;
 
 /// What is known of the variables along the tracks.
-fn trajectory(it: &Recorded<'_>, track: &Track) -> Trajectory {
+fn trajectory(it: &Recorded, track: &Track) -> Trajectory {
     let of = |value: &dyn Fn(&super::filter::Tick) -> f64| {
         let mut values = vec![0.0; it.measured.len()];
         for tick in &track.ticks {
@@ -97,7 +100,8 @@ fn seat_name(place: usize) -> String {
 }
 
 impl Passes {
-    /// Stiff laws, laws of sensors and typed ones, which may overflow, keep to themselves.
+    /// Stiff laws, laws of sensors and typed ones, which may overflow, keep to themselves, so that
+    /// the rest needs no whole steps ([`passes`]).
     fn of(candidates: &[Candidate]) -> Self {
         let mut seats: Vec<Vec<(usize, usize)>> = Vec::new();
         let (mut room, mut company) = (0, usize::MAX);
@@ -141,29 +145,55 @@ impl Passes {
 
 /// The drives and series from which the columns of one recording are made.
 struct Made {
-    with: Vec<(Drive, f64)>,
+    with: Vec<Drive>,
     stiff: Vec<(Drive, f64)>,
+    /// The drive of the track, stepped; none where stiff laws are not weighed.
+    stepped: Vec<Stepped>,
     curves: Vec<Vec<Series>>,
 }
+
+/// Sizes of the random load, over that of the base, at which laws and curves are weighed: it may
+/// have taken what they explain.
+const LOADS: [f64; 2] = [1.0, 0.2];
 
 /// Weighs the candidates and the curves beside the scene's drive.
 ///
 /// `tolerated` names curves that stand in the background with a standard deviation: what the
 /// formula of a named law may leave.
 pub(crate) fn weigh(
-    scene: &Scene<'_>,
+    scene: &Scene,
     randomness: &Randomness,
     references: &References,
     candidates: &[Candidate],
     scales: &Scales,
-    tolerated: impl Fn(&Curve) -> Option<f64>,
+    tolerated: impl Fn(&Curve) -> Option<f64> + Sync,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Option<Weights> {
-    let tracks = scene.tracks(randomness)?;
+    let along = scene.tracks(randomness)?;
+    let at = |load: &f64| {
+        let tracks = scene.retraced(&along, &randomness.scaled(*load))?;
+        // What is stiff is dear to step, and stands out of a large load too.
+        let stiff = *load == LOADS[0];
+        Some(weigh_along(
+            (scene, &tracks, references),
+            (candidates, stiff),
+            (scales, &tolerated),
+            stopped,
+        ))
+    };
+    LOADS.iter().filter_map(at).reduce(Weights::best_of)
+}
+
+fn weigh_along(
+    (scene, tracks, references): (&Scene, &[Track], &References),
+    (candidates, with_stiff): (&[Candidate], bool),
+    (scales, tolerated): (&Scales, &impl Fn(&Curve) -> Option<f64>),
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Weights {
     let trajectories: Vec<Trajectory> =
-        scene.recordings.iter().zip(&tracks).map(|(it, track)| trajectory(it, track)).collect();
-    let families = curves(scene.drive, scales, &trajectories);
-    let passes = Passes::of(candidates);
+        scene.recordings.iter().zip(tracks).map(|(it, track)| trajectory(it, track)).collect();
+    let families = curves(&scene.drive, scales, &trajectories);
+    let shared = Passes::of(candidates);
     let mut stiff: Vec<(usize, usize)> = Vec::new();
     for (number, candidate) in candidates.iter().enumerate().filter(|it| !it.1.is_linear()) {
         stiff.extend((0..candidate.variants.len()).map(|variant| (number, variant)));
@@ -175,16 +205,20 @@ pub(crate) fn weigh(
     let made: Vec<Made> = scene
         .recordings
         .iter()
-        .zip(&tracks)
+        .zip(tracks)
         .zip(&trajectories)
         .map(|((it, track), trajectory)| {
-            let with = |pass: usize| timed(passes.drive(pass, &it.drive, candidates));
+            let with = |pass: usize| shared.drive(pass, &it.drive, candidates);
             let changed = |(candidate, variant): &(usize, usize)| {
                 let candidate = &candidates[*candidate];
                 timed(candidate.added(&it.drive, &candidate.variants[*variant]))
             };
+            let step = with_stiff && !it.held_out && !stiff.is_empty();
+            let own = own_states(&it.drive);
+            let stepped = || stepped(&it.drive, &it.measured, own, scene.longest_s, &track.ticks);
             Made {
-                with: (0..passes.seats.len()).map(with).collect(),
+                stepped: if step { stepped() } else { Vec::new() },
+                with: (0..shared.seats.len()).map(with).collect(),
                 stiff: stiff.iter().map(changed).collect(),
                 curves: families.iter().map(|curve| series(curve, it, track, trajectory)).collect(),
             }
@@ -208,13 +242,16 @@ pub(crate) fn weigh(
     for (number, sd) in &known {
         background = background.with(&take(families[*number].knots.len()), sd * sd);
     }
-    for (candidate, variant) in passes.seats.iter().flatten() {
+    for (candidate, variant) in shared.seats.iter().flatten() {
         let columns = take(candidates[*candidate].coefficients.len());
         seats.push(Seat { candidate: *candidate, variant: *variant, columns });
     }
-    for (candidate, variant) in stiff {
-        seats.push(Seat { candidate, variant, columns: take(1) });
+    for (candidate, variant) in &stiff {
+        seats.push(Seat { candidate: *candidate, variant: *variant, columns: take(1) });
     }
+    // Columns of laws, which are judged by the recordings of the fit alone.
+    let columns: usize = seats.iter().map(|seat| seat.columns.len()).sum();
+    let nothing = vec![Series::default(); columns];
     let curves: Vec<(Curve, Vec<usize>)> = families
         .iter()
         .enumerate()
@@ -227,24 +264,39 @@ pub(crate) fn weigh(
         .chain(curves.iter().map(|(_, columns)| columns.len()))
         .collect();
     let further = |recording: usize| {
-        let made = &made[recording];
-        let linear = made.with.iter().zip(&passes.names);
-        let linear = linear.map(|((drive, longest_s), names)| Source::Parameters {
-            drive,
-            names,
-            longest_s: *longest_s,
-        });
-        let stiff = made.stiff.iter();
-        let stiff =
-            stiff.map(|(drive, longest_s)| Source::Difference { drive, longest_s: *longest_s });
+        let (made, held_out) = (&made[recording], scene.recordings[recording].held_out);
+        let linear: Vec<Source<'_>> = if held_out {
+            vec![Source::Series(&nothing[..columns - stiff.len()])]
+        } else {
+            let each = made.with.iter().zip(&shared.names);
+            each.flat_map(|(drive, names)| passes(drive, names)).collect()
+        };
+        let stiff: Vec<Source<'_>> = if made.stepped.is_empty() {
+            vec![Source::Series(&nothing[..stiff.len()])]
+        } else {
+            let own = own_states(&scene.recordings[recording].drive);
+            made.stiff
+                .iter()
+                .map(|(of, longest_s)| Source::Difference {
+                    of,
+                    from: &made.stepped,
+                    shared: own,
+                    longest_s: *longest_s,
+                })
+                .collect()
+        };
         let judged = made.curves.iter().enumerate().filter(|(number, _)| !is_known(*number));
         Further {
             background: known.iter().map(|(it, _)| Source::Series(&made.curves[*it])).collect(),
-            judged: linear.chain(stiff).chain(judged.map(|(_, it)| Source::Series(it))).collect(),
+            judged: linear
+                .into_iter()
+                .chain(stiff)
+                .chain(judged.map(|(_, it)| Source::Series(it)))
+                .collect(),
             groups: &groups,
         }
     };
-    let grams = grams(scene, &tracks, references, further, stopped);
+    let grams = grams(scene, tracks, references, None, further, stopped);
     let pooled = Pooled::of(&grams, base, scene, references);
     let weighing = Weighing {
         fitted: pooled.sum(scene, |held_out| !held_out),
@@ -253,16 +305,46 @@ pub(crate) fn weigh(
         background,
         parameters: parameters(scene),
     };
-    Some(Weights { laws: weighing.laws(candidates, &seats), curves: weighing.curves(curves) })
+    let fitted = scene.recordings.iter().zip(tracks).filter(|(it, _)| !it.held_out);
+    let likelihood: f64 = fitted.map(|(_, track)| track.log_likelihood).sum();
+    Weights {
+        base: likelihood + log_evidence(&weighing.fitted, &weighing.background),
+        laws: weighing.laws(candidates, &seats),
+        curves: weighing.curves(curves),
+    }
+}
+
+impl Weights {
+    /// Each law and curve where it explains more, over the base where that does.
+    fn best_of(self, other: Self) -> Self {
+        let base = self.base.max(other.base);
+        let (mine, others) = (self.base - base, other.base - base);
+        let mut laws = self.laws;
+        for law in &mut laws {
+            law.evidence += mine;
+            let found = other.laws.iter().find(|it| it.candidate == law.candidate);
+            let more = |it: &&LawWeight| it.finite && it.evidence + others > law.evidence;
+            if let Some(it) = found.filter(more) {
+                *law = LawWeight { evidence: it.evidence + others, ..it.clone() };
+            }
+        }
+        laws.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        let mut curves = self.curves;
+        curves.iter_mut().for_each(|it| it.evidence += mine);
+        let theirs = other.curves.into_iter();
+        curves.extend(theirs.map(|it| CurveWeight { evidence: it.evidence + others, ..it }));
+        curves.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        Self { base, laws, curves }
+    }
 }
 
 /// A curve's hats along a recording.
-fn series(curve: &Curve, it: &Recorded<'_>, track: &Track, along: &Trajectory) -> Vec<Series> {
+fn series(curve: &Curve, it: &Recorded, track: &Track, along: &Trajectory) -> Vec<Series> {
     let of = |values: &Vec<f64>| -> Vec<f64> {
         let at = |sample: usize| values.get(sample).copied().unwrap_or(0.0);
         track.ticks.iter().map(|tick| at(tick.sample)).collect()
     };
-    let forcings = curve.forcings(&it.drive, it.measured, along);
+    let forcings = curve.forcings(&it.drive, &it.measured, along);
     let one = |it: &crate::response::Forcing| Series {
         torque: of(&it.torque),
         voltage: of(&it.voltage),
@@ -301,6 +383,10 @@ impl Weighing<'_> {
             let Some((best, _)) = own.first() else { continue };
             let finite = best.columns.iter().all(|column| self.scale[*column] > 0.0);
             let coefficients = if candidate.is_linear() { self.coefficients(best) } else { vec![] };
+            // What would need a coefficient that cannot be is no evidence for the law.
+            let impossible =
+                coefficients.iter().zip(&candidate.ranges).any(|(c, (low, _))| c < low);
+            let evidence = if impossible { evidence.min(0.0) } else { evidence };
             found.push(LawWeight {
                 candidate: number,
                 variants: own.iter().map(|(seat, _)| seat.variant).collect(),

@@ -1,0 +1,102 @@
+//! A fitted drive at its own best, and structures beside it, each at its own.
+
+use drivescope_plant::drive::EffectData;
+use rayon::prelude::*;
+
+use super::base::Known;
+use super::gram::References;
+use super::optimum::{Law, Optimum, optimum};
+use super::randomness::{Randomness, excerpt};
+use super::refine::refined;
+use super::scene::Scene;
+
+/// Sizes of the random load, over that of the base, with which a structure is judged at its best:
+/// the load may have taken what a law explains.
+const LOADS: [f64; 5] = [2.0, 1.0, 0.5, 0.2, 0.05];
+/// Rounds of a search for the randomness and one for the parameters: each moves the other.
+const ROUNDS: usize = 5;
+
+/// First factors of a search for the randomness: of the base, and of what stands beside it.
+const COARSE: f64 = 3.0;
+const FINE: f64 = 1.8;
+
+/// The base of a round, as evidence is counted from it.
+pub(crate) struct Ground {
+    pub(crate) scene: Scene,
+    pub(crate) randomness: Randomness,
+    pub(crate) references: References,
+    /// Evidence of the base at its best.
+    pub(crate) base: Optimum,
+}
+
+impl Ground {
+    /// Nothing where the drive overflows.
+    pub(crate) fn of(scene: Scene) -> Option<Self> {
+        let (randomness, references) = Randomness::begin(&excerpt(&scene))?;
+        Self::at(scene, randomness, references)
+    }
+
+    /// The same where every recording has a disturbance of its own of that law.
+    pub(crate) fn beside(&self, law: &EffectData, coefficients: &[String]) -> Option<Self> {
+        Self::at(self.scene.disturbed(law, coefficients), self.randomness, self.references)
+    }
+
+    fn at(scene: Scene, mut randomness: Randomness, mut references: References) -> Option<Self> {
+        let mut part = excerpt(&scene);
+        for _ in 0..ROUNDS {
+            let searched = randomness.searched(&part, &references, COARSE)?;
+            let moved = refined(part.clone(), &searched, &references);
+            let same = moved.drive == part.drive && searched == randomness;
+            (part, randomness) = (moved, searched);
+            references = part.references(&part.tracks(&randomness)?);
+            if same {
+                break;
+            }
+        }
+        let scene = scene.with_values_of(&part);
+        let base = at_its_best(&scene, None, &randomness, &references)?;
+        Some(Self { scene, randomness, references, base })
+    }
+
+    /// The scene with that effect at its own best, and the evidence there; `estimated` are the
+    /// parameters of the effect that are free, `coefficients` those that are 0 where it vanishes.
+    pub(crate) fn with(
+        &self,
+        effect: &EffectData,
+        estimated: impl Iterator<Item = String>,
+        coefficients: &[String],
+    ) -> Option<(Scene, Optimum)> {
+        let scene = self.scene.with(effect, estimated);
+        let part = refined(excerpt(&scene), &self.randomness, &self.references);
+        let randomness = self.randomness.searched(&part, &self.references, FINE)?;
+        let part = refined(part, &randomness, &self.references);
+        let scene = scene.with_values_of(&part);
+        let law = Law { id: &effect.id, coefficients };
+        let optimum = at_its_best(&scene, Some(&law), &randomness, &self.references)?;
+        Some((scene, optimum))
+    }
+}
+
+/// The evidence of a structure with the random load with which it is most probable, in the recordings
+/// of the fit, in those held out, and in all.
+fn at_its_best(
+    scene: &Scene,
+    law: Option<&Law<'_>>,
+    randomness: &Randomness,
+    references: &References,
+) -> Option<Optimum> {
+    let along = scene.tracks(randomness)?;
+    let known = Known::of(scene, &along);
+    let taken_out = law.map(|law| law.taken_out(scene, &along));
+    let with = |load: &f64| {
+        let tracks = scene.retraced(&along, &randomness.scaled(*load))?;
+        optimum(scene, law.zip(taken_out.as_deref()), (&tracks, &known), references)
+    };
+    let each = LOADS.par_iter().filter_map(with);
+    each.reduce_with(|a, b| Optimum {
+        fitted: a.fitted.max(b.fitted),
+        held_out: a.held_out.max(b.held_out),
+        all: a.all.max(b.all),
+        size: if a.fitted > b.fitted { a.size } else { b.size },
+    })
+}

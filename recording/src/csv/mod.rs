@@ -14,6 +14,7 @@ mod number;
 mod rows;
 mod settings;
 mod stream;
+mod unnamed;
 mod whole;
 mod write;
 

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Evidence, Measured, NoiseSource};
+use drivescope_discovery::{Evidence, Measured, NoiseSource, Purpose};
 use drivescope_plant::drive::Drive;
 
 use crate::commands::RecordingOptions;
@@ -51,13 +51,17 @@ pub(crate) struct Gathered {
 }
 
 impl EvidenceOptions {
-    /// Reads and splits the recordings; says what was assumed and what is doubtful.
+    /// Reads and splits the recordings for that purpose; says what was assumed and what is doubtful.
     ///
     /// # Errors
     /// A recording that cannot be read or used with that drive.
-    pub(crate) fn gather(&self, drive: &Drive, session: &Session) -> miette::Result<Gathered> {
-        let given = given_noise(drive, self.noise.as_deref())?;
-        let read = |files: &[PathBuf]| read_evidence(drive, files, &given, &self.reading, session);
+    pub(crate) fn gather(
+        &self,
+        of: (&Drive, Purpose),
+        session: &Session,
+    ) -> miette::Result<Gathered> {
+        let given = given_noise(of.0, self.noise.as_deref())?;
+        let read = |files: &[PathBuf]| read_evidence(of, files, &given, &self.reading, session);
         let (first, second) = (read(&self.recordings)?, read(&self.validate)?);
         let said = first.doubts.len() + second.doubts.len();
         let gathered = Gathered::of(first, second)?;

@@ -9,7 +9,9 @@ use clap::Args;
 use drivescope_discovery::compare::{
     Comparison, Curve, Finding, Options, RecordingComparison, Span, compare,
 };
-use drivescope_discovery::{Observer, Setting, USUAL_BAND_HZ, evaluate, relative_force_error};
+use drivescope_discovery::{
+    Observer, Purpose, Setting, USUAL_BAND_HZ, evaluate, relative_force_error,
+};
 use drivescope_plant::drive::Motion;
 use drivescope_plant::units::for_motion;
 use serde::Serialize;
@@ -95,7 +97,9 @@ impl Run for Compare {
         let drive = drive_source::drive(&self.drive)?;
         session.check_writable(&self.out.iter().collect::<Vec<_>>())?;
         let given = given_noise(&drive, self.noise.as_deref())?;
-        let read = |files: &[PathBuf]| read_evidence(&drive, files, &given, &self.reading, session);
+        let read = |files: &[PathBuf]| {
+            read_evidence((&drive, Purpose::Drive), files, &given, &self.reading, session)
+        };
         let ReadEvidence { evidence, noise, doubts } = read(&self.recordings)?;
         let validation = if self.validate.is_empty() { None } else { Some(read(&self.validate)?) };
         let observer = Observer::choose(&drive, &evidence.recordings, &evidence.noise);

@@ -26,7 +26,7 @@ pub(super) fn first_drive(
 ) -> miette::Result<FirstDrive> {
     let template = template(&choice, given)?;
     let evidence = seen(&template, recording)?;
-    choice.remarks.extend(evidence.recordings[0].set_aside.iter().cloned());
+    choice.remarks.extend(evidence.recordings[0].remarks.iter().cloned());
     let mut begun = begin(&template, &evidence);
     if let Some(with_load) = with_constant_load(&template, recording, &begun)? {
         begun = with_load;
@@ -213,6 +213,19 @@ mod tests {
         let by_torque = of(&recording, &["torque", "omega"], "");
         near(&by_torque, "J", motor.j, 0.05);
         assert!(by_torque.guesses().is_empty(), "{:?}", by_torque.guesses());
+    }
+
+    #[test]
+    fn the_load_alone_shows_a_rigid_drive() {
+        let truth = drive("dr300");
+        let mut recording = recorded(&truth, RICH);
+        let of_load = recording.signals.iter_mut().find(|it| it.name == "theta");
+        "theta_load".clone_into(&mut of_load.expect("recorded").name);
+        let first = of(&recording, &["u", "i", "theta_load"], "");
+        near(&first, "R", truth.motor.r.expect("it has one"), 0.02);
+        near(&first, "J", truth.motor.j, 0.05);
+        let said = |it: &&String| it.contains("theta_load is taken for theta");
+        assert_eq!(first.choice.remarks.iter().filter(said).count(), 1);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Discovery, Error, Evidence, Watch, discover_by};
+use drivescope_discovery::{Discovery, Error, Evidence, Purpose, Watch, discover_by};
 use drivescope_plant::drive::Drive;
 
 use super::Run;
@@ -84,7 +84,7 @@ impl Search<'_> {
         find: impl FnOnce(&Drive, &Evidence, &Evidence, &dyn Watch) -> Result<Discovery, Error>,
     ) -> miette::Result<Ending> {
         session.check_writable(&self.output.into_iter().chain(self.report).collect::<Vec<_>>())?;
-        let gathered = self.evidence.gather(self.base, session)?;
+        let gathered = self.evidence.gather((self.base, Purpose::Search), session)?;
         let watching = Watching::new(session);
         let found = find(self.base, &gathered.estimation, &gathered.validation, &watching);
         watching.end();

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Evidence, Fitted, Options, Setting, evaluate, fit};
+use drivescope_discovery::{Evidence, Fitted, Options, Purpose, Setting, evaluate, fit};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::file::Change;
 
@@ -34,7 +34,7 @@ impl Run for Fit {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let base = drive_source::drive(&self.drive)?;
         session.check_writable(&[&self.output])?;
-        let gathered = self.evidence.gather(&base, session)?;
+        let gathered = self.evidence.gather((&base, Purpose::Drive), session)?;
         let Gathered { estimation, validation, .. } = &gathered;
         let setting = Setting::of_fit(&base, estimation);
         let bar = session.progress(3, "fitting");

@@ -85,9 +85,9 @@ pub(crate) fn remark(compared: &Comparison) -> String {
     let mut text = format!("Its error is {} in units of the noise{floor}.", number(compared.error));
     if compared.is_unfitted() {
         text += &format!(
-            " The drive is not fitted to these recordings: other values of its own parameters would \
-             take {:.0} % of the excess away, to about {}. Fit it first: what is said here is what \
-             they could not explain.",
+            " Its parameters are not those that fit all of these recordings best: others would take \
+             {:.0} % of the excess away, to about {}. Fit it to all of them first: what is said here \
+             is what they could not explain.",
             100.0 * compared.by_parameters,
             number(compared.error_if_fitted)
         );

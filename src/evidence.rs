@@ -97,6 +97,22 @@ impl Gathered {
         })
     }
 
+    /// What was assumed of the recordings, and what of them is not used, a sentence each.
+    pub(crate) fn remarks(&self) -> Vec<String> {
+        let mut all: Vec<String> = Vec::new();
+        for measured in self.estimation.recordings.iter().chain(&self.validation.recordings) {
+            let driven = measured.driving.remark().map(str::to_owned);
+            for remark in driven.iter().chain(&measured.remarks) {
+                let said = format!("{}: {remark}", measured.name);
+                // The parts of one recording say the same.
+                if !all.contains(&said) {
+                    all.push(said);
+                }
+            }
+        }
+        all
+    }
+
     /// Names of the files that are fitted to.
     pub(crate) fn files(&self) -> String {
         let names: Vec<_> = self.estimation.recordings.iter().map(|it| it.name.as_str()).collect();

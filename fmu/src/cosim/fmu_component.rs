@@ -1,7 +1,7 @@
 //! An FMU instance as a component.
 
 use crate::import::{
-    Causality, Description, Group, Instance, Progress, State, Type, Unit, Variable,
+    Causality, Description, Group, Instance, Progress, State, Type, Variable,
 };
 
 use super::component::{Component, Failure, Phase, Port, PortKind, Ports};
@@ -138,10 +138,7 @@ fn port(description: &Description, variable: &Variable) -> Port {
         kind if kind.is_float() => PortKind::Float,
         _ => PortKind::Integer,
     };
-    // A unit that is used but not defined still has a name to compare by.
-    let unit = variable.unit.as_ref().map(|name| {
-        description.unit(name).cloned().unwrap_or_else(|| Unit { name: name.clone(), base: None })
-    });
+    let unit = variable.unit.as_ref().map(|name| description.unit_of_name(name));
     Port { name: variable.name.clone(), kind, unit }
 }
 

@@ -134,6 +134,26 @@ impl<'a> System<'a> {
         to: &str,
         scaling: Conversion,
     ) -> Result<(), Error> {
+        self.connect_as(from, to, scaling, true)
+    }
+
+    /// As [`connect_scaled`](System::connect_scaled) without a conversion of units: the scaling is all.
+    pub(super) fn connect_unconverted(
+        &mut self,
+        from: &str,
+        to: &str,
+        scaling: Conversion,
+    ) -> Result<(), Error> {
+        self.connect_as(from, to, scaling, false)
+    }
+
+    fn connect_as(
+        &mut self,
+        from: &str,
+        to: &str,
+        scaling: Conversion,
+        converts: bool,
+    ) -> Result<(), Error> {
         let (component, port) = self.output(from)?;
         let (target, input) = self.input_port(to)?;
         let source = &self.members[component].ports.outputs[port];
@@ -142,9 +162,12 @@ impl<'a> System<'a> {
             let (from, to) = (from.to_owned(), to.to_owned());
             return Err(Error::Kind { from, from_kind: source.kind, to, to_kind: sink.kind });
         }
-        let conversion = convert(source.unit.as_ref(), sink.unit.as_ref());
-        let conversion =
-            conversion.ok_or_else(|| unit_error(from, source.unit.as_ref(), to, sink))?;
+        let conversion = if converts {
+            convert(source.unit.as_ref(), sink.unit.as_ref())
+                .ok_or_else(|| unit_error(from, source.unit.as_ref(), to, sink))?
+        } else {
+            Conversion::IDENTITY
+        };
         let conversion = conversion.then(scaling);
         self.drive(target, input, Source::Output { component, port, conversion }, from, to)
     }

@@ -304,6 +304,13 @@ impl Description {
         self.units.iter().find(|unit| unit.name == name)
     }
 
+    /// The unit that variables refer to by that name, defined or not: an undefined one still has a
+    /// name to compare by.
+    pub fn unit_of_name(&self, name: &str) -> Unit {
+        let defined = self.unit(name).cloned();
+        defined.unwrap_or_else(|| Unit { name: name.to_owned(), base: None })
+    }
+
     /// The capabilities in one interface type.
     pub fn capabilities(&self, kind: Kind) -> Option<&Capabilities> {
         match kind {

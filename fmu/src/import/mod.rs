@@ -67,6 +67,7 @@ pub use fmu::{Fmu, InstanceOptions};
 pub(crate) use held::{Held, from_recorded};
 pub use instance::{Instance, Progress};
 pub use logging::Message;
+pub(crate) use parse::read_unit;
 pub use problem::{
     ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem, XmlProblem,
 };

@@ -149,9 +149,9 @@ fn drive<'f>(fmu: &'f Fmu, input: Option<&Recording>) -> Result<Vec<(&'f Variabl
         let Some(at) = input.signals.iter().position(|signal| signal.name == variable.name) else {
             continue;
         };
-        let own = variable.unit.as_ref().and_then(|name| description.unit(name));
+        let own = variable.unit.as_ref().map(|name| description.unit_of_name(name));
         let unit = &input.signals[at].unit;
-        let conversion = from_recorded(unit, own, &description.units);
+        let conversion = from_recorded(unit, own.as_ref(), &description.units);
         let conversion = conversion.ok_or_else(|| Error::Variable {
             fmu: fmu.name().to_owned(),
             name: variable.name.clone(),

@@ -31,6 +31,7 @@ mod place;
 mod preview;
 mod quality;
 mod quantum;
+mod replace;
 mod report;
 mod signal;
 mod suspicion;
@@ -44,7 +45,9 @@ pub use choices::{Choice, choices, in_words};
 pub use clock::{Break, Clock};
 pub use csv::{CsvStream, Row, read_csv};
 pub use error::Error;
-pub use file::{Outcome, is_reading, read, read_with_preview, write, write_csv};
+pub use file::{
+    Outcome, is_reading, read, read_with_preview, write, write_csv, write_csv_with_texts,
+};
 pub use formats::{Format, formats, formats_listed};
 pub use header::{ColumnNote, Taken};
 pub use mapping::{Mapping, ReadOptions};
@@ -52,7 +55,8 @@ pub use place::{Counted, Place};
 pub use preview::{ColumnPreview, Preview};
 pub use quality::{Limit, SignalQuality};
 pub use quantum::Quantum;
+pub use replace::{check_writable, write_whole};
 pub use report::{Constant, Report, Sampling, Stretch, Stretches};
-pub use signal::{NoiseGain, Recording, Signal};
+pub use signal::{NoiseGain, Recording, Signal, TextSignal};
 pub use suspicion::{Suspicion, suspicions};
 pub use unit::{Quantity, Unit};

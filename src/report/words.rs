@@ -49,6 +49,13 @@ pub(crate) fn given(value: f64) -> String {
     }
 }
 
+/// A time in a sentence, s: without the digits that rounding left behind.
+pub(crate) fn seconds(time: f64) -> String {
+    const DIGITS: usize = 7;
+    let rounded = format!("{time:.*e}", DIGITS - 1);
+    rounded.parse::<f64>().map_or(rounded, |time| time.to_string())
+}
+
 /// A p value; one that is zero in floating point is only known to be small.
 pub(crate) fn p_value(p: f64) -> String {
     if p.is_nan() {

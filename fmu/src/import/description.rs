@@ -336,6 +336,11 @@ impl Description {
 
     /// Number of elements of a variable, with structural parameters at their start values.
     pub fn elements(&self, variable: &Variable) -> usize {
+        self.sizes(variable).into_iter().product()
+    }
+
+    /// Sizes of its dimensions, none for a scalar; structural parameters at their start values.
+    pub fn sizes(&self, variable: &Variable) -> Vec<usize> {
         let size = |dimension: &Dimension| match dimension {
             Dimension::Fixed(size) => *size,
             Dimension::Structural(reference) => self
@@ -346,6 +351,6 @@ impl Description {
                 .and_then(|text| text.parse().ok())
                 .unwrap_or(0),
         };
-        variable.dimensions.iter().map(size).product()
+        variable.dimensions.iter().map(size).collect()
     }
 }

@@ -226,8 +226,8 @@ pub enum Error {
         fmu: String,
         /// The instance's name.
         instance: String,
-        /// The FMI function.
-        function: &'static str,
+        /// The FMI function, with the variable where it is about one.
+        function: String,
         /// What it returned.
         status: Status,
         /// Simulation time, s.
@@ -305,11 +305,15 @@ fn did_you_mean(near: &Option<String>) -> String {
     near.as_ref().map_or(String::new(), |name| format!("; did you mean `{name}`?"))
 }
 
-/// The last few messages: the ones before the failure are the ones that explain it.
+/// The last few messages: the ones before the failure are the ones that explain it. Where some tell of
+/// something wrong, those alone.
 fn said(messages: &[Message]) -> impl fmt::Display {
     const SHOWN: usize = 3;
-    let first = messages.len().saturating_sub(SHOWN);
-    messages[first..]
+    let wrong: Vec<&Message> =
+        messages.iter().filter(|message| message.status != Status::Ok).collect();
+    let shown = if wrong.is_empty() { messages.iter().collect() } else { wrong };
+    let first = shown.len().saturating_sub(SHOWN);
+    shown[first..]
         .iter()
         .fold(String::new(), |text, message| text + "; it says: " + &message.text)
 }

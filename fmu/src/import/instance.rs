@@ -173,25 +173,26 @@ impl Instance {
             self.expect("step", &[Mode::Stepping])?;
         }
         self.time = time;
-        let ends = match &mut self.integrator {
+        let end = time + step;
+        let (ends, reached) = match &mut self.integrator {
             None => {
                 let may_go_back = self.states.in_use();
                 let (status, ends, reached) = self.handle.do_step(time, step, may_go_back);
                 match status {
-                    Status::Ok | Status::Warning => ends,
-                    Status::Discard if ends => {
-                        self.time = reached;
-                        return Ok(Progress::Terminate);
+                    Status::Ok | Status::Warning if !ends => (false, end),
+                    // Where it ended; an FMU that does not say has done the whole step.
+                    Status::Ok | Status::Warning | Status::Discard if ends => {
+                        (true, if reached >= time && reached < end { reached } else { end })
                     }
                     Status::Discard => return Err(self.discarded(step, reached)),
                     bad => return Err(self.failed("DoStep", bad)),
                 }
             }
             Some(integrator) => integrator
-                .advance(&mut self.handle, time, time + step)
+                .advance(&mut self.handle, time, end)
                 .map_err(|failure| self.integration_failed(failure))?,
         };
-        self.time = time + step;
+        self.time = reached;
         Ok(if ends { Progress::Terminate } else { Progress::Continue })
     }
 
@@ -246,7 +247,7 @@ impl Instance {
     }
 
     #[cold]
-    pub(super) fn failed(&mut self, function: &'static str, status: Status) -> Error {
+    pub(super) fn failed(&mut self, function: impl Into<String>, status: Status) -> Error {
         match status {
             Status::Fatal => {
                 self.mode = Mode::Corrupt;
@@ -258,7 +259,7 @@ impl Instance {
         Error::Call {
             fmu: self.fmu.name().to_owned(),
             instance: self.name.clone(),
-            function,
+            function: function.into(),
             status,
             time: self.time,
             messages: self.log.take(),

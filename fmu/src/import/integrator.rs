@@ -128,13 +128,14 @@ impl Integrator {
         status
     }
 
-    /// Integrates from `time` to `end`; whether the FMU asks to end the simulation.
+    /// Integrates from `time` to `end`; whether the FMU asks to end the simulation, and the time
+    /// reached.
     pub(super) fn advance(
         &mut self,
         fmu: &mut Handle,
         time: f64,
         end: f64,
-    ) -> Result<bool, Failure> {
+    ) -> Result<(bool, f64), Failure> {
         let resolution = SAME_TIME_ULPS * f64::EPSILON * time.abs().max(end.abs());
         let mut now = time;
         if self.update_due || self.next_event.is_some_and(|event| event <= now + resolution) {
@@ -155,7 +156,7 @@ impl Integrator {
                 self.handle_event(fmu, now)?;
             }
         }
-        Ok(self.ends)
+        Ok((self.ends, if self.ends { now } else { end }))
     }
 
     /// Event mode: updates until the discrete states settle, then back to continuous time.

@@ -28,6 +28,7 @@ mod binary;
 mod binding;
 mod bytes;
 mod description;
+mod elements;
 mod error;
 mod experiment;
 mod fmu;
@@ -43,6 +44,7 @@ mod parse_structure;
 mod parse_variables;
 mod problem;
 mod python;
+mod recorder;
 mod rules;
 mod rules_structure;
 mod run;
@@ -71,7 +73,7 @@ pub(crate) use parse::read_unit;
 pub use problem::{
     ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem, XmlProblem,
 };
-pub use run::{RunOptions, run};
+pub use run::{Ran, RunOptions, run};
 pub use state::State;
 pub use status::Status;
 pub use units::{BaseUnit, Conversion, Unit, convert};

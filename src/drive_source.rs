@@ -8,7 +8,7 @@ use drivescope_scenarios::drives::BUILT_IN;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, visible};
 
 /// A drive file that is wrong, with the text around the place.
 #[derive(Debug, Error, Diagnostic)]
@@ -54,7 +54,7 @@ fn looks_like_a_file(path: &Path) -> bool {
 
 fn parse(text: &str, name: &str) -> miette::Result<Drive> {
     Drive::parse(text, name).map_err(|error| {
-        let span = error.place().map(|place| SourceSpan::from(place.span.clone()));
+        let span = error.place().and_then(|place| visible(text, place.span.clone()));
         let text = NamedSource::new(name, text.to_owned()).with_language("toml");
         WrongDriveFile { error, text, span }.into()
     })

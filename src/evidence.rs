@@ -10,6 +10,7 @@ use drivescope_plant::drive::Drive;
 use crate::commands::RecordingOptions;
 use crate::failure::told;
 use crate::read_evidence::{KnownNoise, ReadEvidence, given_noise, read_evidence};
+use crate::next::Next;
 use crate::session::Session;
 
 /// Share of a single recording that is held out.
@@ -51,6 +52,11 @@ pub(crate) struct Gathered {
 }
 
 impl EvidenceOptions {
+    /// The command on the same recordings.
+    pub(crate) fn on(&self, next: Next) -> Next {
+        next.files(&self.recordings).options(&self.reading.typed())
+    }
+
     /// Reads and splits the recordings; says what was assumed and what is doubtful.
     ///
     /// # Errors

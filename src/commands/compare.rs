@@ -19,6 +19,7 @@ use super::{RecordingOptions, Run};
 use crate::failure::{Ending, told};
 use crate::read_evidence::{ReadEvidence, given_noise, read_evidence};
 use crate::report::compare::{self as page, compare_html};
+use crate::next::Next;
 use crate::session::Session;
 use crate::{drive_source, output};
 
@@ -150,8 +151,17 @@ impl Run for Compare {
             let html = compare_html(&compared, &about);
             output::write_file(out, |file| file.write_all(html.as_bytes()))?;
         }
-        session.answer(&text(&drive.name, &compared, &answer), &answer)?;
-        Ok(if self.check && compared.fails() { Ending::Forbidden } else { Ending::Done })
+        let fails = compared.fails();
+        let on = |next: Next| {
+            next.with(&self.drive).files(&self.recordings).options(&self.reading.typed())
+        };
+        let next = match (fails, compared.is_unfitted()) {
+            (true, true) => on(Next::new("fit")).options(" -o fitted.toml"),
+            (true, false) => on(Next::new("discover")).options(" -o found.toml"),
+            (false, _) => Next::new("export").with(&self.drive).options(" -o drive.fmu"),
+        };
+        session.say(&text(&drive.name, &compared, &answer), &answer, &next)?;
+        Ok(if self.check && fails { Ending::Forbidden } else { Ending::Done })
     }
 }
 

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use drivescope_fmu::cosim::{End, open};
-use drivescope_recording::{ReadOptions, Recording, read};
+use drivescope_recording::{ReadOptions, Recording, read, rounded};
 use serde::Serialize;
 
 use super::Run;
 use crate::failure::{Ending, told};
 use crate::output;
+use crate::next::Next;
 use crate::session::Session;
 
 /// Co-simulate connected FMUs and write a recording of their outputs.
@@ -46,10 +47,12 @@ fn early(end: &End) -> Option<String> {
     match end {
         End::Stop => None,
         End::Terminated { component, time } => {
-            Some(format!("`{component}` asked to end the simulation at {time} s"))
+            Some(format!("`{component}` asked to end the simulation at {} s", rounded(*time)))
         }
         End::Discarded { component, time, reached, .. } => Some(format!(
-            "`{component}` could not complete the step from {time} s: it reached {reached} s"
+            "`{component}` could not complete the step from {} s: it reached {} s",
+            rounded(*time),
+            rounded(*reached)
         )),
     }
 }
@@ -64,7 +67,7 @@ impl Run for Cosim {
         let recording = &outcome.recording;
         let (samples, period) = (recording.len(), recording.period_s);
         let output = self.output.clone();
-        let mut text = format!("{samples} samples every {period} s: {}\n", output.display());
+        let mut text = format!("{samples} samples every {} s: {}\n", rounded(period), output.display());
         let ended = early(&outcome.end);
         if let Some(ended) = &ended {
             let _ = writeln!(text, "ended early: {ended}");
@@ -82,7 +85,7 @@ impl Run for Cosim {
             ended,
             algebraic_loops: outcome.algebraic_loops,
         };
-        session.answer(&text, &answer)?;
+        session.wrote(&text, &answer, &Next::new("serve").files([&self.output]))?;
         Ok(Ending::Done)
     }
 }

@@ -14,6 +14,7 @@ use super::recording_options::RecordingOptions;
 use crate::failure::{Ending, told};
 use crate::first_drive::{FirstDrive, Given, Origin, Value, offer};
 use crate::output;
+use crate::next::Next;
 use crate::session::Session;
 use crate::simulation::replay::Fit;
 
@@ -98,6 +99,7 @@ impl Run for Init {
         first.choice.remarks.iter().for_each(|remark| session.remark(remark));
         let (text, _) = first.file(&self.output.display().to_string())?;
         output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
+        let next = self.next();
         let [torque, voltage] = first.quality.unexplained;
         let answer = Answer {
             output: self.output.clone(),
@@ -108,26 +110,20 @@ impl Run for Init {
             fit: &first.quality.fits,
             observer_hz: first.quality.observer_hz,
             unexplained: Balances { torque, voltage },
-            next: self.next(),
+            next: next.command().to_owned(),
         };
-        session.answer(&said(&first, &answer), &answer)?;
+        session.wrote(&said(&first, &answer), &answer, &next)?;
         Ok(Ending::Done)
     }
 }
 
 impl Init {
     /// The command to type next, with the columns that were named here.
-    fn next(&self) -> String {
-        let quoted = |path: &PathBuf| {
-            let text = path.display().to_string();
-            if text.contains(char::is_whitespace) { format!("\"{text}\"") } else { text }
-        };
-        let options = self.reading.typed();
-        format!(
-            "drivescope fit {} {}{options} -o fitted.toml",
-            quoted(&self.output),
-            quoted(&self.recording)
-        )
+    fn next(&self) -> Next {
+        Next::new("fit")
+            .files([&self.output, &self.recording])
+            .options(&self.reading.typed())
+            .options(" -o fitted.toml")
     }
 }
 
@@ -169,6 +165,5 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
             let _ = writeln!(text, "  {:.1} % of the {name} unexplained", 100.0 * share);
         }
     }
-    let _ = writeln!(text, "next: {}", answer.next);
     text
 }

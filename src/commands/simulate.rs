@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use drivescope_discovery::{driving, with_canonical_names};
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::sampled::speed_bound;
-use drivescope_recording::{Quantity, Recording};
+use drivescope_recording::{Quantity, Recording, rounded};
 use serde::Serialize;
 
 use super::Run;
@@ -15,6 +15,7 @@ use crate::drive_source;
 use crate::expression::SignalOverTime;
 use crate::failure::{Ending, Failure, told};
 use crate::output;
+use crate::next::Next;
 use crate::session::Session;
 use crate::simulation::fault::FaultOverTime;
 use crate::simulation::replay::{Fit, fits, replay, start};
@@ -222,12 +223,15 @@ impl Simulate {
     ) -> miette::Result<()> {
         let (samples, period) = (recording.len(), recording.period_s);
         let output = self.output.clone();
-        let text = format!("{text}{samples} samples every {period} s: {}\n", output.display());
+        let text = format!("{text}{samples} samples every {} s: {}\n", rounded(period), output.display());
         let start = recording.start_s;
         let drive = drive.name.clone();
-        session.answer(
+        let measured = self.measured.as_ref().unwrap_or(&self.output);
+        let next = Next::new("compare").with(&self.drive).files([measured]);
+        session.wrote(
             &text,
             &Answer { drive, output, samples, start, period, reference, seed, fit },
+            &next,
         )?;
         Ok(())
     }

@@ -16,6 +16,7 @@ use indicatif::ProgressBar;
 
 use super::Run;
 use crate::failure::{Ending, Failure, told};
+use crate::next::Next;
 use crate::session::Session;
 use crate::{drive_source, fmu_file, interrupt, output};
 
@@ -89,7 +90,8 @@ impl Run for Study {
 
         self.write(&outcome)?;
         session.remark(format_args!("report: {}", at("report.html").display()));
-        session.answer(&crate::tables::study(&outcome.results), &outcome.results)?;
+        let next = Next::new("benchmark detection");
+        session.wrote(&crate::tables::study(&outcome.results), &outcome.results, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -49,13 +49,6 @@ pub(crate) fn given(value: f64) -> String {
     }
 }
 
-/// A time in a sentence, s: without the digits that rounding left behind.
-pub(crate) fn seconds(time: f64) -> String {
-    const DIGITS: usize = 7;
-    let rounded = format!("{time:.*e}", DIGITS - 1);
-    rounded.parse::<f64>().map_or(rounded, |time| time.to_string())
-}
-
 /// A p value; one that is zero in floating point is only known to be small.
 pub(crate) fn p_value(p: f64) -> String {
     if p.is_nan() {
@@ -65,6 +58,13 @@ pub(crate) fn p_value(p: f64) -> String {
     } else {
         number(p)
     }
+}
+
+/// The same in a sentence: `p = 0.012`, `p < 1e-300`.
+pub(crate) fn p_is(p: f64) -> String {
+    let text = p_value(p);
+    let equals = if text.starts_with('<') { "" } else { "= " };
+    format!("p {equals}{text}")
 }
 
 /// A relative difference: equal bits are said.
@@ -218,6 +218,7 @@ mod tests {
             assert_eq!(number(value), text);
         }
         assert_eq!(p_value(0.0), "< 1e-300");
+        assert_eq!((p_is(0.0), p_is(0.012)), ("p < 1e-300".into(), "p = 0.0120".into()));
         assert_eq!(given(0.001), "0.001");
         assert_eq!(given(2000.0), "2000");
         assert_eq!(given(5.0), "5");

@@ -13,6 +13,7 @@ mod fmu;
 mod help;
 mod init;
 mod interrupt;
+mod manners;
 mod serve;
 mod simulate;
 mod worked_example;

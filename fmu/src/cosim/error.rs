@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use drivescope_recording::rounded;
+
 use crate::import;
 
 use super::component::{Failure, PortKind};
@@ -142,7 +144,7 @@ pub enum Error {
         component: String,
     },
     /// A component failed.
-    #[error("component `{component}` failed at {time} s: {failure}")]
+    #[error("component `{component}` failed at {} s: {failure}", rounded(*time))]
     Component {
         /// The component.
         component: String,

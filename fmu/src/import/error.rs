@@ -4,6 +4,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use drivescope_recording::rounded;
+
 use super::description::Kind;
 use super::logging::Message;
 use super::problem::{
@@ -218,7 +220,8 @@ pub enum Error {
     },
     /// An FMI function returned an error.
     #[error(
-        "{fmu}: {function} of `{instance}` returned {status} at time {time} s{}",
+        "{fmu}: {function} of `{instance}` returned {status} at time {} s{}",
+        rounded(*time),
         said(messages)
     )]
     Call {
@@ -237,8 +240,11 @@ pub enum Error {
     },
     /// A communication step that the FMU could not complete.
     #[error(
-        "{fmu}: `{instance}` discarded the step from {time} s to {target} s (it reached {reached} s){}; \
+        "{fmu}: `{instance}` discarded the step from {} s to {} s (it reached {} s){}; \
          use a smaller communication step size",
+        rounded(*time),
+        rounded(*target),
+        rounded(*reached),
         said(messages)
     )]
     Discard {
@@ -276,7 +282,7 @@ pub enum Error {
         fmu: String,
     },
     /// The integration of a Model Exchange FMU failed.
-    #[error("{fmu}: integration of `{instance}` failed at {time} s ({problem})")]
+    #[error("{fmu}: integration of `{instance}` failed at {} s ({problem})", rounded(*time))]
     Integration {
         /// The FMU's file name.
         fmu: String,

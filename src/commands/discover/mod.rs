@@ -19,6 +19,7 @@ use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, told};
 use crate::interrupt;
 use crate::output;
+use crate::next::Next;
 use crate::session::Session;
 
 use answer::Answer;
@@ -107,7 +108,14 @@ impl Search<'_> {
         let output = self.output.cloned();
         let answer =
             Answer::new(self.base, output, &gathered, &found, self.named_are, session.seed);
-        session.answer(&answer.text(), &answer)?;
+        let next = match self.output {
+            Some(output) => self.evidence.on(Next::new("compare").files([output])),
+            None => {
+                let again = Next::new("discover").with(self.given);
+                self.evidence.on(again).options(" -o found.toml --out found.html")
+            }
+        };
+        session.say(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

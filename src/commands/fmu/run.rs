@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use drivescope_fmu::import::{Fmu, Kind, Ran, RunOptions, Status, Value, run};
+use drivescope_recording::rounded;
 use serde::Serialize;
 
 use crate::commands::Run;
 use crate::commands::recording_options::RecordingOptions;
 use crate::failure::{Ending, told};
 use crate::output;
-use crate::report::words::seconds;
+use crate::next::Next;
 use crate::session::Session;
 
 /// Run an FMU and write a recording of its inputs and outputs.
@@ -123,21 +124,21 @@ impl Run for RunFmu {
         let mut text = format!(
             "{}: {samples} samples every {} s: {}\n",
             recording.name,
-            seconds(period),
+            rounded(period),
             output.display()
         );
         let last = start + samples.saturating_sub(1) as f64 * period;
         if let Some(ended) = ended {
-            text += &format!("the FMU ended the run at {} s\n", seconds(ended));
+            text += &format!("the FMU ended the run at {} s\n", rounded(ended));
         } else if let Some(stop) = self.stop.filter(|stop| stop - last > SAME_POINT * period) {
-            let (last, stop) = (seconds(last), seconds(stop));
+            let (last, stop) = (rounded(last), rounded(stop));
             text += &format!("the last whole step ends at {last} s, before the stop at {stop} s\n");
         }
         let signals = recording.signals.iter().map(|signal| signal.header());
         let signals = signals.chain(texts.into_iter().map(|text| text.name)).collect();
         let answer =
             Answer { name: recording.name, output, samples, start, period, ended, signals };
-        session.answer(&text, &answer)?;
+        session.wrote(&text, &answer, &Next::new("serve").files([&self.output]))?;
         Ok(Ending::Done)
     }
 }

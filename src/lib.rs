@@ -22,6 +22,7 @@ mod page;
 mod panics;
 mod read_evidence;
 pub mod report;
+mod run_folder;
 mod session;
 mod simulation;
 pub mod tables;

@@ -170,7 +170,7 @@ fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
     let mut text = String::new();
     let name = if drive.is_empty() { "the drive" } else { drive };
     let _ = writeln!(text, "{name}: {}", answer.verdict);
-    let _ = writeln!(text, "{}", page::remark(compared));
+    let _ = writeln!(text, "{}", page::remark(compared, None));
     if let Some(error) = answer.before.validation_error {
         let _ = writeln!(text, "Error on the recordings of --validate: {error:.4}");
     }

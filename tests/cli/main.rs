@@ -10,6 +10,7 @@ mod effects;
 mod export;
 mod fit;
 mod fmu;
+mod fmu_parameters;
 mod help;
 mod init;
 mod interrupt;

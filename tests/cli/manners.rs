@@ -72,14 +72,11 @@ fn every_command_names_the_next_useful_one() {
 fn a_closed_pipe_changes_nothing() {
     let here = folder();
     recorded(here.path());
-    // A friction that the drive has not: `compare --check` forbids it.
-    let text = std::fs::read_to_string(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/scenarios/drives/dr300.toml"
-    ))
-    .expect("the shipped drive");
-    put(here.path(), "stiff.toml", text.replace("T_c = 0.016", "T_c = 0.08"));
-    let check = ["compare", "stiff.toml", "log.csv", "--check"];
+    // An FMU that cannot be tried here is a finding, which `--check` forbids.
+    let fmu = std::fs::read(here.path().join("a.fmu")).expect("it was written");
+    let foreign = |name: &str| Some(name.replace("binaries/", "binaries/vax-"));
+    put(here.path(), "b.fmu", crate::fmu::repacked(&fmu, foreign));
+    let check = ["fmu", "validate", "b.fmu", "--check"];
     assert_eq!(run(here.path(), &check).code, Some(1));
     let mut child = program(here.path())
         .args(check)
@@ -113,4 +110,33 @@ fn outputs_go_through_links_and_pipes() {
         assert!(there.is_symlink(), "{link} stays a link");
     }
     assert!(here.path().join("deep/log.csv").is_file());
+}
+
+/// What cannot be read is refused in a moment, whatever its size.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_endless_drive_file_and_an_absurd_sampling_time_are_refused() {
+    let here = folder();
+    recorded(here.path());
+    let message = refused(here.path(), &["compare", "/dev/zero", "log.csv"]);
+    assert!(message.contains("longer than 10000000 bytes"), "{message}");
+    for (period, said) in [("1e-9", "2.0e9 samples"), ("5e-8", "4.0e7 samples"), ("10", "between")] {
+        let message = refused(here.path(), &["compare", "dr300", "log.csv", "--resample", period]);
+        assert!(message.contains(said), "{period}: {message}");
+    }
+}
+
+/// Fewer sub-steps than a drive needs would give an answer that looks like one.
+#[test]
+fn a_drive_that_is_too_stiff_for_its_steps_is_an_error() {
+    let here = folder();
+    let text = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/scenarios/drives/dr300.toml"
+    ))
+    .expect("the shipped drive");
+    let coupling = "\n[[effect]]\nkind = \"flexible_coupling\"\nk = 1e12\nd = 1e-3\nratio = 0.5\n";
+    put(here.path(), "stiff.toml", text + coupling);
+    let message = refused(here.path(), &["simulate", "stiff.toml", "--duration", "1", "-o", "a.csv"]);
+    assert!(message.contains("sub-steps") && message.contains("shorten the step"), "{message}");
 }

@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use drivescope_recording::Recording;
-use tempfile::TempDir;
 
 use crate::import::{
-    Conversion, ExperimentProblem, Fmu, InstanceOptions, Kind, Unit, Value, convert,
+    Conversion, ExperimentProblem, Fmu, InstanceOptions, Kind, Unit, Unpacked, Value, convert,
 };
 
 use super::connector::ConnectorEntry;
@@ -47,7 +46,7 @@ pub struct Document {
     /// Outputs of the system: the port behind each, and what the file says about it.
     pub(super) outputs: Vec<(String, ConnectorEntry)>,
     /// The unpacked package of an `.ssp`, in which the FMUs are.
-    pub(super) package: Option<TempDir>,
+    pub(super) package: Option<Unpacked>,
 }
 
 #[derive(Debug)]

@@ -9,8 +9,8 @@ use drivescope_plant::drive::Drive;
 
 use crate::commands::RecordingOptions;
 use crate::failure::told;
-use crate::read_evidence::{KnownNoise, ReadEvidence, given_noise, read_evidence};
 use crate::next::Next;
+use crate::read_evidence::{KnownNoise, ReadEvidence, given_noise, read_evidence};
 use crate::session::Session;
 
 /// Share of a single recording that is held out.

@@ -45,8 +45,8 @@ fn leave_nothing() {
     let mut leftovers = LEFTOVERS.lock().unwrap_or_else(PoisonError::into_inner);
     for path in leftovers.drain(..).rev() {
         // Nobody is left to be told of what stays; a folder with other files in it does.
-        let _ = std::fs::remove_file(&path)
-            .or_else(|_| match path.file_name().is_some_and(is_own) {
+        let _ =
+            std::fs::remove_file(&path).or_else(|_| match path.file_name().is_some_and(is_own) {
                 true => std::fs::remove_dir_all(&path),
                 false => std::fs::remove_dir(&path),
             });

@@ -19,8 +19,7 @@ pub(crate) fn write_file(
     content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), Failure> {
     let _not_now = interrupt::writing();
-    write_whole(path, content)
-        .map_err(|source| Failure::Write { path: path.to_owned(), source })
+    write_whole(path, content).map_err(|source| Failure::Write { path: path.to_owned(), source })
 }
 
 /// Writes a recording; its extension tells the format.
@@ -62,7 +61,8 @@ pub(crate) fn write_with_texts(
 /// [`Failure::Write`] with the path.
 pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
     let _not_now = interrupt::writing();
-    drivescope_recording::check_writable(path).map_err(|source| Failure::Write { path: path.to_owned(), source })
+    drivescope_recording::check_writable(path)
+        .map_err(|source| Failure::Write { path: path.to_owned(), source })
 }
 
 /// The value as JSON text, ending in a line end; numbers that are not finite become `null`.

@@ -123,7 +123,9 @@ fn put_in_place(from: &Path, to: &Path) -> io::Result<()> {
 /// Whether a process of that number lives; on a system that does not tell, it does.
 fn lives(process: &str) -> bool {
     let all = Path::new("/proc");
-    process.parse::<u32>().is_ok_and(|id| !all.join("self").exists() || all.join(id.to_string()).exists())
+    process
+        .parse::<u32>()
+        .is_ok_and(|id| !all.join("self").exists() || all.join(id.to_string()).exists())
 }
 
 impl Drop for RunFolder {

@@ -2,8 +2,8 @@
 
 use std::io;
 
-use crate::rounded::rounded;
 use crate::place::Place;
+use crate::rounded::rounded;
 
 /// Why a recording could not be read, used or written.
 #[derive(Debug, thiserror::Error)]

@@ -17,9 +17,9 @@ use serde_json::Value;
 
 use super::{RecordingOptions, Run};
 use crate::failure::{Ending, told};
+use crate::next::Next;
 use crate::read_evidence::{ReadEvidence, given_noise, read_evidence};
 use crate::report::compare::{self as page, compare_html};
-use crate::next::Next;
 use crate::session::Session;
 use crate::{drive_source, output};
 

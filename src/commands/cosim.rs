@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::Run;
 use crate::failure::{Ending, told};
-use crate::output;
 use crate::next::Next;
+use crate::output;
 use crate::session::Session;
 
 /// Co-simulate connected FMUs and write a recording of their outputs.
@@ -67,7 +67,8 @@ impl Run for Cosim {
         let recording = &outcome.recording;
         let (samples, period) = (recording.len(), recording.period_s);
         let output = self.output.clone();
-        let mut text = format!("{samples} samples every {} s: {}\n", rounded(period), output.display());
+        let mut text =
+            format!("{samples} samples every {} s: {}\n", rounded(period), output.display());
         let ended = early(&outcome.end);
         if let Some(ended) = &ended {
             let _ = writeln!(text, "ended early: {ended}");

@@ -13,8 +13,8 @@ use super::Run;
 use super::recording_options::RecordingOptions;
 use crate::failure::{Ending, told};
 use crate::first_drive::{FirstDrive, Given, Origin, Value, offer};
-use crate::output;
 use crate::next::Next;
+use crate::output;
 use crate::session::Session;
 use crate::simulation::replay::Fit;
 

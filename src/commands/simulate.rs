@@ -14,8 +14,8 @@ use super::recording_options::RecordingOptions;
 use crate::drive_source;
 use crate::expression::SignalOverTime;
 use crate::failure::{Ending, Failure, told};
-use crate::output;
 use crate::next::Next;
+use crate::output;
 use crate::session::Session;
 use crate::simulation::fault::FaultOverTime;
 use crate::simulation::replay::{Fit, fits, replay, start};
@@ -223,7 +223,8 @@ impl Simulate {
     ) -> miette::Result<()> {
         let (samples, period) = (recording.len(), recording.period_s);
         let output = self.output.clone();
-        let text = format!("{text}{samples} samples every {} s: {}\n", rounded(period), output.display());
+        let text =
+            format!("{text}{samples} samples every {} s: {}\n", rounded(period), output.display());
         let start = recording.start_s;
         let drive = drive.name.clone();
         let measured = self.measured.as_ref().unwrap_or(&self.output);

@@ -107,8 +107,9 @@ struct WithTraces<'a> {
 
 /// Writes results, report and runs.
 fn write(outcome: &Outcome, folder: &Path) -> miette::Result<()> {
-    let text =
-        |name: &str, text: &str| output::write_file(&folder.join(name), |out| out.write_all(text.as_bytes()));
+    let text = |name: &str, text: &str| {
+        output::write_file(&folder.join(name), |out| out.write_all(text.as_bytes()))
+    };
     let runs = folder.join("runs");
     let unwritable = |source| Failure::Write { path: runs.clone(), source };
     std::fs::create_dir_all(&runs).map_err(unwritable)?;

@@ -13,7 +13,8 @@ fn recorded(here: &Path) {
     done(here, &["export", "dr300", "-o", "a.fmu", "--quiet"]);
 }
 
-const SYSTEM: &str = "[experiment]\nstop = 0.1\nstep = 0.005\n[[component]]\nname = \"a\"\nfmu = \"a.fmu\"\n";
+const SYSTEM: &str =
+    "[experiment]\nstop = 0.1\nstep = 0.005\n[[component]]\nname = \"a\"\nfmu = \"a.fmu\"\n";
 
 #[test]
 fn quiet_commands_are_quiet() {
@@ -120,7 +121,8 @@ fn an_endless_drive_file_and_an_absurd_sampling_time_are_refused() {
     recorded(here.path());
     let message = refused(here.path(), &["compare", "/dev/zero", "log.csv"]);
     assert!(message.contains("longer than 10000000 bytes"), "{message}");
-    for (period, said) in [("1e-9", "2.0e9 samples"), ("5e-8", "4.0e7 samples"), ("10", "between")] {
+    for (period, said) in [("1e-9", "2.0e9 samples"), ("5e-8", "4.0e7 samples"), ("10", "between")]
+    {
         let message = refused(here.path(), &["compare", "dr300", "log.csv", "--resample", period]);
         assert!(message.contains(said), "{period}: {message}");
     }
@@ -137,6 +139,7 @@ fn a_drive_that_is_too_stiff_for_its_steps_is_an_error() {
     .expect("the shipped drive");
     let coupling = "\n[[effect]]\nkind = \"flexible_coupling\"\nk = 1e12\nd = 1e-3\nratio = 0.5\n";
     put(here.path(), "stiff.toml", text + coupling);
-    let message = refused(here.path(), &["simulate", "stiff.toml", "--duration", "1", "-o", "a.csv"]);
+    let message =
+        refused(here.path(), &["simulate", "stiff.toml", "--duration", "1", "-o", "a.csv"]);
     assert!(message.contains("sub-steps") && message.contains("shorten the step"), "{message}");
 }

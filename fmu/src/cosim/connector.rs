@@ -4,7 +4,9 @@
 use roxmltree::Node;
 
 use crate::import::xml::{self, required};
-use crate::import::{Causality, Conversion, Description, Type, Unit, Variable, XmlProblem, convert};
+use crate::import::{
+    Causality, Conversion, Description, Type, Unit, Variable, XmlProblem, convert,
+};
 
 use super::document::Place;
 
@@ -24,7 +26,8 @@ impl ConnectorEntry {
     pub(super) fn read(node: Node, units: &[Unit]) -> Result<ConnectorEntry, XmlProblem> {
         let place = xml::place(node);
         let of_type = |child: &Node| {
-            child.is_element() && !matches!(child.tag_name().name(), "ConnectorGeometry" | "Annotations")
+            child.is_element()
+                && !matches!(child.tag_name().name(), "ConnectorGeometry" | "Annotations")
         };
         let declared = node.children().find(of_type).map(|body| {
             let unit = body.attribute("unit").map(|name| named(name, units));
@@ -46,7 +49,9 @@ impl ConnectorEntry {
         })?;
         if !self.fits_causality(variable.causality) {
             let causality = format!("{:?}", variable.causality).to_lowercase();
-            return Err(format!("connector `{name}` is declared as {kind}, and is {causality} in the FMU"));
+            return Err(format!(
+                "connector `{name}` is declared as {kind}, and is {causality} in the FMU"
+            ));
         }
         self.fits_type(variable)?;
         match self.units(variable, fmu) {
@@ -120,7 +125,11 @@ pub(super) fn named(name: &str, units: &[Unit]) -> Unit {
 fn is_of_type(kind: Type, declared: &str) -> bool {
     match declared {
         "Real" => kind.is_float(),
-        "Integer" => kind.is_numeric() && !kind.is_float() && !matches!(kind, Type::Boolean | Type::Enumeration),
+        "Integer" => {
+            kind.is_numeric()
+                && !kind.is_float()
+                && !matches!(kind, Type::Boolean | Type::Enumeration)
+        }
         other => kind.name() == other,
     }
 }

@@ -1,8 +1,6 @@
 //! An FMU instance as a component.
 
-use crate::import::{
-    Causality, Description, Group, Instance, Progress, State, Type, Variable,
-};
+use crate::import::{Causality, Description, Group, Instance, Progress, State, Type, Variable};
 
 use super::component::{Component, Failure, Phase, Port, PortKind, Ports};
 

@@ -132,7 +132,9 @@ fn component(node: Node, folder: &Path, units: &[Unit]) -> Parsed<ComponentEntry
         fmu: folder.join(fmu),
         kind,
         parameters: Vec::new(),
-        connectors: connectors.map(|node| ConnectorEntry::read(node, units)).collect::<Parsed<_>>()?,
+        connectors: connectors
+            .map(|node| ConnectorEntry::read(node, units))
+            .collect::<Parsed<_>>()?,
         place: place(node),
     })
 }

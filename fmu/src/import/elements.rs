@@ -139,11 +139,13 @@ impl Instance {
         };
         self.before_set()?;
         let status = if variable.kind == Type::Int64 {
-            let values = parts.iter().map(|part| part.trim().parse().map_err(|_| wrong(self, part)));
+            let values =
+                parts.iter().map(|part| part.trim().parse().map_err(|_| wrong(self, part)));
             let values = values.collect::<Result<Vec<i64>, _>>()?;
             self.handle.set(&[variable.reference], &values)
         } else {
-            let values = parts.iter().map(|part| part.trim().parse().map_err(|_| wrong(self, part)));
+            let values =
+                parts.iter().map(|part| part.trim().parse().map_err(|_| wrong(self, part)));
             let values = values.collect::<Result<Vec<u64>, _>>()?;
             self.handle.set(&[variable.reference], &values)
         };

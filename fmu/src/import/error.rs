@@ -319,9 +319,7 @@ fn said(messages: &[Message]) -> impl fmt::Display {
         messages.iter().filter(|message| message.status != Status::Ok).collect();
     let shown = if wrong.is_empty() { messages.iter().collect() } else { wrong };
     let first = shown.len().saturating_sub(SHOWN);
-    shown[first..]
-        .iter()
-        .fold(String::new(), |text, message| text + "; it says: " + &message.text)
+    shown[first..].iter().fold(String::new(), |text, message| text + "; it says: " + &message.text)
 }
 
 /// The dynamic linker's own words, which the loading crate keeps as the source of its error.

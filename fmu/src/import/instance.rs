@@ -196,6 +196,26 @@ impl Instance {
         Ok(if ends { Progress::Terminate } else { Progress::Continue })
     }
 
+    /// Whether a Model Exchange instance has an event now that its next step would begin with: values
+    /// that are read before it are those from before the event. Set the inputs of this time, and then
+    /// [`settle`](Instance::settle).
+    pub fn event_is_due(&self) -> bool {
+        self.mode == Mode::Stepping
+            && self.integrator.as_ref().is_some_and(|integrator| integrator.is_due(self.time))
+    }
+
+    /// Lets the events happen that are due now; a Co-Simulation instance has none outside its steps.
+    ///
+    /// # Errors
+    /// The FMU fails, or its events do not end.
+    pub fn settle(&mut self) -> Result<Progress, Error> {
+        self.expect("settle", &[Mode::Stepping])?;
+        let Some(integrator) = &mut self.integrator else { return Ok(Progress::Continue) };
+        let ends = integrator.settle(&mut self.handle, self.time);
+        let ends = ends.map_err(|failure| self.integration_failed(failure))?;
+        Ok(if ends { Progress::Terminate } else { Progress::Continue })
+    }
+
     /// Back to the state after instantiation: start values, not initialised.
     ///
     /// # Errors

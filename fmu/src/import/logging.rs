@@ -61,6 +61,10 @@ mod tests {
             log.push(Message { status: Status::Ok, category: String::new(), text: "o".into() });
         }
         let kept = log.take();
-        assert_eq!((kept.len(), kept[0].text.as_str()), (KEPT, "w"), "chatter drives no warning out");
+        assert_eq!(
+            (kept.len(), kept[0].text.as_str()),
+            (KEPT, "w"),
+            "chatter drives no warning out"
+        );
     }
 }

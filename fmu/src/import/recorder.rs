@@ -50,9 +50,7 @@ impl Recorder {
         let description = fmu.description();
         let mut left_out = Vec::new();
         let variables: Vec<&Variable> = match names {
-            Some(names) => {
-                names.iter().map(|name| fmu.variable(name)).collect::<Result<_, _>>()?
-            }
+            Some(names) => names.iter().map(|name| fmu.variable(name)).collect::<Result<_, _>>()?,
             None => description
                 .variables
                 .iter()

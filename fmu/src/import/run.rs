@@ -108,13 +108,23 @@ pub fn run(fmu: &Fmu, options: &RunOptions) -> Result<Ran, Error> {
     let mut samples = 0;
     let mut ended = None;
     loop {
-        recorder.sample(&mut instance)?;
         let time = window.start + samples as f64 * window.step;
+        let due = instance.event_is_due();
+        if due {
+            // The event belongs to this time, and sees its inputs.
+            apply(&mut instance, time)?;
+            if instance.settle()? == Progress::Terminate {
+                ended = ended.or(Some(time));
+            }
+        }
+        recorder.sample(&mut instance)?;
         samples += 1;
         if samples > window.steps || ended.is_some() {
             break;
         }
-        apply(&mut instance, time)?;
+        if !due {
+            apply(&mut instance, time)?;
+        }
         if instance.step(time, window.step)? == Progress::Terminate {
             let reached = instance.time();
             ended = Some(reached);
@@ -132,9 +142,7 @@ pub fn run(fmu: &Fmu, options: &RunOptions) -> Result<Ran, Error> {
         names.zip(&input.held).map(move |(index, held)| Signal {
             name: format!("{}{index}", input.variable.name),
             unit: unit.clone(),
-            values: (0..samples)
-                .map(|k| held.at(window.start + k as f64 * window.step))
-                .collect(),
+            values: (0..samples).map(|k| held.at(window.start + k as f64 * window.step)).collect(),
         })
     });
     let (outputs, texts) = recorder.finish();

@@ -113,7 +113,9 @@ mod tests {
         let there = convert(Some(&bare("rpm")), Some(&speed)).unwrap();
         assert!((there.apply(30.0) - std::f64::consts::PI).abs() < 1e-12);
         let kelvin = unit("K", [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 0.0);
-        assert!((convert(Some(&bare("degC")), Some(&kelvin)).unwrap().apply(1.0) - 274.15).abs() < 1e-9);
+        assert!(
+            (convert(Some(&bare("degC")), Some(&kelvin)).unwrap().apply(1.0) - 274.15).abs() < 1e-9
+        );
         assert_eq!(convert(Some(&bare("A")), Some(&speed)), None);
     }
 

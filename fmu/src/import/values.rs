@@ -252,8 +252,7 @@ impl Instance {
         /// Names that an error shows of many.
         const SHOWN: usize = 5;
         let more = if names.len() > SHOWN { ", ..." } else { "" };
-        let names: Vec<String> =
-            names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
+        let names: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
         self.failed(format!("{call} {}{more}", names.join(", ")), status)
     }
 

@@ -95,6 +95,22 @@ fn foreign_fmus_are_run() {
     }
 }
 
+/// Model Exchange: a time event at a communication point belongs to it, and sees its inputs.
+#[test]
+fn an_event_in_time_is_recorded_after_it_happened() {
+    for fmi in ["2", "3"] {
+        let Some(fmu) = probe(fmi) else { return };
+        let input = input("u", "rad/s");
+        let kind = Some(Kind::ModelExchange);
+        let options = RunOptions { input: Some(&input), kind, ..RunOptions::default() };
+        let recording = run(&fmu, &options).unwrap().recording;
+        let at = |name: &str, k: usize| recording.signal(name).unwrap().values[k];
+        // It samples u every 0.1 s, from 0 on; u steps to 2 at 0.5 s.
+        assert_eq!([0, 9, 10, 11, 49, 50].map(|k| at("n", k)), [1.0, 1.0, 2.0, 2.0, 5.0, 6.0]);
+        assert_eq!([49, 50, 51].map(|k| at("held", k)), [0.0, 2.0, 2.0]);
+    }
+}
+
 /// The end of a run that the FMU ends belongs to it.
 #[test]
 fn the_end_that_an_fmu_asks_for_is_recorded() {
@@ -117,8 +133,11 @@ fn more_outputs(text: String) -> String {
     let more = "<Int64 name=\"big\" valueReference=\"50\" causality=\"output\" initial=\"exact\" start=\"0\"/>\
         <Binary name=\"bytes\" valueReference=\"51\" causality=\"output\"/></ModelVariables>";
     let structure = "<Output valueReference=\"50\"/><Output valueReference=\"51\"/><ContinuousStateDerivative valueReference=\"4\"";
-    text.replace("</ModelVariables>", more)
-        .replacen("<ContinuousStateDerivative valueReference=\"4\"", structure, 1)
+    text.replace("</ModelVariables>", more).replacen(
+        "<ContinuousStateDerivative valueReference=\"4\"",
+        structure,
+        1,
+    )
 }
 
 #[test]
@@ -145,12 +164,10 @@ fn nothing_that_can_be_recorded_vanishes() {
     let ran = run(&fmu, &options).unwrap();
     let names: Vec<_> = ran.recording.signals.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["triple[1]", "triple[2]", "triple[3]", "big"], "2^53 is a number");
-    assert_eq!(ran.recording.signals.iter().map(|s| s.values[100]).collect::<Vec<_>>(), [
-        4.0,
-        5.0,
-        6.5,
-        9_007_199_254_740_992.0
-    ]);
+    assert_eq!(
+        ran.recording.signals.iter().map(|s| s.values[100]).collect::<Vec<_>>(),
+        [4.0, 5.0, 6.5, 9_007_199_254_740_992.0]
+    );
     assert_eq!(text(&ran, "label")[100], "a, \"b\"");
 
     let message = |name: &str, value: &str| {

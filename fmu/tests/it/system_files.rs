@@ -205,11 +205,7 @@ fn connectors_that_are_not_what_the_fmu_has_are_refused() {
         let element = format!(
             "type=\"application/x-fmu-sharedlibrary\"><ssd:Connectors>{connector}</ssd:Connectors>"
         );
-        changed(
-            folder.path(),
-            &[("type=\"application/x-fmu-sharedlibrary\">", &element)],
-            &[],
-        )
+        changed(folder.path(), &[("type=\"application/x-fmu-sharedlibrary\">", &element)], &[])
     };
     let plain = changed(folder.path(), &[], &[]).unwrap();
     for right in [
@@ -250,7 +246,8 @@ fn connectors_that_are_not_what_the_fmu_has_are_refused() {
     assert_eq!(changed(folder.path(), &[(system, "<ssc:Real unit=\"rpm\"/>")], &[]), Ok(plain));
     // Without the conversion of units an output in rpm is taken for rad/s.
     let rpm = ("startConnector=\"x\" endElement", "startConnector=\"x_rpm\" endElement");
-    let unconverted = ("endConnector=\"u\">", "endConnector=\"u\" suppressUnitConversion=\"true\">");
+    let unconverted =
+        ("endConnector=\"u\">", "endConnector=\"u\" suppressUnitConversion=\"true\">");
     let converted = changed(folder.path(), &[rpm], &[]).unwrap();
     let taken = changed(folder.path(), &[rpm, unconverted], &[]).unwrap();
     assert!((converted - plain).abs() < 1e-9 * plain, "{converted} {plain}");

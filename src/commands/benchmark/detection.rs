@@ -14,8 +14,8 @@ use serde::Serialize;
 use crate::commands::Run;
 use crate::commands::study::Reading;
 use crate::failure::{Ending, Failure, told};
-use crate::report::words::{fault, number, percent, torque};
 use crate::next::Next;
+use crate::report::words::{fault, number, percent, torque};
 use crate::session::Session;
 use crate::{drive_source, fmu_file, interrupt};
 

@@ -81,7 +81,9 @@ impl Diagnose {
                     Event::Declared(method) => {
                         (format!("{}: declared at {} s", method.label(), rounded(time)), false)
                     }
-                    Event::Named(fault) => (format!("at {} s: {}", rounded(time), fault.text()), true),
+                    Event::Named(fault) => {
+                        (format!("at {} s: {}", rounded(time), fault.text()), true)
+                    }
                 };
                 if of_asked && !session.prints_json() {
                     match output::print(&format!("{said}\n")) {

@@ -18,8 +18,8 @@ use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, told};
 use crate::interrupt;
-use crate::output;
 use crate::next::Next;
+use crate::output;
 use crate::session::Session;
 
 use answer::Answer;

@@ -14,8 +14,8 @@ use super::Run;
 use crate::drive_source;
 use crate::evidence::{EvidenceOptions, Gathered};
 use crate::failure::{Ending, told};
-use crate::output;
 use crate::next::Next;
+use crate::output;
 use crate::session::Session;
 use answer::{Answer, Judged};
 

@@ -10,8 +10,8 @@ use serde::Serialize;
 use crate::commands::Run;
 use crate::commands::recording_options::RecordingOptions;
 use crate::failure::{Ending, told};
-use crate::output;
 use crate::next::Next;
+use crate::output;
 use crate::session::Session;
 
 /// Run an FMU and write a recording of its inputs and outputs.
@@ -108,9 +108,9 @@ impl Run for RunFmu {
         };
         let Ran { recording, texts, ended, left_out, messages } =
             run(&fmu, &options).map_err(told)?;
-        for message in messages.iter().filter(|message| self.log || !message.status.is_good()
-            || message.status == Status::Warning)
-        {
+        for message in messages.iter().filter(|message| {
+            self.log || !message.status.is_good() || message.status == Status::Warning
+        }) {
             session.remark(format_args!("{}: {}", fmu.name(), message.text));
         }
         if !left_out.is_empty() {

@@ -67,8 +67,14 @@ impl Session {
         json: &impl Serialize,
         next: &Next,
     ) -> Result<(), Failure> {
-        self.answer(text, json)?;
-        self.remark(next);
+        match self.printed(text, json) {
+            // Who has gone away types nothing next.
+            Err(Failure::Unread) => {}
+            done => {
+                done?;
+                self.remark(next);
+            }
+        }
         Ok(())
     }
 

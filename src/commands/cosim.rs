@@ -62,6 +62,13 @@ impl Run for Cosim {
         let document = open(&self.system).map_err(told)?;
         session.check_writable(&[&self.output])?;
         let mut system = document.build(&recording).map_err(told)?;
+        let left_out = system.left_out();
+        if !left_out.is_empty() {
+            session.remark(format_args!(
+                "neither connected nor recorded, for they are no scalar numbers: {}",
+                left_out.join(", ")
+            ));
+        }
         let outcome = system.run().map_err(told)?;
         output::write_recording(&self.output, &outcome.recording)?;
         let recording = &outcome.recording;

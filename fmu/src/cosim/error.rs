@@ -43,6 +43,16 @@ pub enum Error {
         /// The most similar name there is.
         near: Option<String>,
     },
+    /// An input or output that is no scalar number.
+    #[error("`{component}.{port}` is {what}: only scalar numbers are connected and recorded")]
+    NotScalar {
+        /// The component.
+        component: String,
+        /// The port.
+        port: String,
+        /// What it is.
+        what: String,
+    },
     /// Not `component.port`.
     #[error("`{path}` is no port; write `component.port`")]
     NoPath {

@@ -55,6 +55,7 @@ impl Component for FmuComponent {
         Ports {
             inputs: ports(Causality::Input),
             outputs: ports(Causality::Output),
+            others: others(description),
             feedthrough: description
                 .scalars(Causality::Output)
                 .map(|output| feedthrough(description, output))
@@ -138,6 +139,18 @@ fn port(description: &Description, variable: &Variable) -> Port {
     };
     let unit = variable.unit.as_ref().map(|name| description.unit_of_name(name));
     Port { name: variable.name.clone(), kind, unit }
+}
+
+/// Inputs and outputs that are no scalar numbers.
+fn others(description: &Description) -> Vec<(String, String)> {
+    let of = |v: &&Variable| matches!(v.causality, Causality::Input | Causality::Output);
+    let scalar = |v: &&Variable| v.kind.is_numeric() && v.dimensions.is_empty();
+    let what = |v: &Variable| match v.dimensions.is_empty() {
+        true => format!("of type {}", v.kind.name()),
+        false => format!("an array of {} elements", description.elements(v)),
+    };
+    let others = description.variables.iter().filter(of).filter(|v| !scalar(v));
+    others.map(|v| (v.name.clone(), what(v))).collect()
 }
 
 /// Which inputs, by their position among the inputs, act on an output at once.

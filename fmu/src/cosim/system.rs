@@ -239,6 +239,15 @@ impl<'a> System<'a> {
         }
     }
 
+    /// Inputs and outputs that are no scalar numbers, written `component.port`, each with what it is.
+    pub fn left_out(&self) -> Vec<String> {
+        let of = |member: &Member| {
+            let name = |(port, what): &(String, String)| format!("{}.{port} ({what})", member.name);
+            member.ports.others.iter().map(name).collect::<Vec<_>>()
+        };
+        self.members.iter().flat_map(of).collect()
+    }
+
     fn record_once(&mut self, new: Recorded) {
         let key = |r: &Recorded| (r.component, r.port, r.signal.is_some());
         if !self.recorded.iter().any(|recorded| key(recorded) == key(&new)) {
@@ -292,6 +301,11 @@ impl<'a> System<'a> {
         })?;
         let ports = of(&self.members[component].ports);
         let at = ports.iter().position(|other| other.name == port);
+        let others = &self.members[component].ports.others;
+        if let (None, Some((_, what))) = (at, others.iter().find(|(name, _)| *name == port)) {
+            let component = self.members[component].name.clone();
+            return Err(Error::NotScalar { component, port, what: what.clone() });
+        }
         let at = at.ok_or_else(|| Error::NoPort {
             component: self.members[component].name.clone(),
             what,

@@ -20,6 +20,7 @@ use crate::failure::{Ending, told};
 use crate::next::Next;
 use crate::read_evidence::{ReadEvidence, given_noise, read_evidence};
 use crate::report::compare::{self as page, compare_html};
+use crate::report::words::{p_value, significant};
 use crate::session::Session;
 use crate::{drive_source, output};
 
@@ -184,12 +185,12 @@ fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
             let input = if output.input_correlation.correlated { ", knows the input" } else { "" };
             let _ = writeln!(
                 text,
-                "  {:<6} fit {:>9}, one step ahead {:>9}; rms {:.4e} {}, error {:.3}; residual \
+                "  {:<6} fit {:>9}, one step ahead {:>9}; rms {} {}, error {:.3}; residual \
                  {white}{input}",
                 output.name,
                 fit(output.fit_percent),
                 fit(output.one_step_percent),
-                output.rms,
+                significant(output.rms, 5),
                 output.unit,
                 output.error
             );
@@ -202,10 +203,10 @@ fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
             let period = it.period.map_or(String::new(), |it| format!(", period {it:.4} {unit}"));
             let _ = writeln!(
                 text,
-                "  {:<14} {:>8.1} % {:>10.1e}  {}{period}",
+                "  {:<14} {:>8.1} % {:>10}  {}{period}",
                 it.variable,
                 100.0 * it.share,
-                it.p_value,
+                p_value(it.p_value),
                 it.words
             );
         }

@@ -15,6 +15,7 @@ use crate::failure::{Ending, told};
 use crate::first_drive::{FirstDrive, Given, Origin, Value, offer};
 use crate::next::Next;
 use crate::output;
+use crate::report::words::{number, significant};
 use crate::session::Session;
 use crate::simulation::replay::Fit;
 
@@ -140,12 +141,13 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
     let mut text = format!("{}: {}\n", answer.output.display(), first.choice.sentence);
     for Value { name, value, unit, std_error, origin } in &first.values {
         let known = match (origin, std_error) {
-            (Origin::Estimated(_), Some(error)) => format!("+- {error:.1e}"),
+            (Origin::Estimated(_), Some(error)) => format!("+- {}", significant(*error, 2)),
             (Origin::Estimated(_), None) => "at its bound".to_owned(),
             (Origin::Given(_), _) => "given".to_owned(),
             (Origin::Guessed(_), _) => "FILL IN".to_owned(),
         };
-        let row = format!("  {name:<18} {value:<12.4e} {known:<12} {unit}");
+        let value = significant(*value, 5);
+        let row = format!("  {name:<18} {value:<12} {known:<12} {unit}");
         let _ = writeln!(text, "{}", row.trim_end());
     }
     for (name, todo) in first.guesses() {
@@ -157,7 +159,7 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
     };
     for Fit { signal, percent, rms, unit } in answer.fit {
         let percent = percent.map_or("constant".to_owned(), |it| format!("{it:.1} %"));
-        let _ = writeln!(text, "  {signal:<8} fit {percent}, rms {rms:.3e} {unit}, {how}");
+        let _ = writeln!(text, "  {signal:<8} fit {percent}, rms {} {unit}, {how}", number(*rms));
     }
     let Balances { torque, voltage } = answer.unexplained;
     for (name, left) in [("torque", torque), ("voltage", voltage)] {

@@ -9,6 +9,7 @@ use drivescope_plant::drive::Drive;
 
 use crate::commands::RecordingOptions;
 use crate::failure::told;
+use crate::next::Next;
 use crate::read_evidence::{KnownNoise, ReadEvidence, given_noise, read_evidence};
 use crate::session::Session;
 
@@ -51,6 +52,11 @@ pub(crate) struct Gathered {
 }
 
 impl EvidenceOptions {
+    /// The command on the same recordings.
+    pub(crate) fn on(&self, next: Next) -> Next {
+        next.files(&self.recordings).options(&self.reading.typed())
+    }
+
     /// Reads and splits the recordings for that purpose; says what was assumed and what is doubtful.
     ///
     /// # Errors

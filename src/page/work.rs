@@ -247,7 +247,7 @@ pub(super) fn judge(
     let parameters = parameters.collect();
     let command = format!("drivescope compare {} {}", file_of(number), basis.files);
     let step = Fresh { parent: Some(number), label, command, text };
-    let drawn = Drawn { drive, parameters, not_identifiable: Vec::new() };
+    let drawn = Drawn { drive, parameters, not_identifiable: Vec::new(), fitted: false };
     finish(step, drawn, setting, &basis, progress)
 }
 

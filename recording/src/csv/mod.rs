@@ -19,7 +19,7 @@ mod whole;
 mod write;
 
 pub use stream::{CsvStream, Row};
-pub(crate) use write::write;
+pub(crate) use write::{write, write_with_texts};
 
 use std::io::Read;
 

@@ -18,6 +18,7 @@ use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, told};
 use crate::interrupt;
+use crate::next::Next;
 use crate::output;
 use crate::session::Session;
 
@@ -107,7 +108,14 @@ impl Search<'_> {
         let output = self.output.cloned();
         let answer =
             Answer::new(self.base, output, &gathered, &found, self.named_are, session.seed);
-        session.answer(&answer.text(), &answer)?;
+        let next = match self.output {
+            Some(output) => self.evidence.on(Next::new("compare").files([output])),
+            None => {
+                let again = Next::new("discover").with(self.given);
+                self.evidence.on(again).options(" -o found.toml --out found.html")
+            }
+        };
+        session.say(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

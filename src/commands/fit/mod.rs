@@ -14,6 +14,7 @@ use super::Run;
 use crate::drive_source;
 use crate::evidence::{EvidenceOptions, Gathered};
 use crate::failure::{Ending, told};
+use crate::next::Next;
 use crate::output;
 use crate::session::Session;
 use answer::{Answer, Judged};
@@ -63,7 +64,8 @@ impl Run for Fit {
             (before, after),
             session.seed,
         );
-        session.answer(&answer.text(), &answer)?;
+        let next = self.evidence.on(Next::new("compare").files([&self.output]));
+        session.wrote(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

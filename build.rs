@@ -6,6 +6,7 @@
 
 use std::env;
 use std::ffi::OsString;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, exit};
 
@@ -46,16 +47,26 @@ fn main() {
         println!("cargo::rerun-if-changed={source}");
     }
     let target = variable("TARGET").to_string_lossy().into_owned();
-    let folder = PathBuf::from(variable("OUT_DIR")).join("nested");
+    let own = PathBuf::from(variable("OUT_DIR"));
+    let folder = shared(&own).join("nested");
     build(&root, &target, &folder);
-    let library = folder.join(&target).join("release").join(file_name());
-    if !library.is_file() {
+    let built = folder.join(&target).join("release").join(file_name());
+    // A copy of its own: another checkout may build into the same folder later.
+    let library = own.join(file_name());
+    if let Err(error) = fs::copy(&built, &library) {
         fail(&format!(
-            "cargo built {PACKAGE} for {target}, but {} is not there: does this target have shared libraries?",
-            library.display()
+            "cargo built {PACKAGE} for {target}, but {} cannot be copied: {error}; does this target have shared libraries?",
+            built.display()
         ));
     }
     println!("cargo::rustc-env=DRIVESCOPE_FMU_LIBRARY={}", library.display());
+}
+
+/// The folder that checks, tests and releases share (`target` of `target/PROFILE/build/NAME/out`):
+/// the library is the same for all of them, and is built once.
+fn shared(own: &Path) -> &Path {
+    let in_build = own.ancestors().nth(2).is_some_and(|it| it.ends_with("build"));
+    own.ancestors().nth(4).filter(|_| in_build).unwrap_or(own)
 }
 
 /// Builds the library for that target into that folder.

@@ -28,7 +28,8 @@ pub(crate) struct Common {
     /// one for benchmarks.
     #[arg(long, global = true, value_name = "N")]
     pub(crate) seed: Option<u64>,
-    /// Say nothing but the answer and errors: no progress, no remarks.
+    /// Say nothing but the answer and errors: no progress, no remarks; nothing at all where the
+    /// result is in the file that was asked for.
     #[arg(long, global = true)]
     pub(crate) quiet: bool,
 }

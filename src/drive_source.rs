@@ -1,5 +1,6 @@
 //! Where a drive comes from: a drive file, or the name of a built-in drive.
 
+use std::io::Read;
 use std::path::Path;
 
 use drivescope_plant::drive::Drive;
@@ -8,7 +9,7 @@ use drivescope_scenarios::drives::BUILT_IN;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, visible};
 
 /// A drive file that is wrong, with the text around the place.
 #[derive(Debug, Error, Diagnostic)]
@@ -44,8 +45,19 @@ pub(crate) fn text(given: &str) -> miette::Result<String> {
         let known = BUILT_IN.map(|(name, _)| name).join(", ");
         return Err(Failure::UnknownDrive { name: given.to_owned(), known }.into());
     }
-    let read = std::fs::read_to_string(path);
-    Ok(read.map_err(|source| Failure::Read { path: path.to_owned(), source })?)
+    Ok(read(path).map_err(|source| Failure::Read { path: path.to_owned(), source })?)
+}
+
+/// A text that is no longer than any drive file: what is longer is something else.
+fn read(path: &Path) -> std::io::Result<String> {
+    const LONGEST: u64 = 10_000_000;
+    let mut text = String::new();
+    let length = std::fs::File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)?;
+    if length as u64 > LONGEST {
+        let said = format!("it is longer than {LONGEST} bytes, so that it is no drive file");
+        return Err(std::io::Error::other(said));
+    }
+    Ok(text)
 }
 
 fn looks_like_a_file(path: &Path) -> bool {
@@ -54,7 +66,7 @@ fn looks_like_a_file(path: &Path) -> bool {
 
 fn parse(text: &str, name: &str) -> miette::Result<Drive> {
     Drive::parse(text, name).map_err(|error| {
-        let span = error.place().map(|place| SourceSpan::from(place.span.clone()));
+        let span = error.place().and_then(|place| visible(text, place.span.clone()));
         let text = NamedSource::new(name, text.to_owned()).with_language("toml");
         WrongDriveFile { error, text, span }.into()
     })

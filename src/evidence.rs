@@ -4,11 +4,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Evidence, Measured, NoiseSource};
+use drivescope_discovery::{Evidence, Measured, NoiseSource, Purpose};
 use drivescope_plant::drive::Drive;
 
 use crate::commands::RecordingOptions;
 use crate::failure::told;
+use crate::next::Next;
 use crate::read_evidence::{KnownNoise, ReadEvidence, given_noise, read_evidence};
 use crate::session::Session;
 
@@ -51,13 +52,22 @@ pub(crate) struct Gathered {
 }
 
 impl EvidenceOptions {
-    /// Reads and splits the recordings; says what was assumed and what is doubtful.
+    /// The command on the same recordings.
+    pub(crate) fn on(&self, next: Next) -> Next {
+        next.files(&self.recordings).options(&self.reading.typed())
+    }
+
+    /// Reads and splits the recordings for that purpose; says what was assumed and what is doubtful.
     ///
     /// # Errors
     /// A recording that cannot be read or used with that drive.
-    pub(crate) fn gather(&self, drive: &Drive, session: &Session) -> miette::Result<Gathered> {
-        let given = given_noise(drive, self.noise.as_deref())?;
-        let read = |files: &[PathBuf]| read_evidence(drive, files, &given, &self.reading, session);
+    pub(crate) fn gather(
+        &self,
+        of: (&Drive, Purpose),
+        session: &Session,
+    ) -> miette::Result<Gathered> {
+        let given = given_noise(of.0, self.noise.as_deref())?;
+        let read = |files: &[PathBuf]| read_evidence(of, files, &given, &self.reading, session);
         let (first, second) = (read(&self.recordings)?, read(&self.validate)?);
         let said = first.doubts.len() + second.doubts.len();
         let gathered = Gathered::of(first, second)?;
@@ -91,6 +101,22 @@ impl Gathered {
             split,
             doubts: first.doubts.into_iter().chain(second.doubts).chain(unequal).collect(),
         })
+    }
+
+    /// What was assumed of the recordings, and what of them is not used, a sentence each.
+    pub(crate) fn remarks(&self) -> Vec<String> {
+        let mut all: Vec<String> = Vec::new();
+        for measured in self.estimation.recordings.iter().chain(&self.validation.recordings) {
+            let driven = measured.driving.remark().map(str::to_owned);
+            for remark in driven.iter().chain(&measured.remarks) {
+                let said = format!("{}: {remark}", measured.name);
+                // The parts of one recording say the same.
+                if !all.contains(&said) {
+                    all.push(said);
+                }
+            }
+        }
+        all
     }
 
     /// Names of the files that are fitted to.

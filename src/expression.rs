@@ -6,6 +6,8 @@ use drivescope_recording::{Quantity, Unit};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
+use crate::failure::visible;
+
 /// A typed signal.
 #[derive(Debug, Clone)]
 pub(crate) struct SignalOverTime {
@@ -26,7 +28,7 @@ enum Wrong {
         #[source_code]
         text: NamedSource<String>,
         #[label("here")]
-        at: SourceSpan,
+        at: Option<SourceSpan>,
     },
     #[error("{option}: `{unit}` is no unit of it; leave it out for {si}")]
     Unit { option: &'static str, unit: String, si: &'static str },
@@ -58,7 +60,7 @@ impl SignalOverTime {
         };
         let expression = Expression::parse(law).map_err(|error| Wrong::Law {
             option,
-            at: SourceSpan::from(error.at().min(law.len())),
+            at: visible(text, error.at()..error.at()),
             text: NamedSource::new(option, text.to_owned()),
             error,
         })?;

@@ -20,6 +20,8 @@ pub(crate) enum Ending {
     BadInput,
     /// The user stopped it.
     Stopped,
+    /// The program itself is wrong.
+    Internal,
 }
 
 impl Ending {
@@ -31,6 +33,8 @@ impl Ending {
             Self::BadInput => 2,
             // As a shell counts a process ended by SIGINT.
             Self::Stopped => 130,
+            // EX_SOFTWARE of sysexits.h.
+            Self::Internal => 70,
         }
     }
 }
@@ -125,6 +129,16 @@ pub(crate) fn told(error: impl std::error::Error) -> Report {
         cause = inner.source();
     }
     Report::msg(text)
+}
+
+/// The place of an error in a text where a person could see it there: not in a line longer than any
+/// screen (and the renderer cannot pad beyond 65,535 columns).
+pub(crate) fn visible(text: &str, place: std::ops::Range<usize>) -> Option<miette::SourceSpan> {
+    const LONGEST_LINE: usize = 1000;
+    let (start, end) = (place.start.min(text.len()), place.end.min(text.len()));
+    let before = text.as_bytes()[..start].iter().rev().take_while(|byte| **byte != b'\n').count();
+    let after = text.as_bytes()[end..].iter().take_while(|byte| **byte != b'\n').count();
+    (before + (end - start) + after <= LONGEST_LINE).then(|| (start..end).into())
 }
 
 /// Makes errors look the same on every terminal: no line is broken inside a path.

@@ -1,5 +1,6 @@
 //! A drive as an `.fmu` file: description, embedded library, drive file.
 
+use std::io::Write;
 use std::path::Path;
 
 use drivescope_fmu::archive::{Archive, Platform};
@@ -9,7 +10,7 @@ use drivescope_fmu_blocks::{DRIVE_FILE, DriveModel, OPEN_LOOP_FILE};
 use drivescope_plant::drive::Drive;
 
 use crate::failure::{Failure, told};
-use crate::interrupt;
+use crate::output;
 
 /// The shared library of this platform, built with the program (see `build.rs`).
 const LIBRARY: &[u8] = include_bytes!(env!("DRIVESCOPE_FMU_LIBRARY"));
@@ -46,7 +47,7 @@ pub(crate) fn write(
         resources,
         documentation: Vec::new(),
     };
-    let _not_now = interrupt::writing();
-    archive.write(version, path).map_err(told)?;
+    let bytes = archive.to_bytes(version).map_err(told)?;
+    output::write_file(path, |out| out.write_all(&bytes))?;
     Ok(description)
 }

@@ -3,8 +3,9 @@
 //! Loops ask [`check`] and end the ordinary way, so that temporary files and folders go. Who does
 //! not ask in time is ended here, but never while a file is being put in place.
 
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{RwLock, RwLockReadGuard};
+use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard};
 use std::time::Duration;
 
 use crate::failure::Ending;
@@ -12,6 +13,10 @@ use crate::failure::Ending;
 static ASKED: AtomicBool = AtomicBool::new(false);
 /// Held for reading while a file is written under its temporary name and renamed.
 static WRITING: RwLock<()> = RwLock::new(());
+/// Files and folders of the run that are no result, in the order in which they were made.
+static LEFTOVERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// How names of temporary folders begin.
+pub(crate) const OWN: &str = ".drivescope-";
 /// How long a loop may take to notice, and its temporary files to be removed.
 const GRACE: Duration = Duration::from_millis(500);
 
@@ -27,10 +32,48 @@ pub(crate) fn install() {
         std::thread::sleep(GRACE);
         // A poisoned lock means that a write ended in a panic: it is over.
         let _written = WRITING.write();
+        leave_nothing();
         std::process::exit(Ending::Stopped.code().into());
     };
     // Without a handler (none can be set) the system's own way of ending applies.
     let _ = ctrlc::set_handler(stop);
+}
+
+/// Removes what a run that was not ended the ordinary way would leave.
+fn leave_nothing() {
+    drivescope_fmu::import::remove_unpacked();
+    let mut leftovers = LEFTOVERS.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in leftovers.drain(..).rev() {
+        // Nobody is left to be told of what stays; a folder with other files in it does.
+        let _ =
+            std::fs::remove_file(&path).or_else(|_| match path.file_name().is_some_and(is_own) {
+                true => std::fs::remove_dir_all(&path),
+                false => std::fs::remove_dir(&path),
+            });
+    }
+}
+
+/// Whether a name is that of a temporary folder of this program.
+fn is_own(name: &std::ffi::OsStr) -> bool {
+    name.to_string_lossy().starts_with(OWN)
+}
+
+/// A path that is to vanish if the run is ended from outside.
+#[derive(Debug)]
+pub(crate) struct Leftover(PathBuf);
+
+impl Leftover {
+    /// Watches that path from now on.
+    pub(crate) fn new(path: &Path) -> Self {
+        LEFTOVERS.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Leftover {
+    fn drop(&mut self) {
+        LEFTOVERS.lock().unwrap_or_else(PoisonError::into_inner).retain(|path| *path != self.0);
+    }
 }
 
 /// Ends the run if the user wants that.

@@ -3,7 +3,7 @@
 //! [`run`] reads the command line (`cli`), makes the `Session` that every command
 //! gets, and runs one of `commands`. A command computes with the other crates, prints its
 //! answer, and returns a finding or an error; here it becomes the exit code: 0 done, 1 a finding
-//! that `--check` forbids, 2 bad input, 130 stopped by the user.
+//! that `--check` forbids, 2 bad input, 70 an error of the program itself, 130 stopped by the user.
 
 mod benchmark;
 mod cli;
@@ -16,11 +16,13 @@ mod failure;
 mod first_drive;
 mod fmu_file;
 mod interrupt;
+mod next;
 mod output;
 mod page;
 mod panics;
 mod read_evidence;
 pub mod report;
+mod run_folder;
 mod session;
 mod simulation;
 pub mod tables;
@@ -49,11 +51,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let session = Session::new(&cli.common);
-    let ended = catch_unwind(AssertUnwindSafe(|| cli.command.run(&session)));
-    match ended {
-        Ok(Ok(finding)) => finding.into(),
-        Ok(Err(report)) => failure::report(&report).into(),
-        // The hook has said what there is to say.
-        Err(_) => Ending::BadInput.into(),
-    }
+    let run = || cli.command.run(&session).unwrap_or_else(|report| failure::report(&report));
+    // The hook has said what there is to say of a panic.
+    catch_unwind(AssertUnwindSafe(run)).unwrap_or(Ending::Internal).into()
 }

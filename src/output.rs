@@ -4,13 +4,13 @@ use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
-use drivescope_recording::Recording;
+use drivescope_recording::{Recording, TextSignal, write_whole};
 use serde::Serialize;
 
 use crate::failure::{Failure, told};
 use crate::interrupt;
 
-/// Writes a file: to a temporary name in the same folder, then renamed.
+/// Writes a file, whole or not at all; a device or a pipe is written through.
 ///
 /// # Errors
 /// [`Failure::Write`] with the path; whatever was there before is untouched.
@@ -19,16 +19,7 @@ pub(crate) fn write_file(
     content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), Failure> {
     let _not_now = interrupt::writing();
-    let written = || -> io::Result<()> {
-        let temporary = beside(path)?;
-        let mut out = BufWriter::new(temporary.as_file());
-        content(&mut out)?;
-        out.flush()?;
-        drop(out);
-        temporary.persist(path)?;
-        Ok(())
-    };
-    written().map_err(|source| Failure::Write { path: path.to_owned(), source })
+    write_whole(path, content).map_err(|source| Failure::Write { path: path.to_owned(), source })
 }
 
 /// Writes a recording; its extension tells the format.
@@ -40,30 +31,38 @@ pub(crate) fn write_recording(path: &Path, recording: &Recording) -> miette::Res
     drivescope_recording::write(path, recording).map_err(told)
 }
 
+/// Writes a recording as CSV with columns of text behind it.
+///
+/// # Errors
+/// The path, where it cannot be written or is no `.csv`.
+pub(crate) fn write_with_texts(
+    path: &Path,
+    recording: &Recording,
+    texts: &[TextSignal],
+) -> miette::Result<()> {
+    if texts.is_empty() {
+        return write_recording(path, recording);
+    }
+    if path.extension().is_some_and(|extension| !extension.eq_ignore_ascii_case("csv")) {
+        let names: Vec<&str> = texts.iter().map(|signal| signal.name.as_str()).collect();
+        return Err(Failure::Usage {
+            what: format!("{}: {} can stand in a CSV file only", path.display(), names.join(", ")),
+            instead: "name the recording .csv, or choose numbers with --record".to_owned(),
+        }
+        .into());
+    }
+    let _not_now = interrupt::writing();
+    drivescope_recording::write_csv_with_texts(path, recording, texts).map_err(told)
+}
+
 /// Finds out whether a file can be written there, before the work that fills it.
 ///
 /// # Errors
 /// [`Failure::Write`] with the path.
 pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
     let _not_now = interrupt::writing();
-    beside(path).map(drop).map_err(|source| Failure::Write { path: path.to_owned(), source })
-}
-
-fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
-    if path.is_dir() {
-        return Err(ErrorKind::IsADirectory.into());
-    }
-    let folder = path.parent().filter(|folder| *folder != Path::new(""));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".drivescope-").suffix(".tmp");
-    // Readable as any new file is, not by the owner alone as a temporary one.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // The folder is meant, not the temporary name that the error carries.
-    builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => io::Error::new(error.kind(), "its folder does not exist"),
-        kind => kind.into(),
-    })
+    drivescope_recording::check_writable(path)
+        .map_err(|source| Failure::Write { path: path.to_owned(), source })
 }
 
 /// The value as JSON text, ending in a line end; numbers that are not finite become `null`.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use drivescope_discovery::{Evidence, Measured, NoiseSource, doubts, noise};
+use drivescope_discovery::{Evidence, Measured, NoiseSource, Purpose, doubts, noise};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::units::name_for_motion;
 use drivescope_recording::Recording;
@@ -36,12 +36,12 @@ pub(crate) struct ReadEvidence {
     pub(crate) doubts: Vec<String>,
 }
 
-/// Reads whole recordings; says what was assumed and what is doubtful.
+/// Reads whole recordings for that purpose; says what was assumed and what is doubtful.
 ///
 /// # Errors
 /// A recording that cannot be read or used with that drive.
 pub(crate) fn read_evidence(
-    drive: &Drive,
+    (drive, purpose): (&Drive, Purpose),
     files: &[PathBuf],
     given: &[(String, f64)],
     reading: &RecordingOptions,
@@ -51,13 +51,13 @@ pub(crate) fn read_evidence(
     for (file, name) in files.iter().zip(short_names(files)) {
         recordings.push((name, reading.read_for_model(file, session)?.0));
     }
-    let read = evidence_of(drive, &recordings, given)?;
+    let read = evidence_of((drive, purpose), &recordings, given)?;
     for measured in &read.evidence.recordings {
         if let Some(remark) = measured.driving.remark() {
             session.remark(format_args!("{}: {remark}", measured.name));
         }
-        for why in &measured.set_aside {
-            session.remark(format_args!("{}: {why}", measured.name));
+        for remark in &measured.remarks {
+            session.remark(format_args!("{}: {remark}", measured.name));
         }
     }
     read.doubts.iter().for_each(|doubt| session.remark(doubt));
@@ -69,14 +69,15 @@ pub(crate) fn read_evidence(
 /// # Errors
 /// A recording that cannot be used with that drive.
 pub(crate) fn evidence_of(
-    drive: &Drive,
+    (drive, purpose): (&Drive, Purpose),
     recordings: &[(String, Recording)],
     given: &[(String, f64)],
 ) -> miette::Result<ReadEvidence> {
     let mut read = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
     for (name, recording) in recordings {
         let name = name.clone();
-        let measured = Measured { name, ..Measured::new(drive, recording).map_err(told)? };
+        let measured = Measured::of(drive, recording, purpose).map_err(told)?;
+        let measured = Measured { name, ..measured };
         read.doubts.extend(doubts(drive, &measured).map_err(told)?.iter().map(ToString::to_string));
         let found = noise(drive, &measured, given);
         let known = measured.outputs.iter().zip(&found).map(|(channel, noise)| KnownNoise {

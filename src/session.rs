@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use crate::cli::Common;
 use crate::failure::Failure;
+use crate::next::Next;
 use crate::output;
 
 /// The common options of a run.
@@ -56,11 +57,54 @@ impl Session {
         targets.iter().copied().chain(json).try_for_each(|path| output::check_writable(path))
     }
 
-    /// Gives the answer: the text for a person, and its JSON form where it was asked for.
+    /// Gives the answer and names the command to type next.
+    ///
+    /// # Errors
+    /// The file or standard output cannot be written.
+    pub(crate) fn say(
+        &self,
+        text: &str,
+        json: &impl Serialize,
+        next: &Next,
+    ) -> Result<(), Failure> {
+        match self.printed(text, json) {
+            // Who has gone away types nothing next.
+            Err(Failure::Unread) => {}
+            done => {
+                done?;
+                self.remark(next);
+            }
+        }
+        Ok(())
+    }
+
+    /// The same where the result is in a file that was asked for: the text tells of it only, and
+    /// `--quiet` leaves it out.
+    ///
+    /// # Errors
+    /// As [`Session::say`].
+    pub(crate) fn wrote(
+        &self,
+        text: &str,
+        json: &impl Serialize,
+        next: &Next,
+    ) -> Result<(), Failure> {
+        self.say(if self.quiet { "" } else { text }, json, next)
+    }
+
+    /// Gives the answer: the text for a person, and its JSON form where it was asked for. Whether
+    /// anybody reads standard output changes nothing.
     ///
     /// # Errors
     /// The file or standard output cannot be written.
     pub(crate) fn answer(&self, text: &str, json: &impl Serialize) -> Result<(), Failure> {
+        match self.printed(text, json) {
+            Err(Failure::Unread) => Ok(()),
+            done => done,
+        }
+    }
+
+    fn printed(&self, text: &str, json: &impl Serialize) -> Result<(), Failure> {
         self.keep();
         match &self.json {
             Some(path) if path.as_os_str() == "-" => return output::print(&output::json(json)?),

@@ -26,6 +26,8 @@ INPUTS = {
     "two.csv": ("9 * sin(1.7 * t) + 6 * sign(sin(9 * t))", 4),
 }
 HIDDEN = "cogging"
+# Length of a simulated recording, s.
+DURATION = 5
 FLOOR = 1.0
 NEAR_THE_FLOOR = 1.1
 # A recording of 1e5 samples: how long it may take to see it, and the memory of a server that has
@@ -78,7 +80,7 @@ class Server:
         self.process.wait(timeout=10)
 
 
-def simulate(program, folder, name, drive, text, seed, duration=5):
+def simulate(program, folder, name, drive, text, seed, duration=DURATION):
     command = [program, "simulate", drive, "--input", text, "--period", "0.001", "--quiet"]
     command += ["--duration", str(duration), "--seed", str(seed), "-o", name]
     subprocess.run(command, cwd=folder, check=True, capture_output=True)
@@ -150,6 +152,7 @@ def walk(page, server, check, folder, pictures):
     page.locator("#within section").wait_for()
     check.that(page.locator(".card").count() > 0, "the state is lost on reload")
     page.locator("#zoom-out").click()
+    dragged(page, check)
     # A law of one's own, wrong and right.
     page.get_by_text("A law of your own").click()
     page.locator("#law [name=text]").fill("-c * omega * abs(speed)")
@@ -180,6 +183,30 @@ def walk(page, server, check, folder, pictures):
     text = save(page, "Drive file", folder).read_text()
     check.that(HIDDEN in text, "the drive file does not have the effect")
     return save(page, "Report", folder)
+
+
+def dragged(page, check):
+    """A window dragged with the mouse is the window that is shown, in every plot."""
+    plots = page.locator(".uplot .u-over")
+    check.that(plots.count() > 1, "there is one plot only")
+    for number in range(plots.count()):
+        plot = plots.nth(number)
+        plot.scroll_into_view_if_needed()
+        box = plot.bounding_box()
+        middle = box["y"] + box["height"] / 2
+        page.mouse.move(box["x"] + 0.2 * box["width"], middle)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.5 * box["width"], middle, steps=5)
+        page.mouse.move(box["x"] + 0.7 * box["width"], middle, steps=5)
+        page.mouse.up()
+        page.wait_for_function("location.hash.includes('from=')")
+        window = re.search(r"from=([-\d.e]+)&to=([-\d.e]+)", page.url)
+        begin, end = float(window[1]), float(window[2])
+        # A run of 5 s: half of it, from a fifth on.
+        right = abs(begin - 0.2 * DURATION) < 0.1 and abs(end - 0.7 * DURATION) < 0.1
+        check.that(right, f"plot {number}: {begin} to {end} s for 1 to 3.5 s that were dragged")
+        page.locator("#zoom-out").click()
+        page.wait_for_function("!location.hash.includes('from=')")
 
 
 def keyboard(page, check):

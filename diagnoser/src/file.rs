@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use drivescope_recording::write_whole;
 use serde::Deserialize;
-use tempfile::NamedTempFile;
 use thiserror::Error;
 
 use crate::diagnoser::Diagnoser;
@@ -110,28 +110,11 @@ struct Head {
     schema: u32,
 }
 
-/// A file under a temporary name, readable as any new file is, not by the owner alone.
-fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
-}
-
 impl Diagnoser {
-    /// Writes the file under a temporary name in the same folder and renames it.
+    /// Writes the file, whole or not at all.
     pub fn save(&self, path: &Path) -> Result<(), FileError> {
         let text = toml::to_string(self)?;
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let write = || {
-            let mut file = temporary(folder)?;
-            file.write_all(text.as_bytes())?;
-            file.as_file().sync_all()?;
-            file.persist(path).map_err(|error| error.error)
-        };
+        let write = || write_whole(path, |out| out.write_all(text.as_bytes()));
         write().map_err(|source| FileError::Write { path: path.into(), source })?;
         Ok(())
     }

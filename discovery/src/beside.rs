@@ -7,14 +7,14 @@
 //! What a position or a temperature is counted from is unknown, and belongs to the start.
 
 use drivescope_numerics::Regression;
-use drivescope_plant::drive::Drive;
+use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::effects::info::Beside;
 use drivescope_plant::units::{for_motion, name_for_motion};
 use drivescope_recording::{Recording, Signal};
 
 use crate::canonical::{position, speed};
 use crate::driving::usable;
-use crate::measured::{Channel, Measured, Output, channel};
+use crate::measured::{Channel, Measured, Output, Purpose, channel};
 
 /// Motion of the load over the motor's that one shaft may have: a coupling that rings moves the
 /// load somewhat more or less, a gear several times.
@@ -43,23 +43,31 @@ impl From<Beside> for Output {
 
 impl Measured {
     /// Takes what such sensors recorded for outputs, or says why it is set aside.
-    pub(crate) fn with_beside(mut self, drive: &Drive, recording: &Recording) -> Self {
+    pub(crate) fn with_beside(
+        mut self,
+        drive: &Drive,
+        recording: &Recording,
+        purpose: Purpose,
+    ) -> Self {
         let model = drive.model();
+        // A search compares the sensor with a winding that stays as it is, as it compares the
+        // load's with a stiff shaft.
+        let may_heat = purpose == Purpose::Search && drive.motor.input == Input::Voltage;
         for (sensor, (name, unit)) in Beside::ALL.into_iter().zip(NAMES) {
             let name = name_for_motion(drive.motion, name);
             let Some(shown) = usable(recording, name) else { continue };
             let refused = match sensor {
                 Beside::LoadSpeed => unlike(recording, speed(drive).0, shown),
                 Beside::LoadPosition => unlike(recording, position(drive).0, shown),
-                Beside::Temperature if model.has(sensor) => None,
-                Beside::Temperature => Some("the drive has no winding_heating".to_owned()),
+                Beside::Temperature if model.has(sensor) || may_heat => None,
+                Beside::Temperature => Some(cold(drive)),
             };
             let unit = match sensor {
                 Beside::Temperature => unit.to_owned(),
                 _ => for_motion(drive.motion, unit),
             };
             match refused {
-                Some(why) => self.set_aside.push(format!("{name} is not used: {why}")),
+                Some(why) => self.remarks.push(format!("{name} is not used: {why}")),
                 None => self.outputs.push(channel(sensor.into(), (name, unit), shown)),
             }
         }
@@ -77,6 +85,15 @@ impl Measured {
             (Beside::Temperature, _) => f64::NAN,
         }
     }
+}
+
+/// Why the temperature of a drive without that effect is of no use.
+fn cold(drive: &Drive) -> String {
+    match drive.motor.input {
+        Input::Voltage => "the drive has no winding_heating, which `add` brings in",
+        Input::Force => "a drive without a voltage has no winding that heats",
+    }
+    .to_owned()
 }
 
 /// Why the load's motion cannot be compared with that of the motor, of that name.
@@ -99,11 +116,11 @@ fn unlike(recording: &Recording, motor: &str, load: &Signal) -> Option<String> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::rig::Rig;
     use crate::testing::{bench, dr300, gaussian, noisy};
-    use crate::{Direction, Evidence, Observer, Options, Setting, Unwatched, discover, fit};
+    use crate::{Direction, Evidence, Observer, Options, Setting, Unwatched, add, discover, fit};
 
     fn with(extra: &[(&str, &str, Vec<f64>)], effects: &str) -> Measured {
         let mut recording = bench(&dr300(), 1.0, 0.001);
@@ -133,20 +150,21 @@ mod tests {
         ];
         let found = with(&both, "");
         assert_eq!(names(&found), ["i", "omega", "omega_load", "theta_load"]);
-        assert_eq!(found.set_aside, [""; 0]);
+        assert_eq!(found.remarks, [""; 0]);
         assert_eq!(found.of_motor(Beside::LoadPosition, 70), theta[70]);
         let geared = with(&[("theta_load", "rad", scaled(theta, 0.01))], "");
         assert_eq!(names(&geared), ["i", "omega"]);
-        assert!(geared.set_aside[0].contains("0.010 times"), "{:?}", geared.set_aside);
+        assert!(geared.remarks[0].contains("0.010 times"), "{:?}", geared.remarks);
         let still = with(&[("omega_load", "rad/s", vec![0.0; 1000])], "");
-        assert!(still.set_aside[0].contains("0.000 times"), "{:?}", still.set_aside);
+        assert!(still.remarks[0].contains("0.000 times"), "{:?}", still.remarks);
     }
 
     #[test]
     fn a_temperature_needs_a_winding_that_heats() {
         let warm = [("temperature", "K", vec![293.0; 1000])];
         let aside = with(&warm, "");
-        assert!(aside.set_aside[0].contains("winding_heating"), "{:?}", aside.set_aside);
+        assert!(aside.remarks[0].contains("winding_heating"), "{:?}", aside.remarks);
+        assert_eq!(names(&aside), ["i", "omega"]);
         let heating =
             "[[effect]]\nkind = \"winding_heating\"\nalpha = 0.004\nR_th = 5.0\nC_th = 9.0\n";
         assert_eq!(names(&with(&warm, heating)), ["i", "omega", "temperature"]);
@@ -156,7 +174,7 @@ mod tests {
         "[[effect]]\nkind = \"flexible_coupling\"\nk = 0.5\nd = 2e-4\nratio = 0.5\n";
 
     /// A drive with a soft coupling, and its run with the load's position counted from 3 rad.
-    fn coupled() -> (Drive, Recording) {
+    pub(crate) fn coupled() -> (Drive, Recording) {
         let text = format!("{}\n{COUPLING}", include_str!("../../scenarios/drives/dr300.toml"));
         let mut drive = Drive::parse(&text, "d.toml").expect("a right drive file");
         // The file's K_m is not its K_e, to which a fit ties it.
@@ -175,7 +193,7 @@ mod tests {
     }
 
     /// Noise of current, speed and the load's position.
-    const SDS: [f64; 3] = [0.01, 0.3, 3e-4];
+    pub(crate) const SDS: [f64; 3] = [0.01, 0.3, 3e-4];
     /// Standard errors that an estimate may be off.
     const OFF: f64 = 4.0;
 
@@ -229,7 +247,7 @@ mod tests {
         let mut rigid = truth;
         rigid.effects.retain(|it| it.kind != "flexible_coupling");
         let measured = Measured::new(&rigid, &recording).expect("it can be used");
-        // Both begin at rest, as own states do.
+        // Both begin at rest.
         let [estimation, validation] = [0..2000, 0..1300].map(|range| Evidence {
             recordings: vec![measured.part(range).expect("long enough")],
             noise: vec![SDS.to_vec()],
@@ -239,5 +257,48 @@ mod tests {
         let [base, with] = &found.ladder[..] else { panic!("{:?}", found.ladder) };
         assert!(base.error > 100.0, "a twist that the model lacks is plain: {base:?}");
         assert!(with.error < 1.5 && with.validation_error < 1.5, "{with:?}");
+    }
+
+    /// Noise of current, speed and temperature.
+    const WARM_SDS: [f64; 3] = [0.01, 0.3, 0.1];
+    const HEATING: &str =
+        "[[effect]]\nkind = \"winding_heating\"\nalpha = 0.004\nR_th = 12.0\nC_th = 0.4\n";
+
+    /// A drive whose winding heats by tens of kelvin, and its run with the winding's temperature.
+    pub(crate) fn heating(duration_s: f64) -> (Drive, Recording) {
+        let text = format!("{}\n{HEATING}", include_str!("../../scenarios/drives/dr300.toml"));
+        let mut drive = Drive::parse(&text, "d.toml").expect("a right drive file");
+        drive.motor.tie_k = false;
+        let mut recording = bench(&drive, duration_s, 0.001);
+        let (name, unit) = ("temperature".to_owned(), "K".to_owned());
+        recording.signals.push(Signal { name, unit, values: vec![0.0; recording.len()] });
+        let rig = Rig::new(drive.clone(), &recording, &WARM_SDS, 0.0);
+        let shown = rig.case().trajectory();
+        let noise = gaussian(recording.len(), 6);
+        let above = shown[Output::Temperature as usize].iter().zip(noise);
+        let values = above.map(|(t, noise)| 293.0 + t + WARM_SDS[2] * noise).collect();
+        recording.signals.last_mut().expect("it was added").values = values;
+        (drive, noisy(recording, [WARM_SDS[0], WARM_SDS[1]], 12))
+    }
+
+    #[test]
+    fn a_search_takes_the_temperature_of_a_drive_that_lacks_the_heating() {
+        let (truth, recording) = heating(6.0);
+        let mut cold = truth;
+        cold.effects.retain(|it| it.kind != "winding_heating");
+        let measured = Measured::of(&cold, &recording, Purpose::Search).expect("it can be used");
+        assert_eq!(names(&measured), ["i", "omega", "temperature"]);
+        let part = |range| Evidence {
+            recordings: vec![measured.part(range).expect("long enough")],
+            noise: vec![WARM_SDS.to_vec()],
+        };
+        let (estimation, validation) = (part(0..4000), part(4000..6000));
+        let added = add(&cold, "winding_heating", &estimation, &validation, &Unwatched);
+        let [base, with] = &added.expect("it can be run").ladder[..] else { panic!("two steps") };
+        assert!(base.error > 20.0, "the winding warms: {base:?}");
+        // The validation begins warm.
+        assert!(with.error < 1.1 && with.validation_error < 1.1, "{with:?}");
+        let found = discover(&cold, &estimation, &validation, &Unwatched).expect("it can be run");
+        assert_eq!(found.named, ["winding_heating"]);
     }
 }

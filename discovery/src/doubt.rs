@@ -83,8 +83,12 @@ impl fmt::Display for Doubt {
             ),
             Self::Short { recording, duration_s, time_s } => write!(
                 f,
-                "{recording}: {duration_s:.3} s are shorter than the {time_s:.3} s in which the \
-                 speed settles: friction and inertia can hardly be told apart; record for longer"
+                "{recording}: {duration_s:.3} s are {}: friction and inertia can hardly be told apart; record for longer",
+                if time_s.is_finite() {
+                    format!("shorter than the {time_s:.3} s in which the speed settles")
+                } else {
+                    "too short for a speed that nothing brakes".to_owned()
+                }
             ),
             Self::Long { recording, samples, period_s } => write!(
                 f,

@@ -19,7 +19,8 @@ const CURRENTS: [&str; 2] = ["i", "I_m"];
 /// What a controller asks for.
 const COMMAND: &str = "C_m";
 /// What tells the motion, of rotary and linear drives.
-const MOTION: [&str; 5] = ["omega", "theta", "v", "x", "T"];
+const MOTION: [&str; 9] =
+    ["omega", "theta", "v", "x", "T", "omega_load", "theta_load", "v_load", "x_load"];
 
 /// What drives the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -53,6 +53,20 @@ pub enum Error {
         /// The columns there are.
         columns: String,
     },
+    /// The load's motion alone, and a drive in which the motor moves otherwise.
+    #[error(
+        "{file}: has {load} and not the motor's own {motor}, between which the drive has a \
+         coupling: name the motor's by --columns {motor}=COLUMN:UNIT, or use a drive without the \
+         coupling"
+    )]
+    LoadAlone {
+        /// The recording.
+        file: String,
+        /// What was measured.
+        load: &'static str,
+        /// What was not.
+        motor: &'static str,
+    },
     /// Too few samples in a row.
     #[error(
         "{file}: {samples} samples, and no {least} of them in a row with a known u: record for \

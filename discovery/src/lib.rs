@@ -51,7 +51,7 @@ pub use estimate::{
     fit_seen, with_own,
 };
 pub use force::{USUAL_BAND_HZ, relative_force_error};
-pub use measured::{Channel, Measured, Output};
+pub use measured::{Channel, Measured, Output, Purpose};
 pub use noise::{Noise, NoiseSource, noise};
 pub use observer::{Observer, USUAL_HZ, mechanical_time_s};
 pub use sensitivity::{BLOCK, Direction, Rows};

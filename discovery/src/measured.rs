@@ -12,7 +12,7 @@ use std::ops::Range;
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_recording::{Clock, NoiseGain, Recording, Signal};
 
-use crate::canonical::{position, speed, with_canonical_names};
+use crate::canonical::{position, speed, taken_for_motor, with_canonical_names};
 use crate::driving::{Driving, driving, usable};
 use crate::error::Error;
 
@@ -40,6 +40,15 @@ pub enum Output {
 
 /// How many outputs there are.
 pub(crate) const OUTPUTS: usize = 6;
+
+/// What a recording is read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// To fit or to judge the drive as it is.
+    Drive,
+    /// To find what the drive lacks: a sensor of an effect that it may lack counts too.
+    Search,
+}
 
 /// A measured output.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,18 +87,28 @@ pub struct Measured {
     pub pieces: Vec<Range<usize>>,
     /// What interpolation did to white noise before.
     pub noise_gain: NoiseGain,
-    /// What was measured and has no place in the model, a sentence each.
-    pub set_aside: Vec<String>,
+    /// What a person should know of its columns (one that has no place in the model), a sentence
+    /// each.
+    pub remarks: Vec<String>,
 }
 
 impl Measured {
     /// The recording as that drive's.
     ///
     /// # Errors
-    /// [`Error::MissingInput`], [`Error::NoVoltage`], [`Error::WrongInput`], [`Error::NoOutput`]
-    /// or [`Error::TooFewSamples`].
+    /// [`Error::MissingInput`], [`Error::NoVoltage`], [`Error::WrongInput`], [`Error::NoOutput`],
+    /// [`Error::LoadAlone`] or [`Error::TooFewSamples`].
     pub fn new(drive: &Drive, recording: &Recording) -> Result<Self, Error> {
+        Self::of(drive, recording, Purpose::Drive)
+    }
+
+    /// The recording as that drive's, read for that purpose.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(drive: &Drive, recording: &Recording, purpose: Purpose) -> Result<Self, Error> {
         let (driving, _) = driving(drive, recording)?;
+        let by_load = taken_for_motor(drive, recording)?;
         let recording = with_canonical_names(drive, recording.clone());
         let columns = || {
             let all: Vec<String> = recording.signals.iter().map(Signal::header).collect();
@@ -137,9 +156,9 @@ impl Measured {
             angle,
             pieces,
             noise_gain: recording.noise_gain,
-            set_aside: Vec::new(),
+            remarks: by_load.iter().map(|it| it.remark()).collect(),
         };
-        Ok(motor.with_beside(drive, &recording))
+        Ok(motor.with_beside(drive, &recording, purpose))
     }
 
     /// Samples of the recording, those between the pieces included.
@@ -201,7 +220,7 @@ impl Measured {
             angle: self.angle.as_ref().map(take),
             pieces,
             noise_gain: self.noise_gain,
-            set_aside: self.set_aside.clone(),
+            remarks: self.remarks.clone(),
         })
     }
 }

@@ -183,7 +183,7 @@ mod tests {
             angle: None,
             pieces: std::iter::once(0..100).collect(),
             noise_gain: NoiseGain::NONE,
-            set_aside: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 

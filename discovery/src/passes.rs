@@ -184,8 +184,8 @@ pub(crate) fn passes<'a>(
     if passes.is_empty() {
         passes.push(Box::new(Values(Runner::of_values(case))));
     }
-    for some in starts.into_iter().filter(|some| !some.is_empty()) {
-        passes.push(Box::new(Duals::<NARROW>::new(case, some, false)));
+    for some in starts.iter().flat_map(|of_piece| of_piece.chunks(NARROW)) {
+        passes.push(Box::new(Duals::<NARROW>::new(case, some.to_vec(), false)));
     }
     passes
 }

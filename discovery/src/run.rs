@@ -11,7 +11,7 @@ use drivescope_plant::sampled::DelayLine;
 use crate::case::Case;
 use crate::measured::{Measured, OUTPUTS, Output};
 use crate::observer::Gains;
-use crate::start::Start;
+use crate::start::{OWN_STATES, STARTS, Start};
 
 /// A model on its way along a recording.
 pub(crate) struct Runner<'a, R> {
@@ -21,9 +21,8 @@ pub(crate) struct Runner<'a, R> {
     state: State<R, 1>,
     /// What holds u back, where the drive has a delay.
     delay: Option<DelayLine<R, 1>>,
-    /// The beginning of each piece: current, speed and position, and the zeros of the sensors
-    /// beside those of the motor, in the order of [`crate::Output`].
-    starts: Vec<[R; OUTPUTS]>,
+    /// The beginning of each piece, in the order of [`Start::values`].
+    starts: Vec<[R; STARTS]>,
     zeros: [R; OUTPUTS],
     next_piece: usize,
     period: R,
@@ -40,7 +39,7 @@ impl<R: Real> Runner<'_, R> {
     /// A run from those starts; `scalar` makes the scalar of a parameter from its name and value.
     pub(crate) fn new<'a>(
         case: &Case<'a>,
-        starts: Vec<[R; OUTPUTS]>,
+        starts: Vec<[R; STARTS]>,
         scalar: impl Fn(&str, f64) -> R,
     ) -> Runner<'a, R> {
         let values = case.drive.parameters();
@@ -132,9 +131,14 @@ impl<R: Real> Runner<'_, R> {
         self.delay = model.delays().map(DelayLine::new);
         let start = self.starts[self.next_piece];
         let [current, speed, position, ..] = start;
-        self.zeros = start;
+        self.zeros = std::array::from_fn(|output| start[output]);
         self.state.x[CURRENT] = [current];
         self.state.x[POSITION] = [position];
+        for (sensor, number) in OWN_STATES {
+            if let Some(state) = model.told_by(sensor) {
+                self.state.x[state] = [start[number]];
+            }
+        }
         self.state.set_speed(model, 0, speed);
         self.next_piece += 1;
     }

@@ -21,7 +21,7 @@ pub const BLOCK: usize = 1024;
 pub enum Direction<'a> {
     /// A parameter by its name (`R`, `coulomb.T_c`); a tied K_m follows K_e.
     Parameter(&'a str),
-    /// The beginning of a piece: by its number in [`Start::values`](crate::Start::values).
+    /// The beginning of a piece: by its number among its values.
     Start {
         /// Which piece of the recording.
         piece: usize,

@@ -3,6 +3,7 @@
 use std::io;
 
 use crate::place::Place;
+use crate::rounded::rounded;
 
 /// Why a recording could not be read, used or written.
 #[derive(Debug, thiserror::Error)]
@@ -294,7 +295,9 @@ pub enum Error {
     },
     /// A sampling time that cannot be.
     #[error(
-        "{file}: cannot be sampled every {period_s} s: it must lie between 0 and {duration_s} s"
+        "{file}: cannot be sampled every {} s: {}",
+        rounded(*period_s),
+        impossible_period(*period_s, *duration_s)
     )]
     Period {
         /// The file or the recording.
@@ -394,4 +397,14 @@ pub enum Error {
 /// A number without the digits that differences of times leave behind: six of them.
 pub(crate) fn digits(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// Why a recording of that length cannot be sampled so.
+fn impossible_period(period_s: f64, duration_s: f64) -> String {
+    let length = rounded(duration_s);
+    if period_s > 0.0 && period_s < duration_s {
+        let samples = duration_s / period_s;
+        return format!("{length} s would be {samples:.1e} samples, more than memory is given for");
+    }
+    format!("it must lie between 0 and {length} s")
 }

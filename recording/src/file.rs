@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -11,8 +11,9 @@ use crate::error::Error;
 use crate::formats::{Format, by_extension, recognise, written};
 use crate::mapping::ReadOptions;
 use crate::preview::Preview;
+use crate::replace::write_whole;
 use crate::report::Report;
-use crate::signal::Recording;
+use crate::signal::{Recording, TextSignal};
 use crate::table::Table;
 
 thread_local! {
@@ -80,7 +81,7 @@ fn table(format: &Format, opened: File, file: &str, options: &ReadOptions) -> Re
 pub fn write(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error> {
     let path = path.as_ref();
     match by_extension(path).and_then(|format| format.write) {
-        Some(content) => write_whole(path, recording, |out| content(out, recording)),
+        Some(content) => put_in_place(path, recording, |out| content(out, recording)),
         _ => Err(Error::WriteFormat { file: path.display().to_string(), known: written() }),
     }
 }
@@ -90,38 +91,38 @@ pub fn write(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error>
 /// # Errors
 /// As [`write()`].
 pub fn write_csv(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error> {
-    write_whole(path.as_ref(), recording, |out| csv::write(out, recording))
+    put_in_place(path.as_ref(), recording, |out| csv::write(out, recording))
 }
 
-/// Writes to a temporary name in the same folder and renames at the end.
-fn write_whole(
+/// The same with columns of text behind the signals, one text a sample each; a reader that knows
+/// numbers alone passes them over.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_csv_with_texts(
+    path: impl AsRef<Path>,
+    recording: &Recording,
+    texts: &[TextSignal],
+) -> Result<(), Error> {
+    let length = texts.first().map_or(recording.len(), |signal| signal.values.len());
+    let signals = recording.signals.iter().map(|signal| (&signal.name, signal.values.len()));
+    let texts_too = texts.iter().map(|signal| (&signal.name, signal.values.len()));
+    if let Some((signal, found)) = signals.chain(texts_too).find(|(_, found)| *found != length) {
+        let (name, signal) = (recording.name.clone(), signal.clone());
+        return Err(Error::UnequalLengths { name, signal, found, expected: length });
+    }
+    put_in_place(path.as_ref(), recording, |out| csv::write_with_texts(out, recording, texts))
+}
+
+/// Puts the file in place whole.
+fn put_in_place(
     path: &Path,
     recording: &Recording,
     content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), Error> {
     recording.check()?;
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let written = || -> io::Result<()> {
-        if path.is_dir() {
-            return Err(io::Error::from(io::ErrorKind::IsADirectory));
-        }
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".recording-").suffix(".tmp");
-        // Readable as any new file is, not by the owner alone as a temporary one.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let temporary = builder.tempfile_in(folder)?;
-        let mut out = BufWriter::new(temporary.as_file());
-        content(&mut out)?;
-        out.flush()?;
-        drop(out);
-        temporary.persist(path)?;
-        Ok(())
-    };
-    written().map_err(|source| Error::Write { file: path.display().to_string(), source })
+    write_whole(path, content)
+        .map_err(|source| Error::Write { file: path.display().to_string(), source })
 }
 
 fn open(path: &Path, file: &str) -> Result<File, Error> {

@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::mapping::{Mapping, ReadOptions};
+use crate::replace::write_whole;
 
 /// What is added to the recording's name.
 const ENDING: &str = ".columns.toml";
@@ -77,14 +78,12 @@ impl ReadOptions {
         let name = recording.file_name().unwrap_or_default().to_string_lossy();
         let written = || -> std::io::Result<()> {
             let table = table.map_err(std::io::Error::other)?;
-            let folder = path.parent().filter(|it| *it != Path::new(""));
-            let mut file = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
-            write!(
-                file,
-                "# How {name} is read. Remove this file to have it guessed again.\n{table}"
-            )?;
-            file.persist(&path)?;
-            Ok(())
+            write_whole(&path, |out| {
+                write!(
+                    out,
+                    "# How {name} is read. Remove this file to have it guessed again.\n{table}"
+                )
+            })
         };
         written().map_err(|source| Error::Write { file: path.display().to_string(), source })?;
         Ok(path)

@@ -12,6 +12,8 @@ const SWITCHED_LEVELS: usize = 16;
 const LIMIT_SHARE: f64 = 0.01;
 /// ... and from so many in a row: noise touches its extreme once.
 const LIMIT_RUN: usize = 5;
+/// How many times the usual stay at other values that is.
+const LONGER: f64 = 3.0;
 /// Part of the range about its middle that a swing has to cross.
 const SWING: f64 = 0.1;
 /// Speed below this share of the largest does not count as a direction.
@@ -115,7 +117,9 @@ pub(crate) fn inspect(name: &str, unit: &str, values: &[f64], lines: &Lines) -> 
     let limits = if levels.len() > SWITCHED_LEVELS {
         // A drive at rest sits at zero without being limited.
         let extremes = [min, max].into_iter().filter(|value| *value != 0.0);
-        extremes.filter_map(|extreme| limit(extreme, values, lines)).collect()
+        let usual = usual_stay(values, min, max);
+        let limits = extremes.filter_map(|extreme| limit(extreme, values, lines));
+        limits.filter(|it| it.longest as f64 > LONGER * usual).collect()
     } else {
         Vec::new()
     };
@@ -133,6 +137,15 @@ pub(crate) fn inspect(name: &str, unit: &str, values: &[f64], lines: &Lines) -> 
         swings: swings(values, min, max),
         both_signs: max > least && min < -least,
     }
+}
+
+/// Mean number of samples in a row of one value, the extremes left out: a slow signal in coarse
+/// steps stays at each of them.
+fn usual_stay(values: &[f64], min: f64, max: f64) -> f64 {
+    let inner = |value: &f64| value.is_finite() && *value != min && *value != max;
+    let samples = values.iter().filter(|value| inner(value)).count();
+    let begins = values.windows(2).filter(|pair| inner(&pair[1]) && pair[0] != pair[1]).count();
+    samples as f64 / begins.max(1) as f64
 }
 
 fn limit(extreme: f64, values: &[f64], lines: &Lines) -> Option<Limit> {
@@ -196,6 +209,8 @@ mod tests {
             (0..1000).map(|k| if k / 50 % 2 == 0 { 5.0 } else { -5.0 }).collect();
         assert_eq!(of(&square).limits, []);
         assert_eq!(of(&square).swings, 19);
+        let warming: Vec<f64> = (0..2000).map(|k| (f64::from(k) * 0.005).round()).collect();
+        assert_eq!(of(&warming).limits, []);
         let resting: Vec<f64> = sine(1.0).iter().map(|value| value.max(0.0)).collect();
         assert_eq!(of(&resting).limits, []);
         assert!(!of(&resting).both_signs && of(&sine(1.0)).both_signs);

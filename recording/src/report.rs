@@ -8,6 +8,7 @@ use crate::error::{Error, digits};
 use crate::header::{ColumnNote, Taken};
 use crate::place::{Counted, Place};
 use crate::quality::SignalQuality;
+use crate::rounded::rounded;
 use crate::signal::Recording;
 use crate::suspicion::Suspicion;
 
@@ -125,7 +126,7 @@ impl Sampling {
             });
         }
         if let Some(from_s) = self.resampled_from_s {
-            let (from, to) = (digits(from_s), self.period_s);
+            let (from, to) = (digits(from_s), rounded(self.period_s));
             done.push(format!("resampled from {from} s to {to} s"));
         }
         if self.interpolated > 0.0 {
@@ -282,8 +283,11 @@ impl fmt::Display for Report {
         let samples = self.samples;
         writeln!(
             f,
-            "{}: {samples} samples every {period_s} s, {start_s} s to {end_s} s",
-            self.file
+            "{}: {samples} samples every {} s, {} s to {} s",
+            self.file,
+            rounded(period_s),
+            rounded(start_s),
+            rounded(end_s)
         )?;
         for line in self.guesses().iter().chain(&self.warnings()) {
             writeln!(f, "  {line}")?;

@@ -31,6 +31,15 @@ impl Signal {
     }
 }
 
+/// One value a sample that is no number: what an FMU says beside its signals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TextSignal {
+    /// Its name.
+    pub name: String,
+    /// One text a sample.
+    pub values: Vec<String>,
+}
+
 /// Uniformly sampled signals of one machine, in one segment or several: sample `k` of every signal
 /// lies at [`Recording::time`].
 #[derive(Debug, Clone, PartialEq)]

@@ -9,6 +9,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::rounded::rounded;
 use crate::signal::{Recording, Signal};
 use crate::unit::Unit;
 
@@ -83,8 +84,9 @@ impl fmt::Display for Suspicion {
             }
             Suspicion::TooSlow { period_s } => write!(
                 f,
-                "a sample every {period_s} s: is time in milliseconds, or a counter? Then say \
-                 --columns time=COLUMN:ms"
+                "a sample every {} s: is time in milliseconds, or a counter? Then say \
+                 --columns time=COLUMN:ms",
+                rounded(*period_s)
             ),
         }
     }

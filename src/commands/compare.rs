@@ -9,7 +9,9 @@ use clap::Args;
 use drivescope_discovery::compare::{
     Comparison, Curve, Finding, Options, RecordingComparison, Span, compare,
 };
-use drivescope_discovery::{Observer, Setting, USUAL_BAND_HZ, evaluate, relative_force_error};
+use drivescope_discovery::{
+    Observer, Purpose, Setting, USUAL_BAND_HZ, evaluate, relative_force_error,
+};
 use drivescope_plant::drive::Motion;
 use drivescope_plant::units::for_motion;
 use serde::Serialize;
@@ -17,8 +19,10 @@ use serde_json::Value;
 
 use super::{RecordingOptions, Run};
 use crate::failure::{Ending, told};
+use crate::next::Next;
 use crate::read_evidence::{ReadEvidence, given_noise, read_evidence};
 use crate::report::compare::{self as page, compare_html};
+use crate::report::words::{p_value, significant};
 use crate::session::Session;
 use crate::{drive_source, output};
 
@@ -95,7 +99,9 @@ impl Run for Compare {
         let drive = drive_source::drive(&self.drive)?;
         session.check_writable(&self.out.iter().collect::<Vec<_>>())?;
         let given = given_noise(&drive, self.noise.as_deref())?;
-        let read = |files: &[PathBuf]| read_evidence(&drive, files, &given, &self.reading, session);
+        let read = |files: &[PathBuf]| {
+            read_evidence((&drive, Purpose::Drive), files, &given, &self.reading, session)
+        };
         let ReadEvidence { evidence, noise, doubts } = read(&self.recordings)?;
         let validation = if self.validate.is_empty() { None } else { Some(read(&self.validate)?) };
         let observer = Observer::choose(&drive, &evidence.recordings, &evidence.noise);
@@ -150,8 +156,17 @@ impl Run for Compare {
             let html = compare_html(&compared, &about);
             output::write_file(out, |file| file.write_all(html.as_bytes()))?;
         }
-        session.answer(&text(&drive.name, &compared, &answer), &answer)?;
-        Ok(if self.check && compared.fails() { Ending::Forbidden } else { Ending::Done })
+        let fails = compared.fails();
+        let on = |next: Next| {
+            next.with(&self.drive).files(&self.recordings).options(&self.reading.typed())
+        };
+        let next = match (fails, compared.is_unfitted()) {
+            (true, true) => on(Next::new("fit")).options(" -o fitted.toml"),
+            (true, false) => on(Next::new("discover")).options(" -o found.toml"),
+            (false, _) => Next::new("export").with(&self.drive).options(" -o drive.fmu"),
+        };
+        session.say(&text(&drive.name, &compared, &answer), &answer, &next)?;
+        Ok(if self.check && fails { Ending::Forbidden } else { Ending::Done })
     }
 }
 
@@ -160,7 +175,7 @@ fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
     let mut text = String::new();
     let name = if drive.is_empty() { "the drive" } else { drive };
     let _ = writeln!(text, "{name}: {}", answer.verdict);
-    let _ = writeln!(text, "{}", page::remark(compared));
+    let _ = writeln!(text, "{}", page::remark(compared, None));
     if let Some(error) = answer.before.validation_error {
         let _ = writeln!(text, "Error on the recordings of --validate: {error:.4}");
     }
@@ -174,12 +189,12 @@ fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
             let input = if output.input_correlation.correlated { ", knows the input" } else { "" };
             let _ = writeln!(
                 text,
-                "  {:<6} fit {:>9}, one step ahead {:>9}; rms {:.4e} {}, error {:.3}; residual \
+                "  {:<6} fit {:>9}, one step ahead {:>9}; rms {} {}, error {:.3}; residual \
                  {white}{input}",
                 output.name,
                 fit(output.fit_percent),
                 fit(output.one_step_percent),
-                output.rms,
+                significant(output.rms, 5),
                 output.unit,
                 output.error
             );
@@ -192,10 +207,10 @@ fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
             let period = it.period.map_or(String::new(), |it| format!(", period {it:.4} {unit}"));
             let _ = writeln!(
                 text,
-                "  {:<14} {:>8.1} % {:>10.1e}  {}{period}",
+                "  {:<14} {:>8.1} % {:>10}  {}{period}",
                 it.variable,
                 100.0 * it.share,
-                it.p_value,
+                p_value(it.p_value),
                 it.words
             );
         }

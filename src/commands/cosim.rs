@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use drivescope_fmu::cosim::{End, open};
-use drivescope_recording::{ReadOptions, Recording, read};
+use drivescope_recording::{ReadOptions, Recording, read, rounded};
 use serde::Serialize;
 
 use super::Run;
 use crate::failure::{Ending, told};
+use crate::next::Next;
 use crate::output;
 use crate::session::Session;
 
@@ -46,10 +47,12 @@ fn early(end: &End) -> Option<String> {
     match end {
         End::Stop => None,
         End::Terminated { component, time } => {
-            Some(format!("`{component}` asked to end the simulation at {time} s"))
+            Some(format!("`{component}` asked to end the simulation at {} s", rounded(*time)))
         }
         End::Discarded { component, time, reached, .. } => Some(format!(
-            "`{component}` could not complete the step from {time} s: it reached {reached} s"
+            "`{component}` could not complete the step from {} s: it reached {} s",
+            rounded(*time),
+            rounded(*reached)
         )),
     }
 }
@@ -59,12 +62,20 @@ impl Run for Cosim {
         let document = open(&self.system).map_err(told)?;
         session.check_writable(&[&self.output])?;
         let mut system = document.build(&recording).map_err(told)?;
+        let left_out = system.left_out();
+        if !left_out.is_empty() {
+            session.remark(format_args!(
+                "neither connected nor recorded, for they are no scalar numbers: {}",
+                left_out.join(", ")
+            ));
+        }
         let outcome = system.run().map_err(told)?;
         output::write_recording(&self.output, &outcome.recording)?;
         let recording = &outcome.recording;
         let (samples, period) = (recording.len(), recording.period_s);
         let output = self.output.clone();
-        let mut text = format!("{samples} samples every {period} s: {}\n", output.display());
+        let mut text =
+            format!("{samples} samples every {} s: {}\n", rounded(period), output.display());
         let ended = early(&outcome.end);
         if let Some(ended) = &ended {
             let _ = writeln!(text, "ended early: {ended}");
@@ -82,7 +93,7 @@ impl Run for Cosim {
             ended,
             algebraic_loops: outcome.algebraic_loops,
         };
-        session.answer(&text, &answer)?;
+        session.wrote(&text, &answer, &Next::new("serve").files([&self.output]))?;
         Ok(Ending::Done)
     }
 }

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::Run;
 use crate::failure::{Ending, Failure};
+use crate::next::Next;
 use crate::session::Session;
 
 /// Show the library of physical effects: law, parameters, fingerprint, confusions.
@@ -55,18 +56,23 @@ impl Run for Effects {
         match self.id.as_deref() {
             None => {
                 let all: Vec<Shown> = REGISTRY.iter().map(shown).collect();
-                session.answer(&table(&all), &all)?;
+                session.say(&table(&all), &all, &Next::new("effects cogging"))?;
             }
-            Some(CUSTOM) => session.answer(&custom(), &custom_keys())?,
-            Some(LEARNED) => session.answer(&learned(), &learned_keys())?,
+            Some(CUSTOM) => session.say(&custom(), &custom_keys(), &add("ID"))?,
+            Some(LEARNED) => session.say(&learned(), &learned_keys(), &add(LEARNED))?,
             Some(id) => {
                 let entry = Entry::find(id).ok_or_else(|| unknown(id))?;
                 let effect = shown(entry);
-                session.answer(&detail(&effect), &effect)?;
+                session.say(&detail(&effect), &effect, &add(id))?;
             }
         }
         Ok(Ending::Done)
     }
+}
+
+/// The command that adds it.
+fn add(id: &str) -> Next {
+    Next::new("add DRIVE").with(id).options(" REC -o with_it.toml")
 }
 
 fn unknown(id: &str) -> Failure {

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::Run;
 use crate::failure::{Ending, Failure};
+use crate::next::Next;
 use crate::session::Session;
 use crate::{drive_source, fmu_file};
 
@@ -75,7 +76,8 @@ impl Run for Export {
             variables,
             states,
         };
-        session.answer(&shown, &answer)?;
+        let next = Next::new("fmu validate").files([&self.output]);
+        session.wrote(&shown, &answer, &next)?;
         Ok(Ending::Done)
     }
 }

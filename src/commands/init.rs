@@ -13,7 +13,9 @@ use super::Run;
 use super::recording_options::RecordingOptions;
 use crate::failure::{Ending, told};
 use crate::first_drive::{FirstDrive, Given, Origin, Value, offer};
+use crate::next::Next;
 use crate::output;
+use crate::report::words::{number, significant};
 use crate::session::Session;
 use crate::simulation::replay::Fit;
 
@@ -98,6 +100,7 @@ impl Run for Init {
         first.choice.remarks.iter().for_each(|remark| session.remark(remark));
         let (text, _) = first.file(&self.output.display().to_string())?;
         output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
+        let next = self.next();
         let [torque, voltage] = first.quality.unexplained;
         let answer = Answer {
             output: self.output.clone(),
@@ -108,26 +111,20 @@ impl Run for Init {
             fit: &first.quality.fits,
             observer_hz: first.quality.observer_hz,
             unexplained: Balances { torque, voltage },
-            next: self.next(),
+            next: next.command().to_owned(),
         };
-        session.answer(&said(&first, &answer), &answer)?;
+        session.wrote(&said(&first, &answer), &answer, &next)?;
         Ok(Ending::Done)
     }
 }
 
 impl Init {
     /// The command to type next, with the columns that were named here.
-    fn next(&self) -> String {
-        let quoted = |path: &PathBuf| {
-            let text = path.display().to_string();
-            if text.contains(char::is_whitespace) { format!("\"{text}\"") } else { text }
-        };
-        let options = self.reading.typed();
-        format!(
-            "drivescope fit {} {}{options} -o fitted.toml",
-            quoted(&self.output),
-            quoted(&self.recording)
-        )
+    fn next(&self) -> Next {
+        Next::new("fit")
+            .files([&self.output, &self.recording])
+            .options(&self.reading.typed())
+            .options(" -o fitted.toml")
     }
 }
 
@@ -144,12 +141,13 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
     let mut text = format!("{}: {}\n", answer.output.display(), first.choice.sentence);
     for Value { name, value, unit, std_error, origin } in &first.values {
         let known = match (origin, std_error) {
-            (Origin::Estimated(_), Some(error)) => format!("+- {error:.1e}"),
+            (Origin::Estimated(_), Some(error)) => format!("+- {}", significant(*error, 2)),
             (Origin::Estimated(_), None) => "at its bound".to_owned(),
             (Origin::Given(_), _) => "given".to_owned(),
             (Origin::Guessed(_), _) => "FILL IN".to_owned(),
         };
-        let row = format!("  {name:<18} {value:<12.4e} {known:<12} {unit}");
+        let value = significant(*value, 5);
+        let row = format!("  {name:<18} {value:<12} {known:<12} {unit}");
         let _ = writeln!(text, "{}", row.trim_end());
     }
     for (name, todo) in first.guesses() {
@@ -161,7 +159,7 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
     };
     for Fit { signal, percent, rms, unit } in answer.fit {
         let percent = percent.map_or("constant".to_owned(), |it| format!("{it:.1} %"));
-        let _ = writeln!(text, "  {signal:<8} fit {percent}, rms {rms:.3e} {unit}, {how}");
+        let _ = writeln!(text, "  {signal:<8} fit {percent}, rms {} {unit}, {how}", number(*rms));
     }
     let Balances { torque, voltage } = answer.unexplained;
     for (name, left) in [("torque", torque), ("voltage", voltage)] {
@@ -169,6 +167,5 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
             let _ = writeln!(text, "  {:.1} % of the {name} unexplained", 100.0 * share);
         }
     }
-    let _ = writeln!(text, "next: {}", answer.next);
     text
 }

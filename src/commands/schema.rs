@@ -5,6 +5,7 @@ use drivescope_plant::file::schema_json;
 
 use super::Run;
 use crate::failure::{Ending, told};
+use crate::next::Next;
 use crate::session::Session;
 
 /// Print the JSON Schema of a kind of file.
@@ -27,7 +28,7 @@ impl Run for Schema {
             Kind::Drive => schema_json(),
         };
         let value: serde_json::Value = serde_json::from_str(&text).map_err(told)?;
-        session.answer(&text, &value)?;
+        session.say(&text, &value, &Next::new("init REC -o drive.toml"))?;
         Ok(Ending::Done)
     }
 }

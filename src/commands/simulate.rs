@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use drivescope_discovery::{driving, with_canonical_names};
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::sampled::speed_bound;
-use drivescope_recording::{Quantity, Recording};
+use drivescope_recording::{Quantity, Recording, rounded};
 use serde::Serialize;
 
 use super::Run;
@@ -14,6 +14,7 @@ use super::recording_options::RecordingOptions;
 use crate::drive_source;
 use crate::expression::SignalOverTime;
 use crate::failure::{Ending, Failure, told};
+use crate::next::Next;
 use crate::output;
 use crate::session::Session;
 use crate::simulation::fault::FaultOverTime;
@@ -222,12 +223,16 @@ impl Simulate {
     ) -> miette::Result<()> {
         let (samples, period) = (recording.len(), recording.period_s);
         let output = self.output.clone();
-        let text = format!("{text}{samples} samples every {period} s: {}\n", output.display());
+        let text =
+            format!("{text}{samples} samples every {} s: {}\n", rounded(period), output.display());
         let start = recording.start_s;
         let drive = drive.name.clone();
-        session.answer(
+        let measured = self.measured.as_ref().unwrap_or(&self.output);
+        let next = Next::new("compare").with(&self.drive).files([measured]);
+        session.wrote(
             &text,
             &Answer { drive, output, samples, start, period, reference, seed, fit },
+            &next,
         )?;
         Ok(())
     }

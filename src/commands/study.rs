@@ -10,12 +10,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use drivescope_fmu::description::Version;
-use drivescope_scenarios::results::TorqueReading;
+use drivescope_scenarios::results::{Pictures, StudyResults, TorqueReading};
 use drivescope_scenarios::study::{Progress, Study as Outcome, StudyOptions, study};
 use indicatif::ProgressBar;
+use serde::Serialize;
 
 use super::Run;
 use crate::failure::{Ending, Failure, told};
+use crate::next::Next;
+use crate::run_folder::RunFolder;
 use crate::session::Session;
 use crate::{drive_source, fmu_file, interrupt, output};
 
@@ -64,12 +67,9 @@ impl From<Reading> for TorqueReading {
 impl Run for Study {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let drive = drive_source::drive(&self.drive)?;
-        let runs = self.out.join("runs");
-        let unwritable = |source| Failure::Write { path: runs.clone(), source };
-        std::fs::create_dir_all(&runs).map_err(unwritable)?;
-        let at = |name: &str| self.out.join(name);
-        session.check_writable(&[&at("study.json"), &at("report.html")])?;
-
+        let folder = RunFolder::take(&self.out)?;
+        session.check_writable(&[])?;
+        let at = |name: &str| folder.work().join(name);
         let closed = at("closed_loop_fmi2.fmu");
         let open = at("open_loop_fmi2.fmu");
         fmu_file::write(&drive, false, Version::Two, &closed)?;
@@ -81,36 +81,47 @@ impl Run for Study {
         let bar = session.progress(1, "training and designing the diagnoser");
         let outcome = study(&options, (&closed, &open), &|step| {
             show(&bar, step);
-            false
+            interrupt::check().is_err()
         });
         bar.finish_and_clear();
         interrupt::check()?;
         let outcome = outcome.map_err(told)?;
 
-        self.write(&outcome)?;
-        session.remark(format_args!("report: {}", at("report.html").display()));
-        session.answer(&crate::tables::study(&outcome.results), &outcome.results)?;
+        write(&outcome, folder.work())?;
+        folder.finish()?;
+        session.remark(format_args!("report: {}", self.out.join("report.html").display()));
+        let next = Next::new("benchmark detection");
+        session.wrote(&crate::tables::study(&outcome.results), &outcome.results, &next)?;
         Ok(Ending::Done)
     }
 }
 
-impl Study {
-    /// Writes results, report and runs.
-    fn write(&self, outcome: &Outcome) -> miette::Result<()> {
-        let text = |path: &Path, text: &str| {
-            output::write_file(path, |out| out.write_all(text.as_bytes()))
-        };
-        for run in &outcome.runs {
-            let name = &run.name;
-            let path = |kind: &str| self.out.join("runs").join(format!("{name}.{kind}.csv"));
-            output::write_recording(&path("inputs"), &run.inputs)?;
-            output::write_recording(&path("signals"), &run.signals)?;
-        }
-        let report = crate::report::study_html(&outcome.results, &outcome.pictures);
-        text(&self.out.join("report.html"), &report)?;
-        text(&self.out.join("study.json"), &output::json(&outcome.results)?)?;
-        Ok(())
+/// What study.json holds.
+#[derive(Debug, Serialize)]
+struct WithTraces<'a> {
+    #[serde(flatten)]
+    results: &'a StudyResults,
+    /// Traces of the healthy run and of the twelve faults.
+    traces: &'a [Pictures],
+}
+
+/// Writes results, report and runs.
+fn write(outcome: &Outcome, folder: &Path) -> miette::Result<()> {
+    let text = |name: &str, text: &str| {
+        output::write_file(&folder.join(name), |out| out.write_all(text.as_bytes()))
+    };
+    let runs = folder.join("runs");
+    let unwritable = |source| Failure::Write { path: runs.clone(), source };
+    std::fs::create_dir_all(&runs).map_err(unwritable)?;
+    for run in &outcome.runs {
+        let path = |kind: &str| runs.join(format!("{}.{kind}.csv", run.name));
+        output::write_recording(&path("inputs"), &run.inputs)?;
+        output::write_recording(&path("signals"), &run.signals)?;
     }
+    text("report.html", &crate::report::study_html(&outcome.results, &outcome.pictures))?;
+    let whole = WithTraces { results: &outcome.results, traces: &outcome.pictures };
+    text("study.json", &output::json(&whole)?)?;
+    Ok(())
 }
 
 /// Shows where the study is.

@@ -172,7 +172,8 @@ fn force<'a>(
     Some((Input::Force, driver, sentence))
 }
 
-/// The motion by what was measured: speed, tachometer, or position.
+/// The motion by what was measured: speed, tachometer, or position; those of the load where the
+/// motor's was not.
 fn motion<'a>(find: &dyn Fn(&str) -> Option<&'a Signal>) -> Option<Motion> {
     let named = |names: [&str; 2]| names.iter().any(|name| find(name).is_some());
     let tacho = || match Unit::parse(&find("T")?.unit)?.quantity.si() {
@@ -189,6 +190,8 @@ fn motion<'a>(find: &dyn Fn(&str) -> Option<&'a Signal>) -> Option<Motion> {
     tacho()
         .or_else(|| find("theta").map(|_| Motion::Rotary))
         .or_else(|| find("x").map(|_| Motion::Linear))
+        .or_else(|| named(["omega_load", "theta_load"]).then_some(Motion::Rotary))
+        .or_else(|| named(["v_load", "x_load"]).then_some(Motion::Linear))
 }
 
 #[cfg(test)]
@@ -212,6 +215,8 @@ mod tests {
         for (columns, motion, input, constant) in [
             (&[("u", "V"), ("i", "A"), ("omega", "rad/s")][..], rotary, voltage, Told),
             (&[("u", "V"), ("T", "rpm")], rotary, voltage, Told),
+            (&[("u", "V"), ("i", "A"), ("theta_load", "rad")], rotary, voltage, Told),
+            (&[("torque", "N"), ("v_load", "m/s")], linear, force, Known),
             (&[("C_m", "1"), ("T", "rpm")], rotary, voltage, Told),
             (&[("C_m", "V"), ("I_m", "A"), ("T", "rpm")], rotary, force, Ratio),
             (&[("C_m", "1"), ("x", "m")], linear, force, Ratio),

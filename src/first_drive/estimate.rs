@@ -1,26 +1,20 @@
 //! The values of a first drive: least squares on the balances, then a fit where that lowers the
 //! error and leaves the balances as well explained.
-//!
-//! A constant load belongs to the model where the drive moves both ways and the torque balance is
-//! explained clearly better with it: an offset of the current sensor, a slope, a cable.
 
 use drivescope_discovery::{
-    Begun, Case, Estimate, Evidence, Fit as OfRecording, Measured, Options, Setting, begin,
-    evaluate, fit, noise, small_inertia, unexplained, with_own,
+    Case, Estimate, Evidence, Fit as OfRecording, Measured, Options, Setting, begin, evaluate, fit,
+    noise, small_inertia, unexplained, with_own,
 };
-use drivescope_plant::drive::{Drive, EffectData, Input};
+use drivescope_plant::drive::{Drive, Input};
 use drivescope_recording::Recording;
 
+use super::offset::with_constant_load;
 use super::origins::values;
 use super::usual::template;
 use super::{Choice, FirstDrive, FirstDriveError, Given, Origin, Quality, Value};
 use crate::failure::told;
 use crate::simulation::replay::Fit;
 
-/// A constant load must leave at most this share of what was unexplained without it.
-const CLEARLY_LESS: f64 = 0.9;
-/// The offset's parameter.
-pub(super) const OFFSET: &str = "constant_load.T_0";
 /// A fit may leave at most this many times what least squares leave of a balance unexplained.
 const AS_WELL: f64 = 1.05;
 
@@ -32,7 +26,7 @@ pub(super) fn first_drive(
 ) -> miette::Result<FirstDrive> {
     let template = template(&choice, given)?;
     let evidence = seen(&template, recording)?;
-    choice.remarks.extend(evidence.recordings[0].set_aside.iter().cloned());
+    choice.remarks.extend(evidence.recordings[0].remarks.iter().cloned());
     let mut begun = begin(&template, &evidence);
     if let Some(with_load) = with_constant_load(&template, recording, &begun)? {
         begun = with_load;
@@ -60,33 +54,10 @@ pub(super) fn first_drive(
 }
 
 /// The recording as that drive's, with the noise of its outputs.
-fn seen(drive: &Drive, recording: &Recording) -> miette::Result<Evidence> {
+pub(super) fn seen(drive: &Drive, recording: &Recording) -> miette::Result<Evidence> {
     let measured = Measured::new(drive, recording).map_err(told)?;
     let sds = noise(drive, &measured, &[]).iter().map(|it| it.sd).collect();
     Ok(Evidence { recordings: vec![measured], noise: vec![sds] })
-}
-
-/// The same drive with a constant load, where that explains the torque clearly better.
-fn with_constant_load(
-    template: &Drive,
-    recording: &Recording,
-    without: &Begun,
-) -> miette::Result<Option<Begun>> {
-    let load = EffectData {
-        kind: "constant_load".to_owned(),
-        id: "constant_load".to_owned(),
-        parameters: vec![("T_0".to_owned(), 0.0)],
-        law: None,
-    };
-    let mut drive = template.clone();
-    drive.effects.push(load);
-    drive.per_recording.push(OFFSET.to_owned());
-    let evidence = seen(&drive, recording)?;
-    let begun = begin(&drive, &evidence);
-    let left = |drive: &Drive| unexplained(drive, &evidence)[0].map(|it| it.rms);
-    let (before, after) = (left(&without.drive), left(&begun.drive));
-    let clearly = before.zip(after).is_some_and(|(before, after)| after < CLEARLY_LESS * before);
-    Ok((clearly && begun.told.iter().any(|it| it.name == OFFSET)).then_some(begun))
 }
 
 /// The drive after a fit, with the estimates; none where least squares alone are the better answer.
@@ -242,6 +213,19 @@ mod tests {
         let by_torque = of(&recording, &["torque", "omega"], "");
         near(&by_torque, "J", motor.j, 0.05);
         assert!(by_torque.guesses().is_empty(), "{:?}", by_torque.guesses());
+    }
+
+    #[test]
+    fn the_load_alone_shows_a_rigid_drive() {
+        let truth = drive("dr300");
+        let mut recording = recorded(&truth, RICH);
+        let of_load = recording.signals.iter_mut().find(|it| it.name == "theta");
+        "theta_load".clone_into(&mut of_load.expect("recorded").name);
+        let first = of(&recording, &["u", "i", "theta_load"], "");
+        near(&first, "R", truth.motor.r.expect("it has one"), 0.02);
+        near(&first, "J", truth.motor.j, 0.05);
+        let said = |it: &&String| it.contains("theta_load is taken for theta");
+        assert_eq!(first.choice.remarks.iter().filter(said).count(), 1);
     }
 
     #[test]

@@ -8,6 +8,7 @@
 mod choice;
 mod estimate;
 mod given;
+mod offset;
 mod origins;
 mod text;
 mod usual;

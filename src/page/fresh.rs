@@ -11,7 +11,7 @@ use super::rung::Rung;
 use super::work::Basis;
 use crate::evidence::Gathered;
 use crate::failure::told;
-use crate::report::compare::Setting as About;
+use crate::report::compare::{OfStep, Setting as About};
 
 /// A drive with what an estimate says of it.
 pub(super) struct Drawn {
@@ -21,19 +21,21 @@ pub(super) struct Drawn {
     pub(super) parameters: Vec<Estimate>,
     /// What the recordings do not tell.
     pub(super) not_identifiable: Vec<NotIdentifiable>,
+    /// Whether they were estimated, or typed.
+    pub(super) fitted: bool,
 }
 
 impl From<Fitted> for Drawn {
     fn from(fitted: Fitted) -> Self {
         let Fitted { drive, parameters, not_identifiable, .. } = fitted;
-        Self { drive, parameters, not_identifiable }
+        Self { drive, parameters, not_identifiable, fitted: true }
     }
 }
 
 impl From<Discovery> for Drawn {
     fn from(found: Discovery) -> Self {
         let Discovery { drive, parameters, .. } = found;
-        Self { drive, parameters, not_identifiable: Vec::new() }
+        Self { drive, parameters, not_identifiable: Vec::new(), fitted: true }
     }
 }
 
@@ -61,7 +63,7 @@ impl Fresh {
         basis: &Basis,
         progress: &Progress,
     ) -> miette::Result<Rung> {
-        let Drawn { drive, parameters, not_identifiable } = drawn;
+        let Drawn { drive, parameters, not_identifiable, fitted } = drawn;
         progress.doing("looking where the model fails")?;
         let error = |evidence: &Evidence| {
             let judged = evaluate(&drive, evidence, &setting, true).map_err(told)?;
@@ -73,7 +75,8 @@ impl Fresh {
         let compared = compare(&drive, &basis.whole, &setting, &options).map_err(told)?;
         let Gathered { noise, doubts, .. } = &*basis.gathered;
         let judged = Some(validation_error);
-        let about = About::new(&drive, &basis.whole, &noise[0], judged, doubts, basis.seed);
+        let mut about = About::new(&drive, &basis.whole, &noise[0], judged, doubts, basis.seed);
+        about.step = Some(OfStep { estimation_error: error, fitted });
         let Self { parent, label, command, text } = self;
         Ok(Rung {
             parent,

@@ -1,5 +1,6 @@
 //! The study behind the faults view: run from the page, or a `study.json` that was dropped.
 
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -75,14 +76,20 @@ impl FaultStudy {
     /// # Errors
     /// It is no JSON, or no study.
     pub(super) fn take(&self, text: &str) -> Result<(), String> {
-        let results: Value =
+        let mut results: Value =
             serde_json::from_str(text).map_err(|error| format!("it is no JSON: {error}"))?;
         if !results.get("detection").is_some_and(Value::is_array) {
             return Err("it has no `detection`: give the study.json of drivescope study".to_owned());
         }
+        let traces = results.as_object_mut().and_then(|results| results.remove("traces"));
+        drawable(&results)?;
+        // Of another version's file the figures are shown, without traces.
+        let typed = serde_json::from_value::<StudyResults>(results.clone()).ok();
+        let traces = traces.and_then(|it| serde_json::from_value::<Vec<Pictures>>(it).ok());
+        let traces = typed.zip(traces).map(Arc::new);
         self.change(|shown| {
             shown.results = Some(Arc::new(results));
-            (shown.traces, shown.problem) = (None, None);
+            (shown.traces, shown.problem) = (traces, None);
         });
         Ok(())
     }
@@ -135,6 +142,37 @@ impl FaultStudy {
     }
 }
 
+/// Rows of a table, and cells, that the view draws at most.
+const MOST_ROWS: usize = 2000;
+const MOST_CELLS: usize = 100_000;
+
+/// Whether the results can be drawn: a table has a column for every key that a row has.
+fn drawable(results: &Value) -> Result<(), String> {
+    let Some(sections) = results.as_object() else { return Ok(()) };
+    for (name, section) in sections {
+        let lists = [Some(section), section.get("matrix"), section.get("classes")];
+        for rows in lists.into_iter().flatten().filter_map(Value::as_array) {
+            let mut keys: HashSet<&str> = HashSet::new();
+            let mut widest = 1;
+            for row in rows {
+                keys.extend(row.as_object().into_iter().flatten().map(|(key, _)| key.as_str()));
+                widest = widest.max(row.as_array().map_or(0, Vec::len));
+            }
+            let methods: HashSet<String> =
+                rows.iter().filter_map(|row| row.get("method")).map(Value::to_string).collect();
+            let columns = widest.max(keys.len()).max(methods.len());
+            if rows.len() > MOST_ROWS || rows.len() * columns > MOST_CELLS {
+                return Err(format!(
+                    "`{name}` is a table of {} rows and {columns} columns, more than a page shows: \
+                     give the study.json of drivescope study",
+                    rows.len()
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
 type Traces = (StudyResults, Vec<Pictures>);
 
 fn run(site: &Site, cancelled: &AtomicBool) -> miette::Result<(Value, Traces)> {
@@ -184,6 +222,22 @@ mod tests {
         assert!(study.take("{").is_err_and(|it| it.contains("JSON")));
         assert!(study.take("{}").is_err_and(|it| it.contains("detection")));
         study.take(r#"{"detection": []}"#).expect("it is one");
+        // Rows times distinct keys: a megabyte that would become gigabytes.
+        let rows: Vec<_> = (0..2000).map(|k| serde_json::json!({format!("k{k}"): 1})).collect();
+        let hostile = serde_json::json!({"detection": [], "identification": rows}).to_string();
+        let refused = study.take(&hostile).expect_err("more than a page shows");
+        assert!(refused.contains("`identification` is a table of 2000 rows and 2000"), "{refused}");
+        let whole = serde_json::to_string(&crate::report::testing::study()).expect("it is data");
+        study.take(&whole).expect("a study of this program");
+        assert!(study.shown().traces.is_none(), "it holds none");
+        // As `drivescope study` writes it: with its traces.
+        let mut whole = serde_json::to_value(crate::report::testing::study()).expect("it is data");
+        let pictures = crate::report::testing::pictures();
+        whole["traces"] = serde_json::to_value(&pictures).expect("they are data");
+        study.take(&whole.to_string()).expect("a study of this program");
+        let traces = study.shown().traces.clone().expect("its traces");
+        assert_eq!(traces.1.len(), pictures.len());
+        assert!(super::super::faults::trace(&traces, 1).is_some_and(|it| it.contains("<svg")));
         assert!(study.shown().results.is_some());
     }
 }

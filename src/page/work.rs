@@ -4,7 +4,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use drivescope_discovery::{Estimate, Evidence, Options, Setting, add, discover, fit_seen};
+use drivescope_discovery::{
+    Estimate, Evidence, Options, Purpose, Setting, add, discover, fit_seen,
+};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
@@ -109,7 +111,7 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
     let noise = given_noise(&given.drive, None)?;
     let named: Vec<(String, Recording)> =
         recordings.iter().map(|(name, it)| (name.clone(), Recording::clone(it))).collect();
-    let read = evidence_of(&given.drive, &named, &noise)?;
+    let read = evidence_of((&given.drive, Purpose::Search), &named, &noise)?;
     drop(named);
     let none = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
     let basis = Basis {
@@ -245,7 +247,7 @@ pub(super) fn judge(
     let parameters = parameters.collect();
     let command = format!("drivescope compare {} {}", file_of(number), basis.files);
     let step = Fresh { parent: Some(number), label, command, text };
-    let drawn = Drawn { drive, parameters, not_identifiable: Vec::new() };
+    let drawn = Drawn { drive, parameters, not_identifiable: Vec::new(), fitted: false };
     finish(step, drawn, setting, &basis, progress)
 }
 

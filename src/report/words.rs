@@ -22,18 +22,22 @@ pub(crate) fn percent(fraction: f64, decimals: usize) -> String {
 
 /// Three significant digits; powers of ten where the number is far from 1.
 pub(crate) fn number(value: f64) -> String {
-    const DIGITS: i32 = 3;
+    significant(value, 3)
+}
+
+/// So many significant digits; powers of ten where the number is far from 1.
+pub(crate) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
     // Rounded first, so that 9.999 counts as 10.0.
     let exponent = value.abs().log10();
-    let rounded = format!("{value:.*e}", DIGITS as usize - 1);
+    let rounded = format!("{value:.*e}", digits as usize - 1);
     let power: i32 = rounded
         .split_once('e')
         .map_or(exponent as i32, |parts| parts.1.parse().unwrap_or(exponent as i32));
     if (-3..6).contains(&power) {
-        let decimals = (DIGITS - 1 - power).max(0) as usize;
+        let decimals = (digits - 1 - power).max(0) as usize;
         format!("{value:.decimals$}")
     } else {
         rounded
@@ -58,6 +62,13 @@ pub(crate) fn p_value(p: f64) -> String {
     } else {
         number(p)
     }
+}
+
+/// The same in a sentence: `p = 0.012`, `p < 1e-300`.
+pub(crate) fn p_is(p: f64) -> String {
+    let text = p_value(p);
+    let equals = if text.starts_with('<') { "" } else { "= " };
+    format!("p {equals}{text}")
 }
 
 /// A relative difference: equal bits are said.
@@ -210,7 +221,10 @@ mod tests {
         ] {
             assert_eq!(number(value), text);
         }
+        assert_eq!(significant(1.0, 5), "1.0000", "not 1.0000e0");
+        assert_eq!(significant(8.2e-5, 5), "8.2000e-5");
         assert_eq!(p_value(0.0), "< 1e-300");
+        assert_eq!((p_is(0.0), p_is(0.012)), ("p < 1e-300".into(), "p = 0.0120".into()));
         assert_eq!(given(0.001), "0.001");
         assert_eq!(given(2000.0), "2000");
         assert_eq!(given(5.0), "5");

@@ -10,7 +10,7 @@ use zip::{ZipArchive, ZipWriter};
 use crate::{Ran, column, done, folder, program, put, refused};
 
 /// The archive with its entries renamed; `None` drops one.
-fn repacked(fmu: &[u8], rename: impl Fn(&str) -> Option<String>) -> Vec<u8> {
+pub(crate) fn repacked(fmu: &[u8], rename: impl Fn(&str) -> Option<String>) -> Vec<u8> {
     let mut archive = ZipArchive::new(Cursor::new(fmu)).expect("it is an archive");
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     for k in 0..archive.len() {

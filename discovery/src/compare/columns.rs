@@ -26,7 +26,7 @@ pub(super) fn base(
             parameters.iter().map(|name| Direction::Parameter(name)).collect();
         directions.extend(own.iter().map(|name| Direction::Parameter(name)));
         for (piece, start) in case.starts.iter().enumerate() {
-            let free = start.free_states(case.drive, case.measured).into_iter();
+            let free = start.free_states(case.drive, case.measured, piece).into_iter();
             directions.extend(free.map(|state| Direction::Start { piece, state }));
         }
         // Parameters are shared, everything else belongs to this recording.

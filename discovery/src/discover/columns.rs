@@ -153,7 +153,7 @@ impl Columns {
             let names = fit.own.iter().map(|it| Owned::Parameter(it.name.clone()));
             let measured = &at.evidence.recordings[recording];
             let starts = fit.starts.iter().enumerate().flat_map(|(piece, start)| {
-                let free = start.free_states(at.drive, measured).into_iter();
+                let free = start.free_states(at.drive, measured, piece).into_iter();
                 free.map(move |state| Owned::Start { piece, state })
             });
             names.chain(starts).collect()

@@ -157,6 +157,6 @@ fn scripted(of: &Measured, amplitude: f64, script: fn(f64) -> f64) -> Measured {
         angle: None,
         pieces: std::iter::once(0..samples).collect(),
         noise_gain: NoiseGain::NONE,
-        set_aside: Vec::new(),
+        remarks: Vec::new(),
     }
 }

@@ -16,6 +16,7 @@ mod scale;
 mod search;
 mod solved;
 mod starts;
+mod swing;
 mod uncertainty;
 mod unknowns;
 

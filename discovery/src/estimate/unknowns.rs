@@ -9,7 +9,8 @@ use drivescope_plant::parameters::NamedParameter;
 
 use super::Evidence;
 use super::scale::{Reach, Scale, recorded_speeds};
-use crate::measured::{Measured, Output};
+use super::swing::swing;
+use crate::measured::Measured;
 use crate::start::Start;
 
 /// One unknown.
@@ -87,7 +88,7 @@ impl Unknowns {
                 made.parameter(Unknown::Own { recording, name }, parameter, speeds);
             }
             for (piece, start) in starts[recording].iter().enumerate() {
-                for state in start.free_states(base, measured) {
+                for state in start.free_states(base, measured, piece) {
                     made.start(Unknown::Start { recording, piece, state }, start, base, measured);
                 }
             }
@@ -173,25 +174,4 @@ pub(crate) fn set(drive: &mut Drive, name: &str, value: f64) {
     if drive.motor.tie_k && name == "K_e" {
         drive.motor.k_m = value;
     }
-}
-
-/// How far a state of the drive may be from a guess: the largest magnitude that was measured, or
-/// follows from u.
-fn swing(base: &Drive, measured: &Measured, state: usize) -> f64 {
-    let largest = |values: &[f64]| {
-        values.iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, y| most.max(y.abs()))
-    };
-    let shown = measured.outputs.iter().find(|channel| channel.output as usize == state);
-    let found = match (shown, state) {
-        (Some(channel), _) => largest(&channel.values),
-        (None, 0) => largest(&measured.u) / base.motor.r.unwrap_or(1.0),
-        (None, _) => {
-            let position = measured.output(Output::Position);
-            position.map_or(0.0, |x| {
-                let steps = x.values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-                steps.filter(|step| step.is_finite()).fold(0.0, f64::max) / measured.period_s
-            })
-        }
-    };
-    if found > 0.0 { found } else { 1.0 }
 }

@@ -33,6 +33,8 @@ pub struct Ports {
     pub inputs: Vec<Port>,
     /// Outputs.
     pub outputs: Vec<Port>,
+    /// Inputs and outputs that are no scalar numbers, each with what it is: nothing connects them.
+    pub others: Vec<(String, String)>,
     /// For each output the inputs that act on it at once; `None` if unknown (then: all of them).
     pub feedthrough: Vec<Option<Vec<usize>>>,
     /// Units that the component can convert from, beside those of its ports.

@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use drivescope_recording::Recording;
-use tempfile::TempDir;
 
-use crate::import::{Conversion, ExperimentProblem, Fmu, InstanceOptions, Kind, Value};
+use crate::import::{
+    Conversion, ExperimentProblem, Fmu, InstanceOptions, Kind, Unit, Unpacked, Value, convert,
+};
 
+use super::connector::ConnectorEntry;
 use super::error::{Error, Problem, ReadError};
 use super::fmu_component::FmuComponent;
 use super::system::{Algorithm, Experiment, System};
@@ -41,8 +43,10 @@ pub struct Document {
     pub(super) connections: Vec<ConnectionEntry>,
     pub(super) inputs: Vec<InputEntry>,
     pub(super) records: Vec<(String, Place)>,
+    /// Outputs of the system: the port behind each, and what the file says about it.
+    pub(super) outputs: Vec<(String, ConnectorEntry)>,
     /// The unpacked package of an `.ssp`, in which the FMUs are.
-    pub(super) package: Option<TempDir>,
+    pub(super) package: Option<Unpacked>,
 }
 
 #[derive(Debug)]
@@ -51,7 +55,19 @@ pub(super) struct ComponentEntry {
     pub(super) fmu: PathBuf,
     /// Co-Simulation if it is offered, unless stated.
     pub(super) kind: Option<Kind>,
-    pub(super) parameters: Vec<(String, Value, Place)>,
+    pub(super) parameters: Vec<ParameterEntry>,
+    /// What the file says about ports; empty where it says nothing.
+    pub(super) connectors: Vec<ConnectorEntry>,
+    pub(super) place: Place,
+}
+
+/// A value that is set before the run.
+#[derive(Debug, PartialEq)]
+pub(super) struct ParameterEntry {
+    pub(super) name: String,
+    pub(super) value: Value,
+    /// The unit in which it is stated; none for that of the variable.
+    pub(super) unit: Option<Unit>,
     pub(super) place: Place,
 }
 
@@ -60,6 +76,8 @@ pub(super) struct ConnectionEntry {
     pub(super) from: String,
     pub(super) to: String,
     pub(super) scaling: Conversion,
+    /// Whether units are converted before the scaling.
+    pub(super) converts: bool,
     pub(super) place: Place,
 }
 
@@ -99,6 +117,7 @@ impl Document {
             connections: Vec::new(),
             inputs: Vec::new(),
             records: Vec::new(),
+            outputs: Vec::new(),
             package: None,
         }
     }
@@ -131,14 +150,25 @@ impl Document {
             let kind = entry.kind.or(kinds.first().copied()).unwrap_or(Kind::CoSimulation);
             let instance = fmu.instantiate(kind, &InstanceOptions::named(&entry.name));
             let mut instance = instance.map_err(|error| self.wrong(entry.place, error))?;
-            for (name, value, place) in &entry.parameters {
-                instance.set_value(name, value).map_err(|error| self.wrong(*place, error))?;
+            for connector in &entry.connectors {
+                let checked = connector.check(fmu.description());
+                checked.map_err(|problem| self.wrong(connector.place, problem))?;
+            }
+            for parameter in &entry.parameters {
+                let value = parameter.in_unit_of(fmu);
+                let value = value.map_err(|problem| self.wrong(parameter.place, problem))?;
+                let set = instance.set_value(&parameter.name, &value);
+                set.map_err(|error| self.wrong(parameter.place, error))?;
             }
             let added = system.add(&entry.name, FmuComponent::new(instance));
             added.map_err(|error| self.wrong(entry.place, error))?;
         }
         for entry in &self.connections {
-            let connected = system.connect_scaled(&entry.from, &entry.to, entry.scaling);
+            let connected = if entry.converts {
+                system.connect_scaled(&entry.from, &entry.to, entry.scaling)
+            } else {
+                system.connect_unconverted(&entry.from, &entry.to, entry.scaling)
+            };
             connected.map_err(|error| self.wrong(entry.place, error))?;
         }
         let mut recordings: Vec<(PathBuf, Arc<Recording>)> = Vec::new();
@@ -157,6 +187,16 @@ impl Document {
         }
         for (port, place) in &self.records {
             system.record(port).map_err(|error| self.wrong(*place, error))?;
+        }
+        for (port, connector) in &self.outputs {
+            let found = self.components.iter().zip(&opened).find_map(|(entry, fmu)| {
+                let variable = port.strip_prefix(&entry.name)?.strip_prefix('.')?;
+                Some((fmu.description().variable(variable)?, fmu.description()))
+            });
+            if let Some((variable, fmu)) = found {
+                let checked = connector.shows(variable, fmu);
+                checked.map_err(|problem| self.wrong(connector.place, problem))?;
+            }
         }
         if self.records.is_empty() {
             system.record_all();
@@ -182,6 +222,27 @@ impl Document {
 
     pub(super) fn wrong(&self, place: Place, error: impl std::fmt::Display) -> Error {
         wrong(&self.path, place, error.to_string())
+    }
+}
+
+impl ParameterEntry {
+    /// The value in the unit of the FMU's variable; why it cannot be given in it.
+    fn in_unit_of(&self, fmu: &Fmu) -> Result<Value, String> {
+        let (Some(unit), Value::Number(number)) = (&self.unit, &self.value) else {
+            return Ok(self.value.clone());
+        };
+        let variable = fmu.variable(&self.name).map_err(|error| error.to_string())?;
+        let own = variable.unit.as_ref().map(|name| fmu.description().unit_of_name(name));
+        let conversion = convert(Some(unit), own.as_ref()).ok_or_else(|| {
+            format!(
+                "parameter `{}` is given in `{}`, and the FMU's variable is in `{}`: these do not \
+                 convert; give it in a unit of that quantity, or define the unit",
+                self.name,
+                unit.name,
+                own.as_ref().map_or("1", |own| &own.name),
+            )
+        })?;
+        Ok(Value::Number(conversion.apply(*number)))
     }
 }
 

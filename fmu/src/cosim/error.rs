@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use drivescope_recording::rounded;
+
 use crate::import;
 
 use super::component::{Failure, PortKind};
@@ -40,6 +42,16 @@ pub enum Error {
         port: String,
         /// The most similar name there is.
         near: Option<String>,
+    },
+    /// An input or output that is no scalar number.
+    #[error("`{component}.{port}` is {what}: only scalar numbers are connected and recorded")]
+    NotScalar {
+        /// The component.
+        component: String,
+        /// The port.
+        port: String,
+        /// What it is.
+        what: String,
     },
     /// Not `component.port`.
     #[error("`{path}` is no port; write `component.port`")]
@@ -142,7 +154,7 @@ pub enum Error {
         component: String,
     },
     /// A component failed.
-    #[error("component `{component}` failed at {time} s: {failure}")]
+    #[error("component `{component}` failed at {} s: {failure}", rounded(*time))]
     Component {
         /// The component.
         component: String,

@@ -1,8 +1,6 @@
 //! An FMU instance as a component.
 
-use crate::import::{
-    Causality, Description, Group, Instance, Progress, State, Type, Unit, Variable,
-};
+use crate::import::{Causality, Description, Group, Instance, Progress, State, Type, Variable};
 
 use super::component::{Component, Failure, Phase, Port, PortKind, Ports};
 
@@ -57,6 +55,7 @@ impl Component for FmuComponent {
         Ports {
             inputs: ports(Causality::Input),
             outputs: ports(Causality::Output),
+            others: others(description),
             feedthrough: description
                 .scalars(Causality::Output)
                 .map(|output| feedthrough(description, output))
@@ -138,11 +137,20 @@ fn port(description: &Description, variable: &Variable) -> Port {
         kind if kind.is_float() => PortKind::Float,
         _ => PortKind::Integer,
     };
-    // A unit that is used but not defined still has a name to compare by.
-    let unit = variable.unit.as_ref().map(|name| {
-        description.unit(name).cloned().unwrap_or_else(|| Unit { name: name.clone(), base: None })
-    });
+    let unit = variable.unit.as_ref().map(|name| description.unit_of_name(name));
     Port { name: variable.name.clone(), kind, unit }
+}
+
+/// Inputs and outputs that are no scalar numbers.
+fn others(description: &Description) -> Vec<(String, String)> {
+    let of = |v: &&Variable| matches!(v.causality, Causality::Input | Causality::Output);
+    let scalar = |v: &&Variable| v.kind.is_numeric() && v.dimensions.is_empty();
+    let what = |v: &Variable| match v.dimensions.is_empty() {
+        true => format!("of type {}", v.kind.name()),
+        false => format!("an array of {} elements", description.elements(v)),
+    };
+    let others = description.variables.iter().filter(of).filter(|v| !scalar(v));
+    others.map(|v| (v.name.clone(), what(v))).collect()
 }
 
 /// Which inputs, by their position among the inputs, act on an output at once.

@@ -13,6 +13,7 @@
 //! a connection (Kubler and Schiehlen 2000, "Two methods of simulator coupling").
 
 mod component;
+mod connector;
 mod document;
 mod error;
 mod fmu_component;

@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use roxmltree::Node;
 
 use crate::import::xml::{self, child, children, required, value};
-use crate::import::{Conversion, Kind, Limits, Value, XmlProblem, unpack};
+use crate::import::{Conversion, Kind, Limits, Unit, Value, XmlProblem, read_unit, unpack};
 
-use super::document::{ComponentEntry, ConnectionEntry, Document, Place, wrong};
+use super::connector::{ConnectorEntry, named};
+use super::document::{ComponentEntry, ConnectionEntry, Document, ParameterEntry, Place, wrong};
 use super::error::Error;
 
 type Parsed<T> = Result<T, XmlProblem>;
@@ -59,7 +60,6 @@ fn place(node: Node) -> Place {
 
 /// Parameter values in another file: the component (none: the whole system), prefix, file, place.
 type Elsewhere = (Option<usize>, String, String, Place);
-type Parameter = (String, Value, Place);
 
 fn document(root: Node, path: &Path, files: &mut Vec<Elsewhere>) -> Parsed<Document> {
     if root.tag_name().name() != "SystemStructureDescription" {
@@ -72,23 +72,28 @@ fn document(root: Node, path: &Path, files: &mut Vec<Elsewhere>) -> Parsed<Docum
     let system = child(root, "System").ok_or_else(|| xml::problem(root, "there is no <System>"))?;
     let mut document = Document::empty(path);
     let folder = path.parent().unwrap_or(Path::new(""));
+    let units = units(root)?;
     for element in child(system, "Elements")
         .into_iter()
         .flat_map(|list| list.children())
         .filter(Node::is_element)
     {
         match element.tag_name().name() {
-            "Component" => document.components.push(component(element, folder)?),
+            "Component" => document.components.push(component(element, folder, &units)?),
             other => return Err(unsupported(element, &format!("<{other}> within a system"))),
         }
         let at = document.components.len() - 1;
         bind(&mut document, element, Some(at), files)?;
     }
     bind(&mut document, system, None, files)?;
+    let declared = child(system, "Connectors").into_iter();
+    let declared = declared.flat_map(|list| children(list, "Connector"));
+    let declared: Vec<ConnectorEntry> =
+        declared.map(|node| ConnectorEntry::read(node, &units)).collect::<Parsed<_>>()?;
     for node in
         child(system, "Connections").into_iter().flat_map(|list| children(list, "Connection"))
     {
-        connection(&mut document, node)?;
+        connection(&mut document, node, &declared)?;
     }
     if let Some(experiment) = child(root, "DefaultExperiment") {
         document.start = value(experiment, "startTime")?;
@@ -97,7 +102,13 @@ fn document(root: Node, path: &Path, files: &mut Vec<Elsewhere>) -> Parsed<Docum
     Ok(document)
 }
 
-fn component(node: Node, folder: &Path) -> Parsed<ComponentEntry> {
+/// The units that an element defines.
+fn units(owner: Node) -> Parsed<Vec<Unit>> {
+    let list = child(owner, "Units").into_iter().flat_map(|list| children(list, "Unit"));
+    list.map(read_unit).collect()
+}
+
+fn component(node: Node, folder: &Path, units: &[Unit]) -> Parsed<ComponentEntry> {
     let name = required(node, "name")?.to_owned();
     if name.contains('.') {
         return Err(xml::problem(node, format!("the component's name `{name}` has a dot")));
@@ -114,11 +125,16 @@ fn component(node: Node, folder: &Path) -> Parsed<ComponentEntry> {
     };
     let source = required(node, "source")?;
     let fmu = local(source).ok_or_else(|| unsupported(node, &format!("the source `{source}`")))?;
+    let connectors = child(node, "Connectors").into_iter();
+    let connectors = connectors.flat_map(|list| children(list, "Connector"));
     Ok(ComponentEntry {
         name,
         fmu: folder.join(fmu),
         kind,
         parameters: Vec::new(),
+        connectors: connectors
+            .map(|node| ConnectorEntry::read(node, units))
+            .collect::<Parsed<_>>()?,
         place: place(node),
     })
 }
@@ -165,7 +181,8 @@ fn bind(
     Ok(())
 }
 
-fn parameter_set(set: Node, prefix: &str) -> Parsed<Vec<Parameter>> {
+fn parameter_set(set: Node, prefix: &str) -> Parsed<Vec<ParameterEntry>> {
+    let units = units(set)?;
     let list = child(set, "Parameters").into_iter().flat_map(|list| children(list, "Parameter"));
     list.map(|node| {
         let body = node.children().find(Node::is_element);
@@ -181,7 +198,9 @@ fn parameter_set(set: Node, prefix: &str) -> Parsed<Vec<Parameter>> {
             "Boolean" | "String" | "Enumeration" => text()?,
             other => return Err(unsupported(body, &format!("a parameter of type <{other}>"))),
         };
-        Ok((format!("{prefix}{}", required(node, "name")?), value, place(node)))
+        let name = format!("{prefix}{}", required(node, "name")?);
+        let unit = body.attribute("unit").map(|name| named(name, &units));
+        Ok(ParameterEntry { name, value, unit, place: place(node) })
     })
     .collect()
 }
@@ -190,9 +209,9 @@ fn parameter_set(set: Node, prefix: &str) -> Parsed<Vec<Parameter>> {
 fn apply(
     document: &mut Document,
     component: Option<usize>,
-    parameters: Vec<Parameter>,
+    parameters: Vec<ParameterEntry>,
 ) -> Parsed<()> {
-    for (name, value, place) in parameters {
+    for ParameterEntry { name, value, unit, place } in parameters {
         let (target, name) = match component {
             Some(component) => (component, name),
             None => {
@@ -211,12 +230,14 @@ fn apply(
                 })?
             }
         };
-        document.components[target].parameters.push((name, value, place));
+        let parameter = ParameterEntry { name, value, unit, place };
+        document.components[target].parameters.push(parameter);
     }
     Ok(())
 }
 
-fn connection(document: &mut Document, node: Node) -> Parsed<()> {
+/// `of_system` are the connectors of the system itself.
+fn connection(document: &mut Document, node: Node, of_system: &[ConnectorEntry]) -> Parsed<()> {
     let path = |element: &str, connector: &str| -> Parsed<Option<String>> {
         let connector = required(node, connector)?;
         Ok(node.attribute(element).map(|element| format!("{element}.{connector}")))
@@ -233,12 +254,22 @@ fn connection(document: &mut Document, node: Node) -> Parsed<()> {
     {
         return Err(unsupported(other, &format!("<{}>", other.tag_name().name())));
     }
+    let converts = !value(node, "suppressUnitConversion")?.unwrap_or(false);
     match (from, to) {
         (Some(from), Some(to)) => {
-            document.connections.push(ConnectionEntry { from, to, scaling, place: place(node) });
+            let place = place(node);
+            document.connections.push(ConnectionEntry { from, to, scaling, converts, place });
         }
         // An output of the system itself is there to be seen.
-        (Some(from), None) => document.records.push((from, place(node))),
+        (Some(from), None) => {
+            let name = required(node, "endConnector")?;
+            let connector = of_system.iter().find(|connector| connector.name == name);
+            let connector = connector.ok_or_else(|| {
+                xml::problem(node, format!("the system has no connector `{name}`; declare it"))
+            })?;
+            document.outputs.push((from.clone(), connector.clone()));
+            document.records.push((from, place(node)));
+        }
         (None, _) => {
             return Err(unsupported(node, "an input of the system itself, which nothing drives,"));
         }

@@ -134,6 +134,26 @@ impl<'a> System<'a> {
         to: &str,
         scaling: Conversion,
     ) -> Result<(), Error> {
+        self.connect_as(from, to, scaling, true)
+    }
+
+    /// As [`connect_scaled`](System::connect_scaled) without a conversion of units: the scaling is all.
+    pub(super) fn connect_unconverted(
+        &mut self,
+        from: &str,
+        to: &str,
+        scaling: Conversion,
+    ) -> Result<(), Error> {
+        self.connect_as(from, to, scaling, false)
+    }
+
+    fn connect_as(
+        &mut self,
+        from: &str,
+        to: &str,
+        scaling: Conversion,
+        converts: bool,
+    ) -> Result<(), Error> {
         let (component, port) = self.output(from)?;
         let (target, input) = self.input_port(to)?;
         let source = &self.members[component].ports.outputs[port];
@@ -142,9 +162,12 @@ impl<'a> System<'a> {
             let (from, to) = (from.to_owned(), to.to_owned());
             return Err(Error::Kind { from, from_kind: source.kind, to, to_kind: sink.kind });
         }
-        let conversion = convert(source.unit.as_ref(), sink.unit.as_ref());
-        let conversion =
-            conversion.ok_or_else(|| unit_error(from, source.unit.as_ref(), to, sink))?;
+        let conversion = if converts {
+            convert(source.unit.as_ref(), sink.unit.as_ref())
+                .ok_or_else(|| unit_error(from, source.unit.as_ref(), to, sink))?
+        } else {
+            Conversion::IDENTITY
+        };
         let conversion = conversion.then(scaling);
         self.drive(target, input, Source::Output { component, port, conversion }, from, to)
     }
@@ -216,6 +239,15 @@ impl<'a> System<'a> {
         }
     }
 
+    /// Inputs and outputs that are no scalar numbers, written `component.port`, each with what it is.
+    pub fn left_out(&self) -> Vec<String> {
+        let of = |member: &Member| {
+            let name = |(port, what): &(String, String)| format!("{}.{port} ({what})", member.name);
+            member.ports.others.iter().map(name).collect::<Vec<_>>()
+        };
+        self.members.iter().flat_map(of).collect()
+    }
+
     fn record_once(&mut self, new: Recorded) {
         let key = |r: &Recorded| (r.component, r.port, r.signal.is_some());
         if !self.recorded.iter().any(|recorded| key(recorded) == key(&new)) {
@@ -269,6 +301,11 @@ impl<'a> System<'a> {
         })?;
         let ports = of(&self.members[component].ports);
         let at = ports.iter().position(|other| other.name == port);
+        let others = &self.members[component].ports.others;
+        if let (None, Some((_, what))) = (at, others.iter().find(|(name, _)| *name == port)) {
+            let component = self.members[component].name.clone();
+            return Err(Error::NotScalar { component, port, what: what.clone() });
+        }
         let at = at.ok_or_else(|| Error::NoPort {
             component: self.members[component].name.clone(),
             what,

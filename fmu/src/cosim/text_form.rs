@@ -30,7 +30,9 @@ use toml::Spanned;
 
 use crate::import::{Conversion, Kind, Value};
 
-use super::document::{ComponentEntry, ConnectionEntry, Document, InputEntry, Place, wrong};
+use super::document::{
+    ComponentEntry, ConnectionEntry, Document, InputEntry, ParameterEntry, Place, wrong,
+};
 use super::error::Error;
 use super::system::Algorithm;
 
@@ -161,7 +163,7 @@ fn parse(path: &Path, text: &str) -> Result<Document, Error> {
                 Scalar::Number(value) => Value::Number(value),
                 Scalar::Text(value) => Value::Text(value),
             };
-            (name, value, at)
+            ParameterEntry { name, value, unit: None, place: at }
         });
         let kind = kind.map(|kind| match kind {
             KindName::CoSimulation => Kind::CoSimulation,
@@ -172,13 +174,20 @@ fn parse(path: &Path, text: &str) -> Result<Document, Error> {
             fmu: beside(&fmu),
             kind,
             parameters: parameters.collect(),
+            connectors: Vec::new(),
             place: at,
         }
     };
     let connection = |entry: Spanned<ConnectTable>| {
         let at = place(entry.span());
         let ConnectTable { from, to, factor, offset } = entry.into_inner();
-        ConnectionEntry { from, to, scaling: Conversion { factor, offset }, place: at }
+        ConnectionEntry {
+            from,
+            to,
+            scaling: Conversion { factor, offset },
+            converts: true,
+            place: at,
+        }
     };
     let input = |entry: Spanned<InputTable>| {
         let at = place(entry.span());
@@ -231,8 +240,10 @@ mod tests {
         assert_eq!((document.stop, document.algorithm), (Some(2.0), Algorithm::Jacobi));
         let a = &document.components[0];
         assert_eq!((a.name.as_str(), a.fmu.as_path()), ("a", Path::new("dir/a.fmu")));
-        assert_eq!(a.parameters[0], ("K".to_owned(), Value::Number(2.0), (8, 20)));
-        assert_eq!(a.parameters[1].1, Value::Text("true".to_owned()));
+        let (name, value) = ("K".to_owned(), Value::Number(2.0));
+        let first = ParameterEntry { name, value, unit: None, place: (8, 20) };
+        assert_eq!(a.parameters[0], first);
+        assert_eq!(a.parameters[1].value, Value::Text("true".to_owned()));
         assert_eq!(document.connections[0].scaling, Conversion { factor: 3.0, offset: 0.0 });
         assert_eq!(document.records, [("a.y".to_owned(), (14, 8))]);
     }

@@ -215,7 +215,6 @@ impl<M: Model> Handle<M> {
     fn create(
         logger: Logger,
         function: &str,
-        logging: bool,
         name: Text,
         make: impl FnOnce(&str) -> Result<Instance<M>, Refusal>,
     ) -> Self {
@@ -228,12 +227,10 @@ impl<M: Model> Handle<M> {
             Ok(Err(refusal)) => refusal,
             Err(panic) => Refusal::Panicked(instance::panic_text(panic.as_ref())),
         };
-        if logging {
-            let status = refusal.status();
-            let text = format!("{function}: {refusal}");
-            let name = c_string(name.optional().ok().flatten().unwrap_or_default());
-            logger.emit(&name, &instance::Message { status, category: status.category(), text });
-        }
+        let status = refusal.status();
+        let text = format!("{function}: {refusal}");
+        let name = c_string(name.optional().ok().flatten().unwrap_or_default());
+        logger.emit(&name, &instance::Message { status, category: status.category(), text });
         Self(std::ptr::null_mut(), PhantomData)
     }
 
@@ -286,7 +283,7 @@ pub fn instantiate2<M: Model>(
         return Handle(std::ptr::null_mut(), PhantomData);
     };
     let logger = Logger::Two(callbacks.logger, callbacks.environment);
-    Handle::create(logger, "fmi2Instantiate", logging, name, |name| {
+    Handle::create(logger, "fmi2Instantiate", name, |name| {
         let interface = match kind {
             0 => Interface::ModelExchange,
             1 => Interface::CoSimulation,
@@ -306,7 +303,7 @@ pub fn instantiate3<M: Model>(
     logging: bool,
     (environment, logger): (*mut c_void, Option<Logger3>),
 ) -> Handle<M> {
-    Handle::create(Logger::Three(logger, environment), function, logging, name, |name| {
+    Handle::create(Logger::Three(logger, environment), function, name, |name| {
         let interface = interface?;
         let resources = location::resources(Version::Three, resources.optional()?);
         let token = token.required()?;

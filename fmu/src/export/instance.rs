@@ -62,6 +62,14 @@ impl Logging {
         Self { on: [on; LogCategory::ALL.len()] }
     }
 
+    /// What an instance begins with: FMI's `loggingOn` is about debugging, and what went wrong is said
+    /// in any case.
+    pub(super) fn initial(on: bool) -> Self {
+        let mut logging = Self::all(true);
+        logging.switch(LogCategory::Events, on);
+        logging
+    }
+
     pub(super) fn switch(&mut self, category: LogCategory, on: bool) {
         match category {
             LogCategory::All => *self = Self::all(on),

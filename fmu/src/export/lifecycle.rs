@@ -66,7 +66,7 @@ impl<M: Model> Instance<M> {
             model,
             run: Run::NEW,
             saved: SavedStates::default(),
-            logging: Logging::all(logging),
+            logging: Logging::initial(logging),
             messages: Vec::new(),
         })
     }

@@ -321,6 +321,18 @@ fn only_the_chosen_categories_are_logged() {
 }
 
 #[test]
+fn what_went_wrong_is_said_without_debug_logging() {
+    let token = instance(Interface::CoSimulation).table.token;
+    let mut one =
+        Instance::<Tiny>::new(Version::Two, Interface::CoSimulation, "one", &token, None, false)
+            .expect("it is instantiated");
+    let (status, text) = answered(&mut one, |i| i.do_step(1.0, 0.1));
+    assert_eq!(status, Status::Error);
+    assert!(!text.is_empty());
+    assert_eq!(answered(&mut one, |i| i.reset()), (Status::Ok, String::new()), "no debugging");
+}
+
+#[test]
 fn the_functions_of_the_other_version_are_refused() {
     let mut one = running(Interface::CoSimulation);
     assert_eq!(one.answer(Version::Three, "fmi3Reset", |i| i.reset()), Status::Error);

@@ -12,7 +12,7 @@ use super::status::Status;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
     runs: Vec<Run>,
-    len: usize,
+    names: Vec<String>,
 }
 
 /// The members of one type.
@@ -29,7 +29,7 @@ struct Run {
 /// Why a transfer failed.
 pub(super) enum Failure {
     /// The FMI function did.
-    Status(&'static str, Status),
+    Status(&'static str, Type, Status),
     /// The value at this position cannot be held by its type.
     Value(usize, Type),
 }
@@ -59,17 +59,23 @@ impl Group {
             run.references.push(variable.reference);
             run.positions.push(position);
         }
-        Ok(Group { runs, len: variables.len() })
+        let names = variables.iter().map(|variable| variable.name.clone()).collect();
+        Ok(Group { runs, names })
     }
 
     /// Number of variables.
     pub fn len(&self) -> usize {
-        self.len
+        self.names.len()
+    }
+
+    /// Their names, in the order of the values.
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// Whether there is no variable.
     pub fn is_empty(&self) -> bool {
-        self.len == 0
+        self.names.is_empty()
     }
 
     pub(super) fn read(
@@ -81,7 +87,7 @@ impl Group {
         for run in &self.runs {
             if run.kind == Type::Float64 && run.in_place {
                 let count = run.references.len();
-                good("get Float64", from.get(&run.references, &mut values[..count]))?;
+                good("get", run.kind, from.get(&run.references, &mut values[..count]))?;
                 continue;
             }
             match (run.kind, fmi) {
@@ -116,7 +122,7 @@ impl Group {
         for run in &self.runs {
             if run.kind == Type::Float64 && run.in_place {
                 let count = run.references.len();
-                good("set Float64", to.set(&run.references, &values[..count]))?;
+                good("set", run.kind, to.set(&run.references, &values[..count]))?;
                 continue;
             }
             match (run.kind, fmi) {
@@ -153,7 +159,7 @@ impl Run {
             self.references.chunks(CHUNK).zip(self.positions.chunks(CHUNK))
         {
             let chunk = &mut chunk[..references.len()];
-            good("get", from.get(references, chunk))?;
+            good("get", self.kind, from.get(references, chunk))?;
             for (value, position) in chunk.iter().zip(positions) {
                 values[*position] = value.number();
             }
@@ -171,12 +177,12 @@ impl Run {
                 let number = T::from_number(values[*position]);
                 *value = number.ok_or(Failure::Value(*position, self.kind))?;
             }
-            good("set", to.set(references, chunk))?;
+            good("set", self.kind, to.set(references, chunk))?;
         }
         Ok(())
     }
 }
 
-fn good(function: &'static str, status: Status) -> Result<(), Failure> {
-    if status.is_good() { Ok(()) } else { Err(Failure::Status(function, status)) }
+fn good(function: &'static str, kind: Type, status: Status) -> Result<(), Failure> {
+    if status.is_good() { Ok(()) } else { Err(Failure::Status(function, kind, status)) }
 }

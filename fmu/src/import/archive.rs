@@ -6,12 +6,12 @@ use std::fs;
 use std::io::{self, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
 use super::error::Error;
 use super::problem::UnsafeEntry;
+use super::unpacked::Unpacked;
 
 /// What an FMU may unpack to. The largest FMUs in use hold a few hundred megabytes of resources.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +33,7 @@ impl Default for Limits {
 /// # Errors
 /// The file cannot be read, is no or a damaged zip archive, holds an entry that would leave the
 /// folder, or exceeds the limits. Nothing is left behind then.
-pub(crate) fn unpack(path: &Path, fmu: &str, limits: Limits) -> Result<TempDir, Error> {
+pub(crate) fn unpack(path: &Path, fmu: &str, limits: Limits) -> Result<Unpacked, Error> {
     let open = |source| Error::Open { fmu: path.display().to_string(), source };
     let file = fs::File::open(path).map_err(open)?;
     if file.metadata().map_err(open)?.is_dir() {
@@ -41,8 +41,7 @@ pub(crate) fn unpack(path: &Path, fmu: &str, limits: Limits) -> Result<TempDir, 
     }
     let archive = ZipArchive::new(io::BufReader::new(file));
     let archive = archive.map_err(|source| Error::Archive { fmu: fmu.to_owned(), source })?;
-    let folder = tempfile::Builder::new().prefix("drivescope-fmu-").tempdir();
-    let folder = folder.map_err(|source| Error::Unpack {
+    let folder = Unpacked::new().map_err(|source| Error::Unpack {
         fmu: fmu.to_owned(),
         path: std::env::temp_dir(),
         source,
@@ -163,7 +162,7 @@ mod tests {
         zip.finish().unwrap().into_inner()
     }
 
-    fn unpack_bytes(bytes: &[u8], limits: Limits) -> Result<TempDir, Error> {
+    fn unpack_bytes(bytes: &[u8], limits: Limits) -> Result<Unpacked, Error> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("test.fmu");
         fs::write(&path, bytes).unwrap();

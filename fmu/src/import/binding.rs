@@ -163,6 +163,15 @@ pub(super) fn text_of(text: *const c_char) -> String {
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
+/// Bytes that the FMU owns, copied; none for a null pointer.
+pub(super) fn bytes_of(bytes: *const u8, size: usize) -> Vec<u8> {
+    if bytes.is_null() {
+        return Vec::new();
+    }
+    // SAFETY: the standard says that they are that many until the next call.
+    unsafe { std::slice::from_raw_parts(bytes, size) }.to_vec()
+}
+
 /// What an FMU holds addresses of as long as its instance lives.
 pub(super) struct Kept {
     callbacks: Box<Callbacks>,

@@ -304,6 +304,13 @@ impl Description {
         self.units.iter().find(|unit| unit.name == name)
     }
 
+    /// The unit that variables refer to by that name, defined or not: an undefined one still has a
+    /// name to compare by.
+    pub fn unit_of_name(&self, name: &str) -> Unit {
+        let defined = self.unit(name).cloned();
+        defined.unwrap_or_else(|| Unit { name: name.to_owned(), base: None })
+    }
+
     /// The capabilities in one interface type.
     pub fn capabilities(&self, kind: Kind) -> Option<&Capabilities> {
         match kind {
@@ -329,6 +336,11 @@ impl Description {
 
     /// Number of elements of a variable, with structural parameters at their start values.
     pub fn elements(&self, variable: &Variable) -> usize {
+        self.sizes(variable).into_iter().product()
+    }
+
+    /// Sizes of its dimensions, none for a scalar; structural parameters at their start values.
+    pub fn sizes(&self, variable: &Variable) -> Vec<usize> {
         let size = |dimension: &Dimension| match dimension {
             Dimension::Fixed(size) => *size,
             Dimension::Structural(reference) => self
@@ -339,6 +351,6 @@ impl Description {
                 .and_then(|text| text.parse().ok())
                 .unwrap_or(0),
         };
-        variable.dimensions.iter().map(size).product()
+        variable.dimensions.iter().map(size).collect()
     }
 }

@@ -4,6 +4,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use drivescope_recording::rounded;
+
 use super::description::Kind;
 use super::logging::Message;
 use super::problem::{
@@ -218,7 +220,8 @@ pub enum Error {
     },
     /// An FMI function returned an error.
     #[error(
-        "{fmu}: {function} of `{instance}` returned {status} at time {time} s{}",
+        "{fmu}: {function} of `{instance}` returned {status} at time {} s{}",
+        rounded(*time),
         said(messages)
     )]
     Call {
@@ -226,8 +229,8 @@ pub enum Error {
         fmu: String,
         /// The instance's name.
         instance: String,
-        /// The FMI function.
-        function: &'static str,
+        /// The FMI function, with the variable where it is about one.
+        function: String,
         /// What it returned.
         status: Status,
         /// Simulation time, s.
@@ -237,8 +240,11 @@ pub enum Error {
     },
     /// A communication step that the FMU could not complete.
     #[error(
-        "{fmu}: `{instance}` discarded the step from {time} s to {target} s (it reached {reached} s){}; \
+        "{fmu}: `{instance}` discarded the step from {} s to {} s (it reached {} s){}; \
          use a smaller communication step size",
+        rounded(*time),
+        rounded(*target),
+        rounded(*reached),
         said(messages)
     )]
     Discard {
@@ -276,7 +282,7 @@ pub enum Error {
         fmu: String,
     },
     /// The integration of a Model Exchange FMU failed.
-    #[error("{fmu}: integration of `{instance}` failed at {time} s ({problem})")]
+    #[error("{fmu}: integration of `{instance}` failed at {} s ({problem})", rounded(*time))]
     Integration {
         /// The FMU's file name.
         fmu: String,
@@ -305,13 +311,15 @@ fn did_you_mean(near: &Option<String>) -> String {
     near.as_ref().map_or(String::new(), |name| format!("; did you mean `{name}`?"))
 }
 
-/// The last few messages: the ones before the failure are the ones that explain it.
+/// The last few messages: the ones before the failure are the ones that explain it. Where some tell of
+/// something wrong, those alone.
 fn said(messages: &[Message]) -> impl fmt::Display {
     const SHOWN: usize = 3;
-    let first = messages.len().saturating_sub(SHOWN);
-    messages[first..]
-        .iter()
-        .fold(String::new(), |text, message| text + "; it says: " + &message.text)
+    let wrong: Vec<&Message> =
+        messages.iter().filter(|message| message.status != Status::Ok).collect();
+    let shown = if wrong.is_empty() { messages.iter().collect() } else { wrong };
+    let first = shown.len().saturating_sub(SHOWN);
+    shown[first..].iter().fold(String::new(), |text, message| text + "; it says: " + &message.text)
 }
 
 /// The dynamic linker's own words, which the loading crate keeps as the source of its error.

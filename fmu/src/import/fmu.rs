@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use tempfile::TempDir;
-
 use super::archive::{self, Limits};
 use super::binary::{self, Binary};
 use super::description::{Description, FmiVersion, Kind};
@@ -16,6 +14,7 @@ use super::handle::{Handle, Making};
 use super::instance::Instance;
 use super::logging::Log;
 use super::parse;
+use super::unpacked::Unpacked;
 
 /// An opened FMU. Cheap to clone; the unpacked files live as long as the last clone and instance.
 #[derive(Clone)]
@@ -31,7 +30,7 @@ pub(super) struct Inner {
     /// Set while the one allowed instance lives, if only one is allowed.
     taken: AtomicBool,
     // Dropped after the binaries: Windows does not delete a loaded library.
-    folder: TempDir,
+    folder: Unpacked,
 }
 
 /// How an instance is to be made.

@@ -112,6 +112,7 @@ table! {
         set_boolean = c"fmi3SetBoolean" (Instance, Refs, usize, *const bool, usize) -> i32;
         get_string = c"fmi3GetString" (Instance, Refs, usize, *mut Text, usize) -> i32;
         set_string = c"fmi3SetString" (Instance, Refs, usize, *const Text, usize) -> i32;
+        get_binary = c"fmi3GetBinary" (Instance, Refs, usize, *mut usize, *mut *const u8, usize) -> i32;
         get_state = c"fmi3GetFMUState" (Instance, *mut Pointer) -> i32;
         set_state = c"fmi3SetFMUState" (Instance, Pointer) -> i32;
         free_state = c"fmi3FreeFMUState" (Instance, *mut Pointer) -> i32;
@@ -145,11 +146,10 @@ const REST_OF_TWO_CS: [&CStr; 6] = [
     c"fmi2GetIntegerStatus",
     c"fmi2GetStringStatus",
 ];
-const REST_OF_THREE: [&CStr; 24] = [
+const REST_OF_THREE: [&CStr; 23] = [
     c"fmi3GetVersion",
     c"fmi3SetDebugLogging",
     c"fmi3InstantiateScheduledExecution",
-    c"fmi3GetBinary",
     c"fmi3SetBinary",
     c"fmi3GetClock",
     c"fmi3SetClock",

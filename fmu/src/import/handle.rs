@@ -6,7 +6,7 @@ use std::ptr::{null, null_mut};
 use std::sync::Arc;
 
 use super::binary::Binary;
-use super::binding::{Call, EventInfo, Foreign, Kept, LOG_LINE, Saved, text_of};
+use super::binding::{Call, EventInfo, Foreign, Kept, LOG_LINE, Saved, bytes_of, text_of};
 use super::description::Kind;
 use super::functions::Functions;
 use super::logging::Log;
@@ -153,21 +153,40 @@ impl Handle {
         }
     }
 
-    /// The text of one variable; the FMU's memory is copied at once, as it may be reused.
-    pub(super) fn get_string(&mut self, reference: u32) -> (Status, String) {
-        let mut text: *const c_char = null();
+    /// The texts of one variable; the FMU's memory is copied at once, as it may be reused.
+    pub(super) fn get_strings(&mut self, reference: u32, count: usize) -> (Status, Vec<String>) {
+        let mut texts: Vec<*const c_char> = vec![null(); count];
+        let to = texts.as_mut_ptr();
         let status = match &self.binary.functions {
+            Functions::Two(_) if count != 1 => Status::Missing,
             Functions::Two(f) => {
-                f.get_string.status((self.instance.0, &raw const reference, 1, &raw mut text))
+                f.get_string.status((self.instance.0, &raw const reference, 1, to))
             }
             Functions::Three(f) => {
-                f.get_string.status((self.instance.0, &raw const reference, 1, &raw mut text, 1))
+                f.get_string.status((self.instance.0, &raw const reference, 1, to, count))
             }
         };
-        if !status.is_good() || text.is_null() {
-            return (status, String::new());
-        }
-        (status, text_of(text))
+        let texts = if status.is_good() { texts } else { Vec::new() };
+        (status, texts.into_iter().map(text_of).collect())
+    }
+
+    /// The bytes of one variable (FMI 3.0), copied at once too.
+    pub(super) fn get_binaries(&mut self, reference: u32, count: usize) -> (Status, Vec<Vec<u8>>) {
+        let (mut sizes, mut bytes) = (vec![0; count], vec![null(); count]);
+        let status = match &self.binary.functions {
+            Functions::Two(_) => Status::Missing,
+            Functions::Three(f) => f.get_binary.status((
+                self.instance.0,
+                &raw const reference,
+                1,
+                sizes.as_mut_ptr(),
+                bytes.as_mut_ptr(),
+                count,
+            )),
+        };
+        let sizes = if status.is_good() { sizes } else { Vec::new() };
+        let copied = bytes.into_iter().zip(sizes).map(|(bytes, size)| bytes_of(bytes, size));
+        (status, copied.collect())
     }
 
     pub(super) fn set_string(&mut self, reference: u32, text: &CString) -> Status {

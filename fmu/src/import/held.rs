@@ -35,7 +35,8 @@ pub(crate) fn from_recorded(unit: &str, to: Option<&Unit>, defined: &[Unit]) -> 
     if unit.is_empty() || unit == "1" || unit == to.name {
         return Some(Conversion::IDENTITY);
     }
-    let from = defined.iter().find(|defined| defined.name == unit)?;
+    let bare = Unit { name: unit.to_owned(), base: None };
+    let from = defined.iter().find(|defined| defined.name == unit).unwrap_or(&bare);
     convert(Some(from), Some(to))
 }
 
@@ -56,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn recorded_units_convert_where_the_component_defines_them() {
+    fn recorded_units_convert_as_the_component_defines_them() {
         use crate::import::BaseUnit;
         let base =
             |factor| Some(BaseUnit { exponents: [0, 0, -1, 0, 0, 0, 0, 1], factor, offset: 0.0 });

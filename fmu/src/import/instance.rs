@@ -173,25 +173,46 @@ impl Instance {
             self.expect("step", &[Mode::Stepping])?;
         }
         self.time = time;
-        let ends = match &mut self.integrator {
+        let end = time + step;
+        let (ends, reached) = match &mut self.integrator {
             None => {
                 let may_go_back = self.states.in_use();
                 let (status, ends, reached) = self.handle.do_step(time, step, may_go_back);
                 match status {
-                    Status::Ok | Status::Warning => ends,
-                    Status::Discard if ends => {
-                        self.time = reached;
-                        return Ok(Progress::Terminate);
+                    Status::Ok | Status::Warning if !ends => (false, end),
+                    // Where it ended; an FMU that does not say has done the whole step.
+                    Status::Ok | Status::Warning | Status::Discard if ends => {
+                        (true, if reached >= time && reached < end { reached } else { end })
                     }
                     Status::Discard => return Err(self.discarded(step, reached)),
                     bad => return Err(self.failed("DoStep", bad)),
                 }
             }
             Some(integrator) => integrator
-                .advance(&mut self.handle, time, time + step)
+                .advance(&mut self.handle, time, end)
                 .map_err(|failure| self.integration_failed(failure))?,
         };
-        self.time = time + step;
+        self.time = reached;
+        Ok(if ends { Progress::Terminate } else { Progress::Continue })
+    }
+
+    /// Whether a Model Exchange instance has an event now that its next step would begin with: values
+    /// that are read before it are those from before the event. Set the inputs of this time, and then
+    /// [`settle`](Instance::settle).
+    pub fn event_is_due(&self) -> bool {
+        self.mode == Mode::Stepping
+            && self.integrator.as_ref().is_some_and(|integrator| integrator.is_due(self.time))
+    }
+
+    /// Lets the events happen that are due now; a Co-Simulation instance has none outside its steps.
+    ///
+    /// # Errors
+    /// The FMU fails, or its events do not end.
+    pub fn settle(&mut self) -> Result<Progress, Error> {
+        self.expect("settle", &[Mode::Stepping])?;
+        let Some(integrator) = &mut self.integrator else { return Ok(Progress::Continue) };
+        let ends = integrator.settle(&mut self.handle, self.time);
+        let ends = ends.map_err(|failure| self.integration_failed(failure))?;
         Ok(if ends { Progress::Terminate } else { Progress::Continue })
     }
 
@@ -246,7 +267,7 @@ impl Instance {
     }
 
     #[cold]
-    pub(super) fn failed(&mut self, function: &'static str, status: Status) -> Error {
+    pub(super) fn failed(&mut self, function: impl Into<String>, status: Status) -> Error {
         match status {
             Status::Fatal => {
                 self.mode = Mode::Corrupt;
@@ -258,7 +279,7 @@ impl Instance {
         Error::Call {
             fmu: self.fmu.name().to_owned(),
             instance: self.name.clone(),
-            function,
+            function: function.into(),
             status,
             time: self.time,
             messages: self.log.take(),

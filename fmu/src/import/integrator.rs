@@ -128,13 +128,29 @@ impl Integrator {
         status
     }
 
-    /// Integrates from `time` to `end`; whether the FMU asks to end the simulation.
+    /// Whether an event is due at that time: one in time, or that of the start.
+    pub(super) fn is_due(&self, now: f64) -> bool {
+        let resolution = SAME_TIME_ULPS * f64::EPSILON * now.abs();
+        self.update_due || self.next_event.is_some_and(|event| event <= now + resolution)
+    }
+
+    /// Lets the events happen that are due at that time; whether the FMU asks to end the simulation.
+    pub(super) fn settle(&mut self, fmu: &mut Handle, now: f64) -> Result<bool, Failure> {
+        if self.is_due(now) {
+            good("SetTime", if self.event_mode { Status::Ok } else { fmu.set_time(now) })?;
+            self.handle_event(fmu, now)?;
+        }
+        Ok(self.ends)
+    }
+
+    /// Integrates from `time` to `end`; whether the FMU asks to end the simulation, and the time
+    /// reached.
     pub(super) fn advance(
         &mut self,
         fmu: &mut Handle,
         time: f64,
         end: f64,
-    ) -> Result<bool, Failure> {
+    ) -> Result<(bool, f64), Failure> {
         let resolution = SAME_TIME_ULPS * f64::EPSILON * time.abs().max(end.abs());
         let mut now = time;
         if self.update_due || self.next_event.is_some_and(|event| event <= now + resolution) {
@@ -155,7 +171,7 @@ impl Integrator {
                 self.handle_event(fmu, now)?;
             }
         }
-        Ok(self.ends)
+        Ok((self.ends, if self.ends { now } else { end }))
     }
 
     /// Event mode: updates until the discrete states settle, then back to continuous time.

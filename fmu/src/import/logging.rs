@@ -29,7 +29,9 @@ impl Log {
     pub(crate) fn push(&self, message: Message) {
         let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
         if messages.len() == KEPT {
-            messages.pop_front();
+            // What went wrong is worth more than what went on.
+            let chatter = messages.iter().position(|message| message.status == Status::Ok);
+            messages.remove(chatter.unwrap_or(0));
         }
         messages.push_back(message);
     }
@@ -54,5 +56,15 @@ mod tests {
         let kept = log.take();
         assert_eq!((kept.len(), kept[0].text.as_str()), (KEPT, "5"));
         assert!(log.take().is_empty());
+        log.push(Message { status: Status::Warning, category: String::new(), text: "w".into() });
+        for _ in 0..2 * KEPT {
+            log.push(Message { status: Status::Ok, category: String::new(), text: "o".into() });
+        }
+        let kept = log.take();
+        assert_eq!(
+            (kept.len(), kept[0].text.as_str()),
+            (KEPT, "w"),
+            "chatter drives no warning out"
+        );
     }
 }

@@ -115,7 +115,8 @@ fn capabilities(node: Node, fmi: FmiVersion) -> Parsed<Capabilities> {
     })
 }
 
-fn read_unit(node: Node) -> Parsed<Unit> {
+/// A `<Unit>` of a model description, or of an SSP file, which says it alike.
+pub(crate) fn read_unit(node: Node) -> Parsed<Unit> {
     const BASES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
     let base = |node: Node| -> Parsed<BaseUnit> {
         let mut exponents = [0; 8];

@@ -30,9 +30,23 @@ pub enum VariableProblem {
     /// A string, binary or clock, where a number is needed.
     #[error("is of type {0}, which has no numeric value")]
     NotNumeric(&'static str),
-    /// A number, where a text is needed.
+    /// Another type, where a text is needed.
     #[error("is of type {0}, not String")]
     NotText(&'static str),
+    /// Another type, where bytes are needed.
+    #[error("is of type {0}, not Binary")]
+    NotBytes(&'static str),
+    /// Another type, where a long whole number is needed.
+    #[error("is of type {0}, neither Int64 nor UInt64")]
+    NotWhole(&'static str),
+    /// Another number of elements.
+    #[error("has {there} elements, and {given} are given")]
+    Elements {
+        /// How many it has.
+        there: usize,
+        /// How many are given.
+        given: usize,
+    },
     /// A value that the variable's type cannot hold.
     #[error("is of type {kind} and cannot take the value {value}")]
     Value {
@@ -58,6 +72,9 @@ pub enum VariableProblem {
     /// Not a parameter or a variable with a start value.
     #[error("is {0} and cannot be given a value before the start")]
     NotSettable(String),
+    /// An element of an array without a signal.
+    #[error("is an array, and the recording has no signal `{0}`; give one for each element")]
+    NoSignal(String),
     /// The recorded signal's unit cannot be converted.
     #[error("is in `{own}`, but the signal is in `{other}`; the units do not convert")]
     Unit {

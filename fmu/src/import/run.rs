@@ -2,19 +2,23 @@
 
 use std::sync::Arc;
 
-use drivescope_recording::{Recording, Signal};
+use drivescope_recording::{Recording, Signal, TextSignal};
 
 use super::description::{Causality, Kind, Variable};
 use super::error::Error;
 use super::experiment::steps;
 use super::fmu::{Fmu, InstanceOptions};
 use super::held::{Held, from_recorded};
-use super::instance::Progress;
+use super::instance::{Instance, Progress};
+use super::logging::Message;
 use super::problem::{ExperimentProblem, VariableProblem};
+use super::recorder::{Recorder, indices};
 use super::values::Value;
 
 /// Steps of a run for which nobody states a step size.
 const STEPS: f64 = 1000.0;
+/// Share of the step within which two times are one communication point.
+const SAME_POINT: f64 = 1e-6;
 
 /// How an FMU is to be run. Times are in s; what is left out is taken from the FMU's default
 /// experiment.
@@ -36,28 +40,40 @@ pub struct RunOptions<'a> {
     pub kind: Option<Kind>,
     /// Values that are set before the initialisation.
     pub parameters: Vec<(String, Value)>,
-    /// Variables to record; otherwise all scalar numeric outputs.
+    /// Variables to record; otherwise all outputs.
     pub record: Option<Vec<String>>,
     /// Whether the FMU should log.
     pub logging: bool,
 }
 
-/// Runs an FMU. Sample `k` of the recording lies at `start + k h`; it holds the driven inputs as they
-/// were set for the step from there, and the recorded variables as they were at that time. It ends
-/// early where the FMU asks to end the simulation.
+/// What a run gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ran {
+    /// Sample `k` lies at `start + k h`; it holds the driven inputs as they were set for the step from
+    /// there, and the recorded variables as they were at that time. Elements of arrays are named
+    /// `y[1]`, `y[2]`, ...
+    pub recording: Recording,
+    /// What is no number: strings, binaries (in hexadecimal digits), whole numbers beyond 2^53.
+    pub texts: Vec<TextSignal>,
+    /// When the FMU ended the simulation, s, if it did before the stop time.
+    pub ended: Option<f64>,
+    /// Outputs that cannot be recorded: clocks.
+    pub left_out: Vec<String>,
+    /// What the FMU logged.
+    pub messages: Vec<Message>,
+}
+
+/// Runs an FMU. It ends early where the FMU asks to end the simulation; a communication point that is
+/// reached then is recorded.
 ///
 /// # Errors
 /// An experiment that cannot be run, signals that fit no input, a value that cannot be set, a step
 /// that fails or is discarded.
-pub fn run(fmu: &Fmu, options: &RunOptions) -> Result<Recording, Error> {
+pub fn run(fmu: &Fmu, options: &RunOptions) -> Result<Ran, Error> {
     let window = Window::of(fmu, options)?;
     let kinds = fmu.description().kinds();
     let kind = options.kind.or(kinds.first().copied()).unwrap_or(Kind::CoSimulation);
     let driven = drive(fmu, options.input)?;
-    let outputs: Vec<String> = match &options.record {
-        Some(names) => names.clone(),
-        None => fmu.description().scalars(Causality::Output).map(|v| v.name.clone()).collect(),
-    };
 
     let name = fmu.description().model_name.clone();
     let mut instance =
@@ -65,50 +81,74 @@ pub fn run(fmu: &Fmu, options: &RunOptions) -> Result<Recording, Error> {
     for (name, value) in &options.parameters {
         instance.set_value(name, value)?;
     }
-    let input_names: Vec<&str> =
-        driven.iter().map(|(variable, _)| variable.name.as_str()).collect();
-    let output_names: Vec<&str> = outputs.iter().map(String::as_str).collect();
-    let (inputs, reads) = (instance.group(&input_names)?, instance.group(&output_names)?);
-    let mut row_in = vec![0.0; driven.len()];
-    let mut row_out = vec![0.0; outputs.len()];
-    let mut columns = vec![Vec::with_capacity(window.steps + 1); driven.len() + outputs.len()];
-    let sample = |time: f64, row: &mut [f64]| {
-        for (value, (_, held)) in row.iter_mut().zip(&driven) {
-            *value = held.at(time);
+    let (scalars, arrays): (Vec<_>, Vec<_>) =
+        driven.iter().partition(|input| input.variable.dimensions.is_empty());
+    let scalar_names: Vec<&str> =
+        scalars.iter().map(|input| input.variable.name.as_str()).collect();
+    let scalar_inputs = instance.group(&scalar_names)?;
+    let mut row = vec![0.0; scalars.len()];
+    let mut apply = |instance: &mut Instance, time: f64| -> Result<(), Error> {
+        if !scalars.is_empty() {
+            for (value, input) in row.iter_mut().zip(&scalars) {
+                *value = input.held[0].at(time);
+            }
+            instance.write(&scalar_inputs, &row)?;
         }
+        for input in &arrays {
+            let values: Vec<f64> = input.held.iter().map(|held| held.at(time)).collect();
+            instance.set_array(&input.variable.name, &values)?;
+        }
+        Ok(())
     };
+    let mut recorder = Recorder::new(fmu, &instance, options.record.as_deref())?;
 
     instance.enter_initialization(window.start, Some(window.stop), options.tolerance)?;
-    sample(window.start, &mut row_in);
-    if !inputs.is_empty() {
-        instance.write(&inputs, &row_in)?;
-    }
+    apply(&mut instance, window.start)?;
     instance.exit_initialization()?;
-    for k in 0..=window.steps {
-        let time = window.start + k as f64 * window.step;
-        instance.read(&reads, &mut row_out)?;
-        sample(time, &mut row_in);
-        for (column, value) in columns.iter_mut().zip(row_in.iter().chain(&row_out)) {
-            column.push(*value);
+    let mut samples = 0;
+    let mut ended = None;
+    loop {
+        let time = window.start + samples as f64 * window.step;
+        let due = instance.event_is_due();
+        if due {
+            // The event belongs to this time, and sees its inputs.
+            apply(&mut instance, time)?;
+            if instance.settle()? == Progress::Terminate {
+                ended = ended.or(Some(time));
+            }
         }
-        if k == window.steps {
+        recorder.sample(&mut instance)?;
+        samples += 1;
+        if samples > window.steps || ended.is_some() {
             break;
         }
-        if !inputs.is_empty() {
-            instance.write(&inputs, &row_in)?;
+        if !due {
+            apply(&mut instance, time)?;
         }
         if instance.step(time, window.step)? == Progress::Terminate {
-            break;
+            let reached = instance.time();
+            ended = Some(reached);
+            // A sample lies at a communication point; what was reached between two has none.
+            if reached < time + (1.0 - SAME_POINT) * window.step {
+                break;
+            }
         }
     }
-    let variables = input_names.iter().chain(&output_names).map(|name| fmu.variable(name));
-    let signals = variables.zip(columns).map(|(variable, values)| {
-        let variable = variable?;
-        let unit = variable.unit.clone().unwrap_or_else(|| "1".to_owned());
-        Ok(Signal { name: variable.name.clone(), unit, values })
+    let messages = instance.messages();
+    let left_out = std::mem::take(&mut recorder.left_out);
+    let inputs = driven.iter().flat_map(|input| {
+        let unit = input.variable.unit.clone().unwrap_or_else(|| "1".to_owned());
+        let names = indices(&fmu.description().sizes(input.variable)).into_iter();
+        names.zip(&input.held).map(move |(index, held)| Signal {
+            name: format!("{}{index}", input.variable.name),
+            unit: unit.clone(),
+            values: (0..samples).map(|k| held.at(window.start + k as f64 * window.step)).collect(),
+        })
     });
-    let signals = signals.collect::<Result<Vec<_>, Error>>()?;
-    Ok(Recording::new(name, window.start, window.step, signals))
+    let (outputs, texts) = recorder.finish();
+    let signals = inputs.chain(outputs).collect();
+    let recording = Recording::new(name, window.start, window.step, signals);
+    Ok(Ran { recording, texts, ended, left_out, messages })
 }
 
 struct Window {
@@ -135,8 +175,14 @@ impl Window {
     }
 }
 
-/// The inputs that the recording has a signal for.
-fn drive<'f>(fmu: &'f Fmu, input: Option<&Recording>) -> Result<Vec<(&'f Variable, Held)>, Error> {
+/// An input that a recording drives: one signal an element.
+struct Driven<'f> {
+    variable: &'f Variable,
+    held: Vec<Held>,
+}
+
+/// The inputs that the recording has signals for: those of an array `u` are `u[1]`, `u[2]`, ...
+fn drive<'f>(fmu: &'f Fmu, input: Option<&Recording>) -> Result<Vec<Driven<'f>>, Error> {
     let Some(input) = input else { return Ok(Vec::new()) };
     let wrong = |problem| Error::Experiment { fmu: fmu.name().to_owned(), problem };
     if input.is_empty() {
@@ -144,27 +190,40 @@ fn drive<'f>(fmu: &'f Fmu, input: Option<&Recording>) -> Result<Vec<(&'f Variabl
     }
     let description = fmu.description();
     let recording = Arc::new(input.clone());
+    let inputs = || {
+        let numeric = |v: &&Variable| v.causality == Causality::Input && v.kind.is_numeric();
+        description.variables.iter().filter(numeric)
+    };
     let mut driven = Vec::new();
-    for variable in description.scalars(Causality::Input) {
-        let Some(at) = input.signals.iter().position(|signal| signal.name == variable.name) else {
+    for variable in inputs() {
+        let names = indices(&description.sizes(variable)).into_iter();
+        let names: Vec<String> = names.map(|index| format!("{}{index}", variable.name)).collect();
+        let at = |name: &String| input.signals.iter().position(|signal| signal.name == *name);
+        let found: Vec<Option<usize>> = names.iter().map(at).collect();
+        if found.iter().all(Option::is_none) {
             continue;
-        };
-        let own = variable.unit.as_ref().and_then(|name| description.unit(name));
-        let unit = &input.signals[at].unit;
-        let conversion = from_recorded(unit, own, &description.units);
-        let conversion = conversion.ok_or_else(|| Error::Variable {
+        }
+        let own = variable.unit.as_ref().map(|name| description.unit_of_name(name));
+        let problem = |problem| Error::Variable {
             fmu: fmu.name().to_owned(),
             name: variable.name.clone(),
-            problem: VariableProblem::Unit {
-                own: variable.unit.clone().unwrap_or_default(),
-                other: unit.clone(),
-            },
-        })?;
-        driven.push((variable, Held::new(Arc::clone(&recording), at, conversion)));
+            problem,
+        };
+        let mut held = Vec::new();
+        for (found, name) in found.into_iter().zip(names) {
+            let at = found.ok_or_else(|| problem(VariableProblem::NoSignal(name)))?;
+            let unit = &input.signals[at].unit;
+            let conversion = from_recorded(unit, own.as_ref(), &description.units);
+            let conversion = conversion.ok_or_else(|| {
+                let own = variable.unit.clone().unwrap_or_default();
+                problem(VariableProblem::Unit { own, other: unit.clone() })
+            })?;
+            held.push(Held::new(Arc::clone(&recording), at, conversion));
+        }
+        driven.push(Driven { variable, held });
     }
     if driven.is_empty() {
-        let inputs: Vec<&str> =
-            description.scalars(Causality::Input).map(|variable| variable.name.as_str()).collect();
+        let inputs: Vec<&str> = inputs().map(|variable| variable.name.as_str()).collect();
         let inputs = if inputs.is_empty() { "none".to_owned() } else { inputs.join(", ") };
         let recording = input.name.clone();
         return Err(wrong(ExperimentProblem::NoInput { recording, inputs }));

@@ -7,6 +7,7 @@ use super::description::{Causality, Type, Variability, Variable};
 use super::error::Error;
 use super::instance::{Instance, Mode};
 use super::problem::VariableProblem;
+use super::status::Status;
 
 /// A value of one variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +75,7 @@ impl Instance {
         self.before_set()?;
         group
             .write(&mut self.handle, self.fmi, values)
-            .map_err(|failure| self.transfer_failed(failure, values))
+            .map_err(|failure| self.transfer_failed(failure, group, values))
     }
 
     /// Reads a group of variables into `values`, one value each.
@@ -88,7 +89,7 @@ impl Instance {
         self.callable("read")?;
         group
             .read(&mut self.handle, self.fmi, values)
-            .map_err(|failure| self.transfer_failed(failure, &[]))
+            .map_err(|failure| self.transfer_failed(failure, group, &[]))
     }
 
     /// Sets one variable by name, usually a parameter before the initialisation. A text for a numeric
@@ -111,7 +112,13 @@ impl Instance {
                     .map_err(|_| self.cannot(name, VariableProblem::Nul))?;
                 self.before_set()?;
                 let status = self.handle.set_string(variable.reference, &text);
-                self.check("set String", status)
+                self.check_of("set String", name, status)
+            }
+            Value::Text(text) if !variable.dimensions.is_empty() => {
+                self.set_elements(&variable, text)
+            }
+            Value::Text(text) if matches!(variable.kind, Type::Int64 | Type::UInt64) => {
+                self.set_whole(&variable, &[text])
             }
             Value::Number(number) => self.set_number(name, &variable, *number),
             Value::Text(text) => {
@@ -133,31 +140,14 @@ impl Instance {
         if variable.kind == Type::String {
             let reference = variable.reference;
             self.callable("value")?;
-            let (status, text) = self.handle.get_string(reference);
-            self.check("get String", status)?;
-            return Ok(Value::Text(text));
+            let (status, mut texts) = self.handle.get_strings(reference, 1);
+            self.check_of("get String", name, status)?;
+            return Ok(Value::Text(texts.pop().unwrap_or_default()));
         }
         let group = self.group(&[name])?;
         let mut number = [0.0];
         self.read(&group, &mut number)?;
         Ok(Value::Number(number[0]))
-    }
-
-    /// The elements of a Float64 array (FMI 3.0), in row-major order; of a scalar, its one value.
-    ///
-    /// # Errors
-    /// A variable that does not exist or is of another type, or the FMU cannot compute it.
-    pub fn array(&mut self, name: &str) -> Result<Vec<f64>, Error> {
-        let variable = self.variable(name)?;
-        if variable.kind != Type::Float64 {
-            return Err(self.cannot(name, VariableProblem::NotNumeric(variable.kind.name())));
-        }
-        let reference = variable.reference;
-        let mut values = vec![0.0; self.fmu.description().elements(variable)];
-        self.callable("array")?;
-        let status = self.handle.get(&[reference], &mut values);
-        self.check("get Float64", status)?;
-        Ok(values)
     }
 
     /// The directional derivative of `unknowns` in the direction `seed` of `knowns`, all given by
@@ -195,16 +185,11 @@ impl Instance {
             return Err(self.cannot(name, VariableProblem::NotNumeric(variable.kind.name())));
         }
         let group = self.group(&[name])?;
-        self.write(&group, &[number]).map_err(|error| match error {
-            Error::Variable { fmu, problem, .. } => {
-                Error::Variable { fmu, name: name.to_owned(), problem }
-            }
-            other => other,
-        })
+        self.write(&group, &[number])
     }
 
     /// The number that a text means for a variable's type.
-    fn parse(&self, variable: &Variable, text: &str) -> Option<f64> {
+    pub(super) fn parse(&self, variable: &Variable, text: &str) -> Option<f64> {
         let text = text.trim();
         match variable.kind {
             Type::Boolean => match text {
@@ -224,7 +209,7 @@ impl Instance {
 
     /// A Model Exchange instance takes inputs in event mode: a held input that changes is an event.
     #[inline]
-    fn before_set(&mut self) -> Result<(), Error> {
+    pub(super) fn before_set(&mut self) -> Result<(), Error> {
         self.callable("set")?;
         let Some(integrator) = self.integrator.as_mut().filter(|_| self.mode == Mode::Stepping)
         else {
@@ -248,14 +233,34 @@ impl Instance {
     }
 
     #[cold]
-    fn transfer_failed(&mut self, failure: Failure, values: &[f64]) -> Error {
+    fn transfer_failed(&mut self, failure: Failure, group: &Group, values: &[f64]) -> Error {
         match failure {
-            Failure::Status(function, status) => self.failed(function, status),
+            Failure::Status(function, kind, status) => {
+                let call = format!("{function} {}", kind.name());
+                self.failed_at(&call, group.names(), status)
+            }
             Failure::Value(position, kind) => {
                 let problem = VariableProblem::Value { kind: kind.name(), value: values[position] };
-                self.cannot(&format!("#{position} of the group"), problem)
+                self.cannot(&group.names()[position], problem)
             }
         }
+    }
+
+    /// The error of a call about these variables.
+    #[cold]
+    fn failed_at(&mut self, call: &str, names: &[String], status: Status) -> Error {
+        /// Names that an error shows of many.
+        const SHOWN: usize = 5;
+        let more = if names.len() > SHOWN { ", ..." } else { "" };
+        let names: Vec<String> = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect();
+        self.failed(format!("{call} {}{more}", names.join(", ")), status)
+    }
+
+    pub(super) fn check_of(&mut self, call: &str, name: &str, status: Status) -> Result<(), Error> {
+        if status.is_good() {
+            return Ok(());
+        }
+        Err(self.failed_at(call, &[name.to_owned()], status))
     }
 }
 

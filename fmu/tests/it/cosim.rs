@@ -361,3 +361,19 @@ fn experiments_and_orders_are_checked() {
         assert!(error.unwrap_err().to_string().contains(problem));
     }
 }
+
+/// Nothing vanishes in silence: what is no scalar number is named.
+#[test]
+fn ports_that_cannot_be_connected_are_named() {
+    let output = |text: String| {
+        let parameter = "causality=\"parameter\" variability=\"fixed\" start=\"1 2 3\"";
+        assert!(text.contains(parameter));
+        text.replace(parameter, "causality=\"output\"")
+    };
+    let Some(fmu) = crate::support::probe_with("3", output) else { return };
+    let mut system = System::new(Experiment::new(0.0, 1.0, 0.1));
+    system.add("a", lag(&fmu, 0.5)).unwrap();
+    assert_eq!(system.left_out(), ["a.triple (an array of 3 elements)"]);
+    let error = system.record("a.triple").unwrap_err().to_string();
+    assert!(error.contains("`a.triple` is an array of 3 elements"), "{error}");
+}

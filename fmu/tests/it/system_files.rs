@@ -165,6 +165,95 @@ fn a_system_is_read_from_ssd_and_ssp() {
     }
 }
 
+/// What `b.x` ends at when the SSD's `from` reads `to`.
+fn changed(folder: &Path, ssd: &[(&str, &str)], ssv: &[(&str, &str)]) -> Result<f64, String> {
+    let change = |text: &str, changes: &[(&str, &str)]| {
+        changes.iter().fold(text.to_owned(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        })
+    };
+    fs::write(folder.join("resources/b.ssv"), change(SSV, ssv)).unwrap();
+    let path = put(folder, "SystemStructure.ssd", &change(SSD, ssd));
+    Ok(*outcome(&path)?.signals[0].values.last().unwrap())
+}
+
+#[test]
+fn units_of_parameters_are_converted_or_refused() {
+    let Some(folder) = folder() else { return };
+    let plain = changed(folder.path(), &[], &[]).unwrap();
+    // 0.125 s in ms: known by its name, or as the file defines it.
+    let value = "<ssv:Real value=\"0.125\"/>";
+    let millis = changed(folder.path(), &[], &[(value, "<ssv:Real value=\"125\" unit=\"ms\"/>")]);
+    assert_eq!(millis.unwrap(), plain);
+    let own = "<ssv:Real value=\"250\" unit=\"half\"/>";
+    let units = "</ssv:Parameters><ssv:Units><ssc:Unit xmlns:ssc=\"http://ssp-standard.org/SSP1/SystemStructureCommon\" name=\"half\"><ssc:BaseUnit s=\"1\" factor=\"0.0005\"/></ssc:Unit></ssv:Units>";
+    let defined = changed(folder.path(), &[], &[(value, own), ("</ssv:Parameters>", units)]);
+    assert_eq!(defined.unwrap(), plain);
+    let error = changed(folder.path(), &[], &[(value, own)]).unwrap_err();
+    assert!(error.contains("`half`") && error.contains("`s`"), "{error}");
+    let wrong = "<ssv:Real value=\"125\" unit=\"rpm\"/>";
+    let error = changed(folder.path(), &[], &[(value, wrong)]).unwrap_err();
+    assert!(error.contains("b.ssv") || error.contains(":2:19"), "{error}");
+    assert!(error.contains("`rpm`") && error.contains("`s`"), "{error}");
+}
+
+#[test]
+fn connectors_that_are_not_what_the_fmu_has_are_refused() {
+    let Some(folder) = folder() else { return };
+    let with = |connector: &str| {
+        let element = format!(
+            "type=\"application/x-fmu-sharedlibrary\"><ssd:Connectors>{connector}</ssd:Connectors>"
+        );
+        changed(folder.path(), &[("type=\"application/x-fmu-sharedlibrary\">", &element)], &[])
+    };
+    let plain = changed(folder.path(), &[], &[]).unwrap();
+    for right in [
+        "<ssd:Connector name=\"u\" kind=\"input\"/>",
+        "<ssd:Connector name=\"x\" kind=\"output\"><ssc:Real unit=\"rad/s\"/></ssd:Connector>",
+        "<ssd:Connector name=\"n\" kind=\"output\"><ssc:Integer/></ssd:Connector>",
+        "<ssd:Connector name=\"T\" kind=\"parameter\"><ssc:Real unit=\"s\"/></ssd:Connector>",
+    ] {
+        assert_eq!(with(right).unwrap(), plain, "{right}");
+    }
+    for (wrong, said) in [
+        ("<ssd:Connector name=\"y\" kind=\"output\"/>", "no such variable"),
+        ("<ssd:Connector name=\"x\" kind=\"input\"/>", "declared as input, and is output"),
+        (
+            "<ssd:Connector name=\"x\" kind=\"output\"><ssc:Integer/></ssd:Connector>",
+            "declared as Integer, and is of type Float64",
+        ),
+        (
+            "<ssd:Connector name=\"on\" kind=\"input\"><ssc:Real/></ssd:Connector>",
+            "declared as Real, and is of type Boolean",
+        ),
+        (
+            "<ssd:Connector name=\"x\" kind=\"output\"><ssc:Real unit=\"kNm\"/></ssd:Connector>",
+            "declared in `kNm`, and the FMU has it in `rad/s`",
+        ),
+        (
+            "<ssd:Connector name=\"x\" kind=\"output\"><ssc:Real unit=\"rpm\"/></ssd:Connector>",
+            "declared in `rpm`, and the FMU has it in `rad/s`",
+        ),
+    ] {
+        let error = with(wrong).unwrap_err();
+        assert!(error.contains(said) && error.contains(".ssd:"), "{said}: {error}");
+    }
+    // An output of the system: what it shows must be of its quantity.
+    let system = "<ssc:Real unit=\"rad/s\"/>";
+    let error = changed(folder.path(), &[(system, "<ssc:Real unit=\"kNm\"/>")], &[]).unwrap_err();
+    assert!(error.contains("do not convert"), "{error}");
+    assert_eq!(changed(folder.path(), &[(system, "<ssc:Real unit=\"rpm\"/>")], &[]), Ok(plain));
+    // Without the conversion of units an output in rpm is taken for rad/s.
+    let rpm = ("startConnector=\"x\" endElement", "startConnector=\"x_rpm\" endElement");
+    let unconverted =
+        ("endConnector=\"u\">", "endConnector=\"u\" suppressUnitConversion=\"true\">");
+    let converted = changed(folder.path(), &[rpm], &[]).unwrap();
+    let taken = changed(folder.path(), &[rpm, unconverted], &[]).unwrap();
+    assert!((converted - plain).abs() < 1e-9 * plain, "{converted} {plain}");
+    assert!((taken / plain - 30.0 / std::f64::consts::PI).abs() < 1e-6, "{taken} {plain}");
+}
+
 #[test]
 fn what_an_ssd_asks_beyond_is_refused_with_its_place() {
     let Some(folder) = folder() else { return };

@@ -15,7 +15,7 @@ pub struct Parameter {
     pub description: &'static str,
 }
 
-/// A state of its own that an effect brings in; it starts at zero.
+/// A state of its own that an effect brings in; it starts at zero unless a fit estimates its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnState {
     /// Name, after the effect's name and a dot.

@@ -4,7 +4,7 @@ use drivescope_numerics::Real;
 
 use super::dispatch::{Work, widest};
 use super::step::{Stages, may_dip, step};
-use super::{Integrator, Pace, Plan, State};
+use super::{Integrator, Pace, Plan, State, within_budget};
 use crate::model::{Applied, Model, OWN, Rows, SPEED};
 
 /// Up to this share of the lanes, one in `FEW`, those that cannot take the exact step are made
@@ -90,7 +90,7 @@ impl<R: Real, const N: usize> Block<R, N> {
     /// The plan for intervals of length `h`; the lanes alone make theirs when they need it.
     #[cold]
     fn ready(&mut self, h: R) {
-        let steps = self.pace.substeps(&self.model, h.value());
+        let steps = within_budget(self.pace.substeps(&self.model, h.value()));
         self.plan = Some(Plan::new(&self.model, h, steps));
         self.alone = vec![None; N];
     }
@@ -229,14 +229,15 @@ impl<R: Real, const N: usize> Work for SubSteps<'_, R, N> {
         let Self { block, state, applied } = self;
         let Block { model, plan, room, moving, redo, .. } = block;
         let Some(plan) = plan else { return };
-        let h = plan.h.scaled(1.0 / plan.substeps as f64);
+        let h = plan.sub_step();
         let seconds = h.value();
         let sign = state.sign;
         moving.copy_from_slice(&state.x);
         let directed = u64::from(model.directed());
-        let mut suspect = [0; N];
+        // Without a budget every lane is left to the automaton, which says so.
+        let mut suspect = [u64::from(plan.substeps == 0); N];
         for l in 0..N {
-            suspect[l] = u64::from(model.dry() & (sign[l] == 0.0));
+            suspect[l] |= u64::from(model.dry() & (sign[l] == 0.0));
         }
         for k in 0..plan.substeps {
             let time = applied.time + k as f64 * seconds;

@@ -14,7 +14,9 @@
 //! campaign gives the same bytes however its drives are grouped, and a fit has no jumps.
 //!
 //! A state that grew without bound is not hidden: whoever drives a run asks
-//! [`State::is_finite`] after each interval and ends the run there.
+//! [`State::is_finite`] after each interval and ends the run there. An interval that would need
+//! more than [`MOST_SUBSTEPS`] sub-steps ends the same way: its state becomes NaN, since fewer
+//! sub-steps would give an answer that looks like one ([`Integrator::out_of_budget`]).
 
 mod affine;
 mod automaton;
@@ -43,8 +45,9 @@ const RADIANS_A_STEP: f64 = 0.033;
 /// 2e-7 where the shaft creeps at break-away and errors grow 40-fold; this leaves a fifth of it,
 /// which Model Exchange in another simulator can tell (1e-7).
 const ARMATURE_A_STEP: f64 = 0.12;
-/// A drive that needs more sub-steps than this over one interval is stepped with this many.
-const MOST_SUBSTEPS: usize = 100_000;
+/// Sub-steps of one interval, some 10 ms of work: what needs more of them is not stepped at all, its
+/// state becomes NaN.
+pub const MOST_SUBSTEPS: usize = 100_000;
 
 /// The state of `N` drives: current, speed, position, own states; and the sign of the motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,6 +88,7 @@ impl<R: Real, const N: usize> State<R, N> {
 #[derive(Debug, Clone)]
 struct Plan<R, const N: usize> {
     h: R,
+    /// 0 where they would be too many: then only the exact step can be taken.
     substeps: usize,
     armature: Armature<R, N>,
     grain: Grain<N>,
@@ -94,10 +98,15 @@ struct Plan<R, const N: usize> {
 
 impl<R: Real, const N: usize> Plan<R, N> {
     fn new(model: &Model<R, N>, h: R, substeps: usize) -> Self {
-        let armature = Armature::new(model, h.scaled(1.0 / substeps as f64));
+        let armature = Armature::new(model, sub_step(h, substeps));
         let forward = Affine::new(model, 1.0, h);
         let backward = if model.dry() { Affine::new(model, -1.0, h) } else { None };
         Self { h, substeps, armature, grain: Grain::new(model), forward, backward }
+    }
+
+    /// Length of a sub-step.
+    fn sub_step(&self) -> R {
+        sub_step(self.h, self.substeps)
     }
 
     /// The plan of one lane, for the model of that lane: what it holds was made lane by lane.
@@ -106,7 +115,7 @@ impl<R: Real, const N: usize> Plan<R, N> {
         Plan {
             h: self.h,
             substeps: self.substeps,
-            armature: Armature::new(model, self.h.scaled(1.0 / self.substeps as f64)),
+            armature: Armature::new(model, self.sub_step()),
             grain: self.grain.lane(l),
             forward: self.forward.as_ref().map(lane),
             backward: self.backward.as_ref().map(lane),
@@ -126,6 +135,10 @@ impl<R: Real, const N: usize> Plan<R, N> {
     }
 }
 
+fn sub_step<R: Real>(h: R, substeps: usize) -> R {
+    h.scaled(1.0 / substeps.max(1) as f64)
+}
+
 /// The longest sub-step that resolves every lane up to that speed, s.
 pub fn longest_substep<R: Real, const N: usize>(model: &Model<R, N>, speed: f64) -> f64 {
     let needed = (0..N).map(|l| {
@@ -137,11 +150,17 @@ pub fn longest_substep<R: Real, const N: usize>(model: &Model<R, N>, speed: f64)
     1.0 / needed.fold(0.0, f64::max)
 }
 
-/// Equal sub-steps of an interval of `h` seconds, none longer than that.
-fn substeps(h: f64, longest: f64) -> usize {
+/// Equal sub-steps of an interval of `h` seconds, none longer than that; not finite where a rate is
+/// not.
+fn substeps(h: f64, longest: f64) -> f64 {
     // An interval that is a whole number of them must not gain one by a rounding error.
-    let needed = (h / longest * (1.0 - 4.0 * f64::EPSILON)).ceil();
-    if needed < MOST_SUBSTEPS as f64 { needed.max(1.0) as usize } else { MOST_SUBSTEPS }
+    (h / longest * (1.0 - 4.0 * f64::EPSILON)).ceil().max(1.0)
+}
+
+/// Those sub-steps where the budget allows them, else none.
+fn within_budget(needed: f64) -> usize {
+    // Not a number is beyond the budget too.
+    if needed <= MOST_SUBSTEPS as f64 { needed as usize } else { 0 }
 }
 
 /// What sets the length of the sub-steps.
@@ -154,7 +173,7 @@ enum Pace {
 }
 
 impl Pace {
-    fn substeps<R: Real, const N: usize>(self, model: &Model<R, N>, h: f64) -> usize {
+    fn substeps<R: Real, const N: usize>(self, model: &Model<R, N>, h: f64) -> f64 {
         let longest = match self {
             Self::Speed(speed) => longest_substep(model, speed),
             Self::Longest(longest) => longest,
@@ -216,9 +235,15 @@ impl<R: Real> Integrator<R> {
             std::mem::swap(&mut self.plan, &mut self.other_plan);
         }
         if other(&self.plan) {
-            let steps = self.pace.substeps(&self.model, h.value());
+            let steps = within_budget(self.pace.substeps(&self.model, h.value()));
             self.plan = Some(Plan::new(&self.model, h, steps));
         }
+    }
+
+    /// The sub-steps that an interval of `h` seconds needs, if they are more than [`MOST_SUBSTEPS`].
+    pub fn out_of_budget(&self, h: f64) -> Option<f64> {
+        let needed = self.pace.substeps(&self.model, h);
+        (within_budget(needed) == 0).then_some(needed)
     }
 
     /// Advances the state by `h`, the inputs held.
@@ -257,7 +282,11 @@ fn sub_steps<R: Real>(
     room: &mut Stages<R, 1>,
     saved: &mut Vec<[R; 1]>,
 ) {
-    let h = plan.h.scaled(1.0 / plan.substeps as f64);
+    if plan.substeps == 0 {
+        x.fill([R::constant(f64::NAN)]);
+        return;
+    }
+    let h = plan.sub_step();
     for k in 0..plan.substeps {
         let time = applied.time + k as f64 * h.value();
         let held = Applied { time, ..*applied };

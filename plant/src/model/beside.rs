@@ -19,7 +19,12 @@ pub(super) fn states<R>(parts: &[Part<R>]) -> [Option<usize>; Beside::ALL.len()]
 impl<R: Real, const N: usize> Model<R, N> {
     /// Whether an effect of the drive has the state that such a sensor tells of.
     pub fn has(&self, sensor: Beside) -> bool {
-        self.beside[sensor as usize].is_some()
+        self.told_by(sensor).is_some()
+    }
+
+    /// Index of the state that such a sensor tells of, if an effect of the drive has it.
+    pub fn told_by(&self, sensor: Beside) -> Option<usize> {
+        self.beside[sensor as usize]
     }
 
     /// What such a sensor shows of lane `l`: rad/s, rad (m/s, m) or K above the surroundings. The

@@ -175,6 +175,11 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         made
     }
 
+    /// What advances the continuous drives.
+    pub fn stepper(&self) -> &S {
+        &self.stepper
+    }
+
     /// State of the continuous drives.
     pub fn state(&self) -> &State<f64, N> {
         &self.state

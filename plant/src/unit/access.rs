@@ -64,13 +64,13 @@ impl Unit {
 
     /// The signals now: held since the last sample where controlled, else read now.
     fn signals(&self) -> Signals<f64> {
-        if !self.inputs_changed && (self.controlled && self.period.is_some()) {
+        if !self.inputs_changed && (self.controlled && self.period().is_some()) {
             return self.sampled.signals().lane(0);
         }
         let (inputs, faults) = (self.input_lanes(), FaultLanes::splat(self.faults));
         let mut sampled = self.sampled.clone();
         sampled.apply(&inputs, &faults);
-        if self.controlled && self.period.is_some() {
+        if self.controlled && self.period().is_some() {
             return sampled.signals().lane(0);
         }
         sampled.measured(self.time, &inputs, &faults).lane(0)
@@ -120,17 +120,30 @@ impl Unit {
             Slot::State(number) => self.sampled.state_mut().x[number] = [value],
             Slot::Parameter(_) => {
                 let name = variable.name.clone();
+                let before = self.period();
                 self.drive.set(&name, value).map_err(|error| UnitError::Value {
                     name,
                     value,
                     reason: error.to_string(),
                 })?;
                 self.parameters_changed = true;
+                if let Some(before) = before.filter(|_| self.period() != before) {
+                    self.count_from_last_sample(before);
+                }
             }
             Slot::Output(_) | Slot::Derivative(_) | Slot::Indicator(_) => {
                 return Err(UnitError::Calculated { name: variable.name.clone() });
             }
         }
         Ok(())
+    }
+
+    /// The sampling time has changed during a run: the last sample stands, and the next one comes a
+    /// new period after it.
+    fn count_from_last_sample(&mut self, period_before: f64) {
+        if let Some(last) = self.next_sample.checked_sub(1) {
+            self.start += last as f64 * period_before;
+            self.next_sample = 1;
+        }
     }
 }

@@ -85,15 +85,19 @@ impl Unit {
     /// Lets events at the present time happen: a due sample, sticking, breaking away.
     pub fn update_discrete(&mut self) -> Update {
         self.take_changes();
-        if let Some(period) = self.period {
+        if let Some(period) = self.period() {
             let near = SAME_INSTANT * period;
-            while self.time >= self.sample_time(period) - near {
+            if self.time >= self.sample_time(period) - near {
                 self.sample();
+                // Samples that the importer passed over are gone: what the sensors would have shown
+                // at their times is not known any more.
+                let due = ((self.time - self.start) / period + SAME_INSTANT).floor() as u64;
+                self.next_sample = self.next_sample.max(due.saturating_add(1));
             }
         }
         self.sampled.remember_input(self.time);
         let states_changed = self.sampled.model().directed() && self.update_sign();
-        let sample = self.period.map(|period| self.sample_time(period));
+        let sample = self.period().map(|period| self.sample_time(period));
         let change = self.sampled.delay().and_then(|line| line.next_change(self.time));
         let next_event = [sample, change].into_iter().flatten().reduce(f64::min);
         Update { states_changed, next_event }
@@ -219,7 +223,7 @@ impl Unit {
         (c_m, u, load): (f64, f64, f64),
         (noise_t, noise_i): (f64, f64),
     ) -> f64 {
-        let live = self.period.is_none();
+        let live = self.period().is_none();
         // A quantised or frozen signal is constant but for its jumps.
         let sensors = &self.drive.sensors;
         let tacho = live && sensors.tacho_quantum == 0.0 && self.faults.tacho_freeze <= FROZEN;

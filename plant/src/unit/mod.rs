@@ -17,7 +17,7 @@ use thiserror::Error;
 
 use crate::drive::Drive;
 use crate::fault::{FaultLanes, Faults};
-use crate::integrate::Integrator;
+use crate::integrate::{Integrator, MOST_SUBSTEPS};
 use crate::sampled::{InputLanes, Inputs, Sampled, speed_bound};
 
 pub use exchange::Update;
@@ -50,6 +50,23 @@ pub enum UnitError {
         /// Why not.
         reason: String,
     },
+    /// A step that would take too much work.
+    #[error(
+        "a step of {step} s needs {needed:.3e} {what}, more than the {most} that one step may \
+         take: {advice}"
+    )]
+    Work {
+        /// Length of the step, s.
+        step: f64,
+        /// How many it needs.
+        needed: f64,
+        /// What they are.
+        what: &'static str,
+        /// How many it may take.
+        most: usize,
+        /// What to do.
+        advice: &'static str,
+    },
     /// The state is no longer finite.
     #[error(
         "the state of the drive is not finite at {time} s: a parameter or input is out of range"
@@ -62,6 +79,8 @@ pub enum UnitError {
 
 /// Share of the period (or of the step) within which two instants are the same.
 const SAME_INSTANT: f64 = 1e-6;
+/// Samples of the controller within one communication step: some seconds of work.
+const MOST_SAMPLES: usize = 10_000_000;
 
 /// One drive with its sampled layer.
 #[derive(Debug, Clone)]
@@ -76,8 +95,6 @@ pub struct Unit {
     time: f64,
     /// Number of the next sample.
     next_sample: u64,
-    /// Sampling time of the controller, if it is sampled.
-    period: Option<f64>,
     controlled: bool,
     inputs_changed: bool,
     parameters_changed: bool,
@@ -95,7 +112,6 @@ impl Unit {
         let states = vec![0.0; sampled.model().states()];
         Self {
             variables: variables::list(&drive, controlled, sampled.model().directed()).into(),
-            period: drive.controller.filter(|_| controlled).and_then(|c| c.period),
             derivatives: states.clone(),
             indicators: vec![1.0; 2 * usize::from(sampled.model().directed())],
             states,
@@ -135,7 +151,7 @@ impl Unit {
 
     /// Sampling time of the controller, s, if it is sampled.
     pub fn period(&self) -> Option<f64> {
-        self.period
+        self.drive.controller.filter(|_| self.controlled)?.period
     }
 
     /// References of the event indicators, in their order; none without dry friction.
@@ -164,14 +180,19 @@ impl Unit {
     /// Co-simulation: from the present time by `h` > 0 seconds, the inputs held.
     ///
     /// # Errors
-    /// [`UnitError::NotFinite`] if the state overflowed.
+    /// [`UnitError::Work`] if a step of that length takes too many samples or sub-steps (the unit is
+    /// then as before, or its state is not a number), [`UnitError::NotFinite`] if the state overflowed.
     #[inline]
     pub fn step(&mut self, h: f64) -> Result<(), UnitError> {
         self.take_changes();
         let from = self.time;
         let to = from + h;
-        match self.period {
+        match self.period() {
             Some(period) => {
+                let samples = h / period;
+                if samples > MOST_SAMPLES as f64 {
+                    return Err(self.too_many_samples(h, samples));
+                }
                 while let Some(until) = self.sample_if_due(period, to) {
                     let length = until - self.time;
                     // A whole period or a whole step keeps its own length, free of rounding.
@@ -191,7 +212,35 @@ impl Unit {
         if self.sampled.state().x.iter().all(|value| value[0].is_finite()) {
             Ok(())
         } else {
-            Err(UnitError::NotFinite { time: to })
+            Err(self.not_finite(h))
+        }
+    }
+
+    #[cold]
+    fn too_many_samples(&self, h: f64, needed: f64) -> UnitError {
+        UnitError::Work {
+            step: h,
+            needed,
+            what: "samples of the controller",
+            most: MOST_SAMPLES,
+            advice: "shorten the step, or give the controller a longer period",
+        }
+    }
+
+    /// Why the state is not a number at the end of a step of `h` seconds.
+    #[cold]
+    fn not_finite(&self, h: f64) -> UnitError {
+        let longest = self.period().map_or(h, |period| period.min(h));
+        match self.sampled.stepper().out_of_budget(longest) {
+            Some(needed) => UnitError::Work {
+                step: longest,
+                needed,
+                what: "sub-steps",
+                most: MOST_SUBSTEPS,
+                advice: "a rate of the drive is too fast for it: shorten the step, or check its \
+                         stiffnesses, R and L",
+            },
+            None => UnitError::NotFinite { time: self.time },
         }
     }
 

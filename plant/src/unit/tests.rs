@@ -162,3 +162,79 @@ fn a_delayed_input_is_a_time_event() {
     assert_eq!(unit.update_discrete().next_event, None);
     assert_eq!(unit.derivatives()[0], 12.0 / 5e-3);
 }
+
+/// Every sampling time is a sampling time, however the drive came by it.
+#[test]
+fn a_period_that_is_set_is_the_sampling_time() {
+    let mut slow = dr300();
+    slow.set("controller.period", 0.02).expect("the drive has one");
+    let mut made = Unit::new(slow, false);
+    let mut changed = Unit::new(dr300(), false);
+    set(&mut changed, "controller.period", 0.02);
+    for unit in [&mut made, &mut changed] {
+        set(unit, "reference", 150.0);
+        unit.initialize(0.0);
+        // While the drive accelerates: at its set point the sampling time cannot be seen.
+        for _ in 0..12 {
+            unit.step(0.005).expect("it steps");
+        }
+    }
+    let apart = made.memory().into_iter().zip(changed.memory()).position(|(a, b)| a != b);
+    assert_eq!(apart, None);
+    let at_once = {
+        let mut unit = Unit::new(dr300(), false);
+        set(&mut unit, "reference", 150.0);
+        unit.initialize(0.0);
+        (0..12).for_each(|_| unit.step(0.005).expect("it steps"));
+        get(&unit, "omega")
+    };
+    assert!((get(&made, "omega") - at_once).abs() > 1.0, "the period is seen");
+}
+
+#[test]
+fn a_period_that_changes_during_a_run_counts_from_the_last_sample() {
+    let mut unit = Unit::new(dr300(), false);
+    unit.initialize(1.0);
+    unit.update_discrete();
+    unit.set_time(1.005);
+    assert_eq!(unit.update_discrete().next_event, Some(1.0 + 2.0 * 0.005));
+    set(&mut unit, "controller.period", 0.02);
+    let next = unit.update_discrete().next_event.expect("a sample");
+    assert!((next - 1.025).abs() < 1e-12, "{next}");
+}
+
+/// Model Exchange: an importer that steps over samples asks for none of them.
+#[test]
+fn a_time_far_past_a_due_sample_is_answered_at_once() {
+    let mut unit = Unit::new(dr300(), false);
+    unit.initialize(0.0);
+    unit.update_discrete();
+    unit.set_time(1e9 + 0.001);
+    let next = unit.update_discrete().next_event.expect("a sample");
+    assert!(next > 1e9 + 0.001 && next < 1e9 + 0.0051, "{next}");
+}
+
+#[test]
+fn a_step_beyond_the_budget_is_an_error() {
+    let mut unit = Unit::new(dr300(), false);
+    unit.initialize(0.0);
+    let refused = unit.step(1e9).expect_err("2e11 samples");
+    assert!(refused.to_string().contains("2.000e11 samples of the controller"), "{refused}");
+    unit.step(1.0).expect("it is as before");
+
+    let mut drive = dr300();
+    let stiff = [("k", 1e12), ("d", 1e-3), ("ratio", 0.5)];
+    let stiff = stiff.map(|(name, value)| (name.to_owned(), value)).to_vec();
+    drive.effects.push(crate::drive::EffectData {
+        kind: "flexible_coupling".to_owned(),
+        id: "flexible_coupling".to_owned(),
+        parameters: stiff,
+        law: None,
+    });
+    let mut unit = Unit::new(drive, true);
+    set(&mut unit, "u", 10.0);
+    unit.initialize(0.0);
+    let refused = unit.step(0.1).expect_err("it is too stiff");
+    assert!(refused.to_string().contains("sub-steps"), "{refused}");
+    assert!(get(&unit, "omega").is_nan(), "no answer is made up");
+}

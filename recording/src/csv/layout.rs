@@ -6,24 +6,19 @@
 
 use std::io::Read;
 
-use super::encoding::text;
 use super::fields::BLANKS;
 use super::line::{Line, uncommented};
 use super::lines::{LineReader, Numbered};
 use super::names::{header_above, joined_brackets, joined_names, named, rows_are_numbered};
+use super::unnamed::{nameless, names_alone};
 use crate::error::Error;
-use crate::header::NAMELESS;
 
 /// So many rows in a run are enough to know the columns.
 const ENOUGH_ROWS: usize = 100;
-/// Rows from which on a file without names is a table whose columns have numbers.
-const NAMELESS_ROWS: usize = 20;
-/// Share of numbers in such rows.
-const MOSTLY_NUMBERS: f64 = 0.9;
 /// A file whose first so many lines hold no run of rows is no table.
 const LONGEST_PREAMBLE: usize = 100_000;
 /// From the first: a decimal comma may stand beside each but the comma.
-const DELIMITERS: [u8; 5] = [b';', b'\t', b'|', b',', BLANKS];
+pub(super) const DELIMITERS: [u8; 5] = [b';', b'\t', b'|', b',', BLANKS];
 
 /// What the first lines tell.
 #[derive(Debug, Clone, PartialEq)]
@@ -209,7 +204,7 @@ fn under(
 }
 
 /// Width, length and share of numbers of the longest run of rows of one width.
-fn longest_run(split: &[Line]) -> Option<(usize, usize, f64)> {
+pub(super) fn longest_run(split: &[Line]) -> Option<(usize, usize, f64)> {
     let mut best: Option<(usize, usize, f64)> = None;
     let mut from = 0;
     while from < split.len() {
@@ -226,37 +221,4 @@ fn longest_run(split: &[Line]) -> Option<(usize, usize, f64)> {
         from += length.max(1);
     }
     best
-}
-
-/// Columns numbered from 1 on, in a file that holds rows of numbers and nothing else.
-fn nameless(seen: &[Numbered]) -> Option<Layout> {
-    if seen.len() < NAMELESS_ROWS {
-        return None;
-    }
-    DELIMITERS.iter().find_map(|delimiter| {
-        let split: Vec<Line> = seen.iter().map(|line| Line::of(&line.1, *delimiter)).collect();
-        let (width, rows, clean) = longest_run(&split)?;
-        let all = width > 1 && rows == split.len() && clean > MOSTLY_NUMBERS;
-        let names: Vec<String> = (1..=width).map(|k| format!("{NAMELESS}{k}")).collect();
-        let (header, delimiter) = (names.clone(), *delimiter);
-        all.then_some(Layout { header, names, delimiter, above: 0, header_at: 0, rows_from: 0 })
-    })
-}
-
-/// Names of a file without a row: its last line of words, and units below it.
-fn names_alone(seen: &[Numbered]) -> Option<Layout> {
-    let widest = |delimiter: &u8| {
-        let split: Vec<Line> = seen.iter().map(|line| Line::of(&line.1, *delimiter)).collect();
-        let at = (0..split.len()).rev().find(|k| split[*k].names())?;
-        let at = if at > 0 && split[at].units() && split[at - 1].names() { at - 1 } else { at };
-        let width = split[at].fields.len();
-        (width > 1 || *delimiter == b',').then(|| named(&split, at, seen.len(), *delimiter))
-    };
-    let last = seen.len();
-    DELIMITERS.iter().find_map(widest).or_else(|| {
-        let names = vec![text(&seen.first()?.1).into_owned()];
-        let header = names.clone();
-        let (above, header_at) = (0, 0);
-        Some(Layout { header, names, delimiter: b',', above, header_at, rows_from: last })
-    })
 }

@@ -14,11 +14,12 @@ mod number;
 mod rows;
 mod settings;
 mod stream;
+mod unnamed;
 mod whole;
 mod write;
 
 pub use stream::{CsvStream, Row};
-pub(crate) use write::write;
+pub(crate) use write::{write, write_with_texts};
 
 use std::io::Read;
 

@@ -2,26 +2,22 @@
 
 mod capital_t;
 mod column;
+mod exact;
+mod guessed;
 mod motion;
+mod naming;
 mod which;
 
 pub(crate) use column::Column;
 pub use column::{ColumnNote, Taken};
 pub(crate) use which::{is_known, is_signal, is_time, missing_time};
 
-use capital_t::capital_t;
-use column::place;
-use motion::rotary;
-use which::{find, listed};
+use naming::Naming;
 
-use crate::canonical::{self, Canonical};
-use crate::counts::is_counts;
 use crate::error::Error;
 use crate::given::Given;
-use crate::guess;
 use crate::look::Look;
 use crate::mapping::Mapping;
-use crate::unit::{Quantity, Unit};
 
 /// The columns of a table, and which of them is the time.
 #[derive(Debug)]
@@ -42,144 +38,17 @@ pub(crate) fn resolve(
     looks: &[Look],
 ) -> Result<Header, Error> {
     let given: Vec<Given> = texts.iter().map(|text| Given::of(text)).collect();
-    let mut columns: Vec<Option<Column>> = vec![None; given.len()];
-    for map in maps {
-        let position = find(&given, &map.foreign).ok_or_else(|| Error::MappedColumn {
-            file: file.to_owned(),
-            column: map.foreign.clone(),
-            signal: map.canonical.clone(),
-            columns: listed(&given),
-        })?;
-        let unit = map.unit.as_ref().or(given[position].unit.as_ref());
-        let known = canonical::exact(&map.canonical);
-        let column = place(file, &given[position], &map.canonical, known, unit, Taken::Mapped)?;
-        columns[position] = Some(column);
-    }
-    for (second, column) in given.iter().enumerate().filter(|(k, _)| columns[*k].is_none()) {
-        let same = |(k, other): (usize, &Given)| columns[k].is_none() && other.name == column.name;
-        if let Some(first) = given[..second].iter().enumerate().position(same) {
-            let name = column.name.clone();
-            let (first, second) = (first + 1, second + 1);
-            return Err(Error::DuplicateColumn { file: file.to_owned(), name, first, second });
-        }
-    }
-    let mut notes = Vec::new();
-    let mut used: Vec<&str> = maps.iter().map(|map| map.canonical.as_str()).collect();
+    let mut naming = Naming::mapped(file, given, maps, looks)?;
+    naming.no_column_twice()?;
     // Exact names first, so that no guess takes a name that a later column carries itself.
-    for (k, column) in given.iter().enumerate() {
-        let unit = column.unit.as_deref();
-        let Some(known) = canonical::exact(&column.name).filter(|_| columns[k].is_none()) else {
-            continue;
-        };
-        if column.name == "T" && unit.is_none() {
-            let (capital, note) = capital_t(file, &given, k, looks.get(k), &used)?;
-            // Whatever it is, another column must not get its name.
-            used.push(if capital.note.signal == "temperature" { "temperature" } else { "T" });
-            columns[k] = Some(capital);
-            notes.extend(note);
-        } else if unit.is_some_and(is_counts) {
-            let name = format!("{}_counts", known.name);
-            columns[k] = Some(place(file, column, &name, None, column.unit.as_ref(), Taken::Kept)?);
-            notes.push(uncounted(column, known.name));
-        } else if unit.is_some_and(|unit| is_share(unit) && !known.accepts(unit)) {
-            let (name, share) = (format!("{}_share", known.name), unit.unwrap_or_default());
-            columns[k] = Some(place(file, column, &name, None, column.unit.as_ref(), Taken::Kept)?);
-            notes.push(format!(
-                "column `{}` [{share}] is kept as `{name}`: a share is no {1}; say its unit with \
-                 --columns {1}={0}:UNIT where it has one",
-                column.name, known.name
-            ));
-        } else if unit.is_none_or(|unit| known.accepts(unit))
-            || guess::guess(&column.name, unit, None).is_none()
-        {
-            let unit = column.unit.as_ref();
-            columns[k] = Some(place(file, column, known.name, Some(known), unit, Taken::Named)?);
-            used.push(known.name);
-        }
-    }
-    let rotary = rotary(&given);
-    // Of several columns for one signal one that moves wins, then the one nearest to a measurement.
-    let mut guesses: Vec<(bool, guess::Rank, usize, &Canonical)> = Vec::new();
-    for (k, column) in given.iter().enumerate().filter(|(k, _)| columns[*k].is_none()) {
-        let constant = looks.get(k).is_some_and(|look| look.constant);
-        if let Some(guess) = guess::guess(&column.name, column.unit.as_deref(), rotary) {
-            guesses.push((constant, guess.rank, k, guess.canonical));
-        } else if column.unit.as_deref().is_some_and(is_counts)
-            && let Some(guess) = guess::guess(&column.name, None, rotary)
-        {
-            notes.push(uncounted(column, guess.canonical.name));
-        }
-    }
-    guesses.sort_by_key(|(constant, rank, k, _)| (*constant, *rank, *k));
-    for (_, _, k, known) in guesses {
-        if used.contains(&known.name) {
-            continue;
-        }
-        used.push(known.name);
-        let column = &given[k];
-        let own = guess::unit_in_name(&column.name).filter(|unit| known.accepts(unit));
-        let unit = column.unit.clone().or(own.map(str::to_owned));
-        columns[k] =
-            Some(place(file, column, known.name, Some(known), unit.as_ref(), Taken::Guessed)?);
-    }
-    // What nothing else says is the time: the first column that runs like a clock.
-    let clock = |k: usize| columns[k].is_none() && looks.get(k).is_some_and(|look| look.like_clock);
-    if !used.contains(&"time")
-        && let Some(k) =
-            (0..given.len()).find(|k| clock(*k)).filter(|k| *k == 0 || nameless(&given))
-    {
-        let (known, unit) = (canonical::exact("time"), given[k].unit.as_ref());
-        let unit = unit.filter(|unit| known.is_some_and(|known| known.accepts(unit)));
-        columns[k] = Some(place(file, &given[k], "time", known, unit, Taken::Guessed)?);
-        notes.push(format!("column `{}` runs like a clock: taken as the time", given[k].name));
-    }
-    for (slot, column) in columns.iter_mut().zip(&given).filter(|(slot, _)| slot.is_none()) {
-        let unit = column.unit.as_ref();
-        *slot = Some(place(file, column, &column.name, None, unit, Taken::Kept)?);
-    }
-    let columns: Vec<Column> = columns.into_iter().flatten().collect();
-    no_name_twice(file, &columns)?;
-    let time = columns.iter().position(|column| column.note.signal == "time");
-    Ok(Header { columns, time, notes })
-}
-
-/// Whether a unit is a share of something rated, as drives give torques in.
-fn is_share(unit: &str) -> bool {
-    Unit::parse(unit).is_some_and(|unit| unit.quantity == Quantity::Dimensionless)
-}
-
-/// What to say of a column of counts.
-fn uncounted(column: &Given, signal: &str) -> String {
-    let name = &column.name;
-    let unit = if matches!(signal, "x" | "x_load") { "counts*0.05um" } else { "counts/4096" };
-    format!(
-        "column `{name}` is kept in counts: say how many make a revolution (or how long one is) \
-         with --columns {signal}={name}:{unit}"
-    )
-}
-
-/// Whether the columns have numbers for names, because the file has none.
-fn nameless(given: &[Given]) -> bool {
-    given.iter().all(|column| column.name.starts_with(NAMELESS))
+    naming.take_exact()?;
+    naming.take_guessed()?;
+    naming.take_clock()?;
+    naming.finish()
 }
 
 /// What a column without a name is called, with its number.
 pub(crate) const NAMELESS: &str = "column ";
-
-fn no_name_twice(file: &str, columns: &[Column]) -> Result<(), Error> {
-    for (k, column) in columns.iter().enumerate() {
-        let name = &column.note.signal;
-        if let Some(other) = columns[..k].iter().find(|other| other.note.signal == *name) {
-            return Err(Error::DuplicateSignal {
-                file: file.to_owned(),
-                name: name.clone(),
-                first: other.note.column.clone(),
-                second: column.note.column.clone(),
-            });
-        }
-    }
-    Ok(())
-}
 
 #[cfg(test)]
 mod tests {

@@ -9,6 +9,7 @@ use super::rows::{Columns, Rows, rows};
 use super::slots::Slots;
 use super::split::split;
 use super::ticks::Stamped;
+use crate::budget::Budget;
 use crate::clock::Break;
 use crate::error::Error;
 use crate::place::Lines;
@@ -82,6 +83,12 @@ pub(crate) fn arrange(
     }
     let by_stamps = by_stamps(&clocks, &stamped.time, columns, kept.as_deref());
     let (mut segments, account) = on_grid(&clocks, &mut stamped.time, asked_s, by_stamps, lines)?;
+    let rows: usize = segments.iter().map(|segment| segment.samples).sum();
+    // The time column is one more.
+    if Budget::new(lines.file()).take_table(rows, columns.len() + 1).is_err() {
+        let duration_s = rows as f64 * asked_s;
+        return Err(Error::Period { file: lines.file().to_owned(), period_s: asked_s, duration_s });
+    }
     let moved = one_clock(&mut segments, asked_s);
     let between = segments.iter().any(|it| matches!(it.way, Way::Stamps));
     let sampling = Sampling {

@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::commands::Run;
 use crate::commands::study::Reading;
 use crate::failure::{Ending, Failure, told};
+use crate::next::Next;
 use crate::report::words::{fault, number, percent, torque};
 use crate::session::Session;
 use crate::{drive_source, fmu_file, interrupt};
@@ -83,7 +84,8 @@ impl Run for OfDetection {
         let found = found.map_err(told)?;
         let bars = bars(&found);
         let text = text(&found, &bars);
-        session.answer(&text, &Answer { parity: &found, bars })?;
+        let next = Next::new("benchmark discovery");
+        session.say(&text, &Answer { parity: &found, bars }, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -8,6 +8,7 @@ use crate::benchmark::discovery::{Table, python, run, timed};
 use crate::commands::Run;
 use crate::commands::rule::RuleName;
 use crate::failure::{Ending, Failure};
+use crate::next::Next;
 use crate::session::Session;
 
 /// Fewest cases of which every group has some.
@@ -45,7 +46,7 @@ impl Run for OfDiscovery {
         let found = run(self.cases, seed, self.rule.into(), &python(), &advance)?;
         bar.finish_and_clear();
         let table = Table::new(seed, found);
-        session.answer(&table.text(), &table)?;
+        session.say(&table.text(), &table, &Next::new("benchmark detection"))?;
         Ok(Ending::Done)
     }
 }

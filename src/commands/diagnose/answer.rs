@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use drivescope_diagnoser::{Answer as Class, KnownFaults, Named};
+use drivescope_recording::rounded;
 use drivescope_scenarios::results::{Method, SizeGroup};
 use serde::Serialize;
 
@@ -93,8 +94,9 @@ impl Answer {
             format!("{}: {} samples, of which {judged} are judged\n", self.recording, self.samples);
         for Found { method, beta, outside, declared, .. } in &self.methods {
             let share = 100.0 * *outside as f64 / judged as f64;
-            let designed =
-                beta.map_or_else(String::new, |beta| format!(" (healthy: {} %)", 100.0 * beta));
+            let designed = beta.map_or_else(String::new, |beta| {
+                format!(" (healthy: {} %)", rounded(100.0 * beta))
+            });
             let times: Vec<String> = declared
                 .iter()
                 .map(|at| format!("{:.3} s (sample {})", at.time, at.sample))

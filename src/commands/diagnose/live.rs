@@ -3,7 +3,7 @@
 use std::io;
 
 use drivescope_diagnoser::Diagnoser;
-use drivescope_recording::{CsvStream, Mapping, ReadOptions};
+use drivescope_recording::{CsvStream, Mapping, ReadOptions, rounded};
 
 use super::Diagnose;
 use super::watch::{Event, Watch};
@@ -63,8 +63,10 @@ impl Diagnose {
                 if (found - expected).abs() > SAME_PERIOD * expected {
                     return Err(Failure::Usage {
                         what: format!(
-                            "standard input, line {line}: {found} s after the row before, the \
-                             diagnoser was trained on {expected} s"
+                            "standard input, line {line}: {} s after the row before, the \
+                             diagnoser was trained on {} s",
+                            rounded(found),
+                            rounded(expected)
                         ),
                         instead: "give rows at that sampling time".to_owned(),
                     }
@@ -74,15 +76,21 @@ impl Diagnose {
             for event in watch.step(&u, y, time)? {
                 let (said, of_asked) = match event {
                     Event::Declared(method) if method == self.method.into() => {
-                        (format!("fault declared at {time} s (line {line})"), true)
+                        (format!("fault declared at {} s (line {line})", rounded(time)), true)
                     }
                     Event::Declared(method) => {
-                        (format!("{}: declared at {time} s", method.label()), false)
+                        (format!("{}: declared at {} s", method.label(), rounded(time)), false)
                     }
-                    Event::Named(fault) => (format!("at {time} s: {}", fault.text()), true),
+                    Event::Named(fault) => {
+                        (format!("at {} s: {}", rounded(time), fault.text()), true)
+                    }
                 };
                 if of_asked && !session.prints_json() {
-                    output::print(&format!("{said}\n"))?;
+                    match output::print(&format!("{said}\n")) {
+                        // Nobody reads any more: what was found until now is the verdict.
+                        Err(Failure::Unread) => return Ok(watch),
+                        printed => printed?,
+                    }
                 } else {
                     session.remark(said);
                 }

@@ -14,6 +14,7 @@ use self::answer::Answer;
 use self::watch::Watch;
 use super::{RecordingOptions, Run};
 use crate::failure::{Ending, Failure, told};
+use crate::next::Next;
 use crate::session::Session;
 
 /// Run a diagnoser on a recording, or on rows as they come in: what lies outside its thresholds, when
@@ -117,7 +118,14 @@ impl Run for Diagnose {
             fault,
             methods,
         };
-        session.answer(&answer.text(), &answer)?;
+        let next = match (declared, &answer.fault) {
+            // The faults that are known by name are those of the training.
+            (true, None) => {
+                Next::new("train HEALTHY --fault NAME=REC -o").files([&answer.diagnoser])
+            }
+            _ => Next::new("diagnose").files([&answer.diagnoser]).options(" - --check < live.csv"),
+        };
+        session.say(&answer.text(), &answer, &next)?;
         Ok(if declared && self.check { Ending::Forbidden } else { Ending::Done })
     }
 }

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::watch::line;
 use crate::evidence::Gathered;
+use crate::report::words::{p_value, significant};
 
 /// Errors of a drive.
 #[derive(Debug, Clone, Serialize)]
@@ -202,7 +203,7 @@ fn curve(learned: &LearnedCurve) -> String {
         100.0 * excess_removed
     );
     for (knot, value) in learned.knots.iter().zip(&learned.values) {
-        let _ = writeln!(text, "  {knot:>12.4} {value:>12.4e}");
+        let _ = writeln!(text, "  {knot:>12.4} {:>12}", significant(*value, 5));
     }
     if let Some(formula) = formula {
         let _ = writeln!(text, "it is nearly the custom law {balance} = \"{formula}\"");
@@ -217,10 +218,10 @@ fn not_shown((effects, reason): (Vec<&str>, &str)) -> String {
 fn ranked(one: &Ranked) -> String {
     let why = one.refused.as_deref().map_or(String::new(), |why| format!("   not named: {why}"));
     format!(
-        "{:<20} BIC {:>11.1}   p {:<8.1e} removes {:>5.1} %{why}",
+        "{:<20} BIC {:>11.1}   p {:<8} removes {:>5.1} %{why}",
         one.effect,
         one.delta_bic,
-        one.p_value,
+        p_value(one.p_value),
         100.0 * one.excess_removed
     )
 }

@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Discovery, Error, Evidence, Watch, discover_by};
+use drivescope_discovery::{Discovery, Error, Evidence, Purpose, Watch, discover_by};
 use drivescope_plant::drive::Drive;
 
 use super::Run;
@@ -18,6 +18,7 @@ use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, told};
 use crate::interrupt;
+use crate::next::Next;
 use crate::output;
 use crate::session::Session;
 
@@ -84,7 +85,7 @@ impl Search<'_> {
         find: impl FnOnce(&Drive, &Evidence, &Evidence, &dyn Watch) -> Result<Discovery, Error>,
     ) -> miette::Result<Ending> {
         session.check_writable(&self.output.into_iter().chain(self.report).collect::<Vec<_>>())?;
-        let gathered = self.evidence.gather(self.base, session)?;
+        let gathered = self.evidence.gather((self.base, Purpose::Search), session)?;
         let watching = Watching::new(session);
         let found = find(self.base, &gathered.estimation, &gathered.validation, &watching);
         watching.end();
@@ -107,7 +108,14 @@ impl Search<'_> {
         let output = self.output.cloned();
         let answer =
             Answer::new(self.base, output, &gathered, &found, self.named_are, session.seed);
-        session.answer(&answer.text(), &answer)?;
+        let next = match self.output {
+            Some(output) => self.evidence.on(Next::new("compare").files([output])),
+            None => {
+                let again = Next::new("discover").with(self.given);
+                self.evidence.on(again).options(" -o found.toml --out found.html")
+            }
+        };
+        session.say(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

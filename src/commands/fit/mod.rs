@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Evidence, Fitted, Options, Setting, evaluate, fit};
+use drivescope_discovery::{Evidence, Fitted, Options, Purpose, Setting, evaluate, fit};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::file::Change;
 
@@ -14,6 +14,7 @@ use super::Run;
 use crate::drive_source;
 use crate::evidence::{EvidenceOptions, Gathered};
 use crate::failure::{Ending, told};
+use crate::next::Next;
 use crate::output;
 use crate::session::Session;
 use answer::{Answer, Judged};
@@ -34,7 +35,7 @@ impl Run for Fit {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let base = drive_source::drive(&self.drive)?;
         session.check_writable(&[&self.output])?;
-        let gathered = self.evidence.gather(&base, session)?;
+        let gathered = self.evidence.gather((&base, Purpose::Drive), session)?;
         let Gathered { estimation, validation, .. } = &gathered;
         let setting = Setting::of_fit(&base, estimation);
         let bar = session.progress(3, "fitting");
@@ -63,7 +64,8 @@ impl Run for Fit {
             (before, after),
             session.seed,
         );
-        session.answer(&answer.text(), &answer)?;
+        let next = self.evidence.on(Next::new("compare").files([&self.output]));
+        session.wrote(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::commands::Run;
 use crate::failure::{Ending, told};
+use crate::next::Next;
 use crate::session::Session;
 
 /// Describe an FMU: interfaces, platforms, default experiment, variables.
@@ -67,7 +68,8 @@ impl Run for Info {
             event_indicators: about.structure.event_indicators,
             variables: about.variables.iter().map(shown).collect(),
         };
-        session.answer(&text(&answer, about), &answer)?;
+        let next = Next::new("fmu run").files([&self.file]).options(" -o run.csv");
+        session.say(&text(&answer, about), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct Fmu {
 enum What {
     Info(info::Info),
     Validate(validate::Validate),
-    Run(run::RunFmu),
+    Run(Box<run::RunFmu>),
 }
 
 impl Run for Fmu {
@@ -30,7 +30,7 @@ impl Run for Fmu {
         match self.what {
             What::Info(arguments) => arguments.run(session),
             What::Validate(arguments) => arguments.run(session),
-            What::Run(arguments) => arguments.run(session),
+            What::Run(arguments) => (*arguments).run(session),
         }
     }
 }

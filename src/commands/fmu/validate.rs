@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::commands::Run;
 use crate::failure::{Ending, told};
+use crate::next::Next;
 use crate::session::Session;
 
 /// Check an FMU against the standard and try it.
@@ -39,7 +40,8 @@ impl Run for Validate {
             many => format!("{many} findings"),
         };
         let lines: String = findings.iter().map(|finding| format!("  {finding}\n")).collect();
-        session.answer(&format!("{}: {verdict}\n{lines}", fmu.name()), &shown)?;
+        let next = Next::new("fmu run").files([&self.file]).options(" -o run.csv");
+        session.say(&format!("{}: {verdict}\n{lines}", fmu.name()), &shown, &next)?;
         Ok(if self.check && !findings.is_empty() { Ending::Forbidden } else { Ending::Done })
     }
 }

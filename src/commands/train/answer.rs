@@ -6,7 +6,7 @@ use drivescope_diagnoser::{BandDesign, Channel, FaultsReport, KnownFaults, Learn
 use drivescope_scenarios::results::SizeGroup;
 use serde::Serialize;
 
-use crate::report::words::{number, p_value, percent};
+use crate::report::words::{number, p_is, percent};
 
 #[derive(Debug, Serialize)]
 pub(super) struct Answer {
@@ -162,10 +162,10 @@ impl Answer {
         let answer = self;
         let unit = &answer.watched.unit;
         let inputs: Vec<&str> = answer.inputs.iter().map(|channel| channel.name.as_str()).collect();
-        let p = |p: Option<f64>| p.map_or_else(|| "not computed".to_owned(), p_value);
+        let p = |p: Option<f64>| p.map_or_else(|| "not computed".to_owned(), p_is);
         let bands = |name: &str, bands: &BandsAnswer| {
             format!(
-                "{name}: v = {} {unit} over {} samples; white? p = {}, normal? p = {}\n",
+                "{name}: v = {} {unit} over {} samples; white? {}, normal? {}\n",
                 number(bands.v),
                 bands.samples,
                 p(bands.whiteness_p),

@@ -17,6 +17,7 @@ use self::labelled::Labelled;
 use super::{RecordingOptions, Run};
 use crate::failure::{Ending, Failure, told};
 use crate::interrupt;
+use crate::next::Next;
 use crate::session::Session;
 
 /// Train a diagnoser on healthy recordings: models, bands and thresholds of one output signal; and, where
@@ -138,9 +139,13 @@ impl Run for Train {
             let (diagnoser, report) = found.map_err(told)?;
             (learned.diagnoser, faults) = (diagnoser, Some(report));
         }
-        learned.diagnoser.save(&self.output).map_err(told)?;
+        {
+            let _not_now = interrupt::writing();
+            learned.diagnoser.save(&self.output).map_err(told)?;
+        }
         let answer = Answer::new(&self.output, &learned, faults.as_ref());
-        session.answer(&answer.text(), &answer)?;
+        let next = Next::new("diagnose").files([&self.output]).options(" REC --check");
+        session.wrote(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -178,13 +178,17 @@ export class Plots {
   }
 
   brushed(u) {
+    // Every plot of the group hears of one drag: the first tells the window, and nothing is zoomed
+    // before the last has heard of it, or each would cut its pixels out of the window of the one before.
     const { left, width } = u.select;
-    if (width < 4 || this.ignoring) return;
-    const from = u.posToVal(left, "x"), to = u.posToVal(left + width, "x");
-    this.ignoring = true;
-    for (const plot of this.all) plot.u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
-    this.ignoring = false;
-    this.onWindow([from, to]);
+    if (width < 4 || this.dragged) return;
+    this.dragged = [u.posToVal(left, "x"), u.posToVal(left + width, "x")];
+    setTimeout(() => {
+      const window = this.dragged;
+      for (const plot of this.all) plot.u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+      this.dragged = null;
+      this.onWindow(window);
+    });
   }
 
   resize() {

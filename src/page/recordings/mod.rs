@@ -1,27 +1,20 @@
 //! Recordings of a session: read, their columns matched, and what was said of them kept.
 
 mod columns;
+mod content;
+mod source;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use drivescope_recording::{Mapping, Preview, ReadOptions, Recording, Report, read_with_preview};
+use drivescope_recording::{Mapping, Preview, ReadOptions, Recording, Report};
 use tempfile::TempPath;
+
+use content::{Content, read_named};
+use source::{Source, keep, shown_place};
 
 use crate::failure::told;
 use crate::page::incomplete::Incomplete;
-use crate::page::plain::plain;
-
-/// Where a recording lies.
-#[derive(Debug)]
-enum Source {
-    /// A file of this server, removed with the recording.
-    Own(TempPath),
-    /// A file that the command line named.
-    Given(PathBuf),
-    /// None: it was simulated.
-    Made,
-}
 
 /// A recording that was read, or that is to be completed.
 #[derive(Debug)]
@@ -149,57 +142,6 @@ impl Taken {
         ];
         let said = options.into_iter().filter_map(|(name, value)| Some([name.to_owned(), value?]));
         said.flatten().collect()
-    }
-}
-
-impl Source {
-    fn path(&self) -> Option<&Path> {
-        match self {
-            Self::Own(path) => Some(path),
-            Self::Given(path) => Some(path),
-            Self::Made => None,
-        }
-    }
-}
-
-/// Keeps what was said beside the file; where, or why not.
-fn keep(options: &ReadOptions, path: &Path) -> String {
-    match options.keep(path) {
-        Ok(_) => format!("Kept in {} for later.", shown_place(path)),
-        Err(error) => format!("Not kept for later: {error}."),
-    }
-}
-
-fn shown_place(path: &Path) -> String {
-    let kept = ReadOptions::kept_at(path);
-    kept.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// What a file holds.
-#[derive(Debug, Default)]
-struct Content {
-    recording: Option<Recording>,
-    report: Option<Report>,
-    preview: Option<Preview>,
-    incomplete: Option<Incomplete>,
-}
-
-/// Reads the file; what is said of it names what the user called it.
-fn read_named(path: &Path, name: &str, options: &ReadOptions) -> Result<Content, String> {
-    let own = path.display().to_string();
-    let said = |error| plain(&told(error).to_string()).replace(&own, name);
-    let (preview, read) = read_with_preview(path, options).map_err(said)?;
-    match read {
-        Ok((mut recording, mut report)) => {
-            name.clone_into(&mut recording.name);
-            name.clone_into(&mut report.file);
-            let (recording, report, preview) = (Some(recording), Some(report), Some(preview));
-            Ok(Content { recording, report, preview, incomplete: None })
-        }
-        Err(error) => match Incomplete::of(&error, &preview) {
-            None => Err(said(error)),
-            incomplete => Ok(Content { incomplete, preview: Some(preview), ..Content::default() }),
-        },
     }
 }
 

@@ -126,7 +126,8 @@ fn signals(number: usize, column: &ColumnPreview, now: Option<&Choice>) -> Marku
             aria-label={ "what column " (column.text) " is" } {
             @for choice in choices() {
                 option value=(choice.signal) selected[now == Some(&choice)] {
-                    (choice.words) ", " (choice.signal)
+                    (choice.words)
+                    @if choice.words != choice.signal { ", " (choice.signal) }
                 }
             }
             option value="" selected[now.is_none()] { "not used" }

@@ -27,6 +27,7 @@ pub(super) fn data(state: &State) -> Markup {
         }
         @if let Some(gathered) = &state.gathered {
             p.note { (plain(&gathered.split)) }
+            @for remark in gathered.remarks() { p.note { (plain(&remark)) } }
             @for doubt in &gathered.doubts { p.note.alert { (plain(doubt)) } }
         }
     }

@@ -40,7 +40,7 @@ pub(super) fn pieces(state: &State, view: View) -> BTreeMap<&'static str, String
             "verdict",
             html! {
                 p.verdict { (verdict(&rung.compared)) }
-                p.second { (remark(&rung.compared)) }
+                p.second { (remark(&rung.compared, rung.about.step)) }
                 (tables::tiles(&rung.compared, &rung.about))
             },
         ),

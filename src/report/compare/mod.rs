@@ -22,12 +22,24 @@ pub(crate) struct Setting {
     pub(crate) noise: Vec<(String, String, String)>,
     /// Error on the recordings that only judge, if there are any.
     pub(crate) validation_error: Option<f64>,
+    /// The step of a search that it is, if it is one.
+    pub(crate) step: Option<OfStep>,
     /// When the samples of each recording were taken.
     pub(crate) clocks: Vec<Clock>,
     /// What makes the recordings doubtful.
     pub(crate) doubts: Vec<String>,
     /// Seed.
     pub(crate) seed: u64,
+}
+
+/// A drive that was fitted to a part of the recordings that it is compared with: its error on that
+/// part and on the rest are two figures, and the one over all of them is none.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OfStep {
+    /// Error on what it was fitted to.
+    pub(crate) estimation_error: f64,
+    /// Whether its parameters were estimated there, or typed.
+    pub(crate) fitted: bool,
 }
 
 impl Setting {
@@ -48,6 +60,7 @@ impl Setting {
             drive: drive.name.clone(),
             noise: noise.iter().map(known).collect(),
             validation_error,
+            step: None,
             clocks: evidence.recordings.iter().map(|it| it.clock.clone()).collect(),
             doubts: doubts.to_vec(),
             seed,
@@ -76,23 +89,27 @@ pub(crate) fn verdict(compared: &Comparison) -> String {
 }
 
 /// The second sentence: what the error is, and what fitting could do.
-pub(crate) fn remark(compared: &Comparison) -> String {
+pub(crate) fn remark(compared: &Comparison, step: Option<OfStep>) -> String {
     let floor = if compared.observer_hz > 0.0 {
         format!("; {} is the floor with the observer", number(compared.floor))
     } else {
         "; 1 is the noise floor".to_owned()
     };
-    let mut text = format!("Its error is {} in units of the noise{floor}.", number(compared.error));
-    if compared.is_unfitted() {
+    let error = step.map_or(compared.error, |step| step.estimation_error);
+    let on = if step.is_some() { " on what it is fitted to" } else { "" };
+    let mut text = format!("Its error{on} is {} in units of the noise{floor}.", number(error));
+    // Whoever fitted it to a part need not do so again because the rest would have it otherwise.
+    let fitted = step.is_some_and(|step| step.fitted);
+    if compared.is_unfitted() && !fitted {
         text += &format!(
-            " The drive is not fitted to these recordings: other values of its own parameters would \
-             take {:.0} % of the excess away, to about {}. Fit it first: what is said here is what \
-             they could not explain.",
+            " Its parameters are not those that fit all of these recordings best: others would take \
+             {:.0} % of the excess away, to about {}. Fit it to all of them first: what is said here \
+             is what they could not explain.",
             100.0 * compared.by_parameters,
             number(compared.error_if_fitted)
         );
     }
-    if compared.by_balances && compared.parameters_matter() {
+    if compared.by_balances && compared.parameters_matter() && !fitted {
         text += &format!(
             " Its values are those of least squares on the balances: others would follow the \
              observed motion closer, to about {}, and explain no more of the torque.",
@@ -117,7 +134,7 @@ pub(crate) fn compare_html(compared: &Comparison, setting: &Setting) -> String {
 pub(crate) fn body(compared: &Comparison, setting: &Setting) -> Markup {
     html! {
         p.verdict { (verdict(compared)) }
-        p.second { (remark(compared)) }
+        p.second { (remark(compared, setting.step)) }
         (tables::tiles(compared, setting))
         (findings(compared))
         (curves(compared))

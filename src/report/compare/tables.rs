@@ -12,16 +12,16 @@ pub(crate) fn tiles(compared: &Comparison, setting: &Setting) -> Markup {
     html! {
         dl.tiles {
             div {
-                dt { "Error" }
+                dt { "Error" @if setting.step.is_some() { " on estimation" } }
                 dd {
-                    (number(compared.error))
+                    (number(setting.step.map_or(compared.error, |step| step.estimation_error)))
                     span.sub { "in units of the noise, floor " (number(compared.floor)) }
                 }
             }
             @if let Some(error) = setting.validation_error {
                 div {
                     dt { "Error on validation" }
-                    dd { (number(error)) span.sub { "recordings that only judge" } }
+                    dd { (number(error)) span.sub { "what only judges" } }
                 }
             }
             @for output in compared.recordings.first().map_or(&[][..], |it| &it.outputs) {
@@ -29,7 +29,10 @@ pub(crate) fn tiles(compared: &Comparison, setting: &Setting) -> Markup {
                     dt { "Fit of " (output.name) }
                     dd {
                         (fit(output.fit_percent))
-                        span.sub { "one step ahead " (fit(output.one_step_percent)) }
+                        span.sub {
+                            @if setting.step.is_some() { "over the whole recording; " }
+                            "one step ahead " (fit(output.one_step_percent))
+                        }
                     }
                 }
             }

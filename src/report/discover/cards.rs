@@ -10,7 +10,7 @@ use super::Missing;
 use crate::report::compare::pictures;
 use crate::report::page::minus;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel};
-use crate::report::words::{capital, number, p_value, percent};
+use crate::report::words::{capital, number, p_is, percent};
 
 /// Width and height of a card's picture, pixels.
 const WIDTH: f64 = 400.0;
@@ -153,7 +153,7 @@ fn card(
             }
             dl.facts {
                 div { dt { "Share of the error" } dd { (percent(one.excess_removed, 1)) " % of what is above the noise" } }
-                div { dt { "By chance" } dd { "p = " (minus(&p_value(one.p_value))) ", BIC gain " (minus(&number(one.delta_bic))) } }
+                div { dt { "By chance" } dd { (minus(&p_is(one.p_value))) ", BIC gain " (minus(&number(one.delta_bic))) } }
                 @if let Some(shape) = one.shape {
                     div { dt { "Shape" } dd { (percent(shape, 0)) " % of what any curve removes" } }
                 }

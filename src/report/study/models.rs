@@ -5,7 +5,7 @@ use drivescope_scenarios::results::{GmdhSummary, RecurrentErrorSummary, StudyRes
 use maud::{Markup, html};
 
 use crate::report::page::{self, math, minus, table};
-use crate::report::words::{count, given, number, p_value};
+use crate::report::words::{count, given, number, p_is};
 
 /// The section.
 pub(super) fn section(study: &StudyResults) -> Markup {
@@ -108,8 +108,8 @@ fn recurrent(study: &StudyResults, model: &RecurrentErrorSummary) -> Markup {
             "Recurrent error model: " (count(model.v1, "IIR neuron")) ", "
             (count(model.v2, "FIR neuron")) ", order " (model.order) "; v = " (number(model.v)) " "
             (study.drive.tacho_unit) " (ARX: " (number(study.model.v)) "); of " (math("r \u{2212} y_e"))
-            " the whiteness test has p = " (minus(&p_value(model.whiteness_p)))
-            ", the normality test p = " (minus(&p_value(model.normality_p))) "."
+            " the whiteness test has " (minus(&p_is(model.whiteness_p)))
+            ", the normality test " (minus(&p_is(model.normality_p))) "."
         }
     }
 }

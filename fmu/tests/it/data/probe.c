@@ -5,7 +5,7 @@
  *   dh/dt = v, dv/dt = -g         a ball; at h = 0 it bounces with v+ = -e v-   (state event)
  *   every 0.1 s: n += 1, held = u                                               (time event)
  *
- * `fail` makes the status with that number come from the step (or the derivatives) after 1 s. */
+ * `fail` = 100 makes it end the simulation at 0.9 s; any other value makes the status with that number come from the step (or the derivatives) after 1 s. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -20,7 +20,7 @@ typedef struct {
     double time, u, T, x, h, v, g, e, held, arr[3];
     float f32;
     int32_t n, fail;
-    int64_t mode;
+    int64_t mode, big;
     bool on, me, ended;
     char label[64];
     /* Not part of the state that is saved: */
@@ -36,6 +36,7 @@ static void start(M *m)
     m->time = 0; m->u = 1; m->T = 0.5; m->x = 0; m->h = 1; m->v = 0; m->g = 9.81; m->e = 0.7;
     m->held = 0; m->n = 0; m->fail = 0; m->mode = 1; m->on = true; m->ended = false; m->f32 = 0.5f;
     m->arr[0] = 1; m->arr[1] = 2; m->arr[2] = 3;
+    m->big = 9007199254740993; /* 2^53 + 1 */
     strcpy(m->label, "probe");
 }
 
@@ -102,7 +103,8 @@ static bool set_number(M *m, unsigned r, double value)
     }
 }
 
-static int failing(const M *m, double time) { return m->fail && time > 1 ? m->fail : 0; }
+static bool stops(const M *m, double time) { return m->fail == 100 && time > 0.9 - 1e-9; }
+static int failing(const M *m, double time) { return m->fail && m->fail != 100 && time > 1 ? m->fail : 0; }
 
 #if FMI == 2
 typedef int bool_t;
@@ -142,7 +144,8 @@ F(DoStep)(M *m, double t, double h, int a)
     (void)a;
     if (failing(m, t + h)) { LOG(m, 3, "step to %g s failed", t + h); return failing(m, t + h); }
     m->time = t; advance(m, t + h);
-    return 0;
+    m->ended = stops(m, m->time);
+    return m->ended ? 2 : 0; /* fmi2Discard: the only way of FMI 2.0 to say so */
 }
 F(GetRealStatus)(M *m, int kind, double *v) { (void)kind; *v = m->time; return 0; }
 F(GetBooleanStatus)(M *m, int kind, int *v) { (void)kind; *v = m->ended; return 0; }
@@ -196,7 +199,7 @@ F(DoStep)(M *m, double t, double h, bool a, bool *event, bool *ends, bool *early
     (void)a;
     *event = *ends = *early = false; *last = m->time;
     if (failing(m, t + h)) { LOG(m, 3, "step to %g s failed", t + h); return failing(m, t + h); }
-    m->time = t; advance(m, t + h); *last = m->time;
+    m->time = t; advance(m, t + h); *last = m->time; *ends = stops(m, m->time);
     return 0;
 }
 F(GetDirectionalDerivative)(M *m, const unsigned *u, size_t nu, const unsigned *k, size_t nk, const double *s, size_t ns, double *d, size_t nd)
@@ -209,8 +212,15 @@ F(GetNumberOfContinuousStates)(M *m, size_t *n) { (void)m; *n = 3; return 0; }
 F(GetNumberOfEventIndicators)(M *m, size_t *n) { (void)m; *n = 1; return 0; }
 F(GetFloat32)(M *m, const unsigned *r, size_t n, float *v N) { (void)r; (void)nv; for (size_t i = 0; i < n; i++) v[i] = m->f32; return 0; }
 F(SetFloat32)(M *m, const unsigned *r, size_t n, const float *v N) { (void)r; (void)nv; for (size_t i = 0; i < n; i++) m->f32 = v[i]; return 0; }
-F(GetInt64)(M *m, const unsigned *r, size_t n, int64_t *v N) { (void)r; (void)nv; for (size_t i = 0; i < n; i++) v[i] = m->mode; return 0; }
-F(SetInt64)(M *m, const unsigned *r, size_t n, const int64_t *v N) { (void)r; (void)nv; for (size_t i = 0; i < n; i++) m->mode = v[i]; return 0; }
+F(GetInt64)(M *m, const unsigned *r, size_t n, int64_t *v N) { (void)nv; for (size_t i = 0; i < n; i++) v[i] = r[i] == 50 ? m->big : m->mode; return 0; }
+F(SetInt64)(M *m, const unsigned *r, size_t n, const int64_t *v N) { (void)nv; for (size_t i = 0; i < n; i++) *(r[i] == 50 ? &m->big : &m->mode) = v[i]; return 0; }
+F(GetBinary)(M *m, const unsigned *r, size_t n, size_t *sizes, const unsigned char **v N)
+{
+    static const unsigned char bytes[] = {1, 255, 0};
+    (void)m; (void)r; (void)nv;
+    for (size_t i = 0; i < n; i++) { sizes[i] = sizeof bytes; v[i] = bytes; }
+    return 0;
+}
 #define REAL(Op) fmi3##Op##Float64
 #define INTEGER(Op) fmi3##Op##Int32
 #define STATE(x) fmi3##x##FMUState
@@ -220,7 +230,7 @@ F(SetInt64)(M *m, const unsigned *r, size_t n, const int64_t *v N) { (void)r; (v
 #define RATES fmi3GetContinuousStateDerivatives
 /* What the standard demands and no test calls. */
 #define STUB(name) EXPORT int fmi3##name(void) { return 3; }
-STUB(SetDebugLogging) STUB(InstantiateScheduledExecution) STUB(GetBinary) STUB(SetBinary) STUB(GetClock) STUB(SetClock)
+STUB(SetDebugLogging) STUB(InstantiateScheduledExecution) STUB(SetBinary) STUB(GetClock) STUB(SetClock)
 STUB(GetNumberOfVariableDependencies) STUB(GetVariableDependencies) STUB(GetAdjointDerivative)
 STUB(EnterConfigurationMode) STUB(ExitConfigurationMode) STUB(GetIntervalDecimal) STUB(GetIntervalFraction)
 STUB(GetShiftDecimal) STUB(GetShiftFraction) STUB(SetIntervalDecimal) STUB(SetIntervalFraction)
@@ -265,6 +275,7 @@ EXPORT int REAL(Get)(M *m, const unsigned *r, size_t n, double *v N)
 }
 EXPORT int REAL(Set)(M *m, const unsigned *r, size_t n, const double *v N)
 {
+    if (n == 1 && r[0] == 20) { memcpy(m->arr, v, sizeof m->arr); return 0; }
     for (size_t i = 0; i < n; i++) if (!set_number(m, r[i], v[i])) { LOG(m, 3, "cannot set %u", r[i]); return 3; }
     return SIZES_FIT;
 }

@@ -36,7 +36,8 @@ pub enum LawError {
     },
     /// A name that is neither a variable, a parameter nor a function.
     #[error(
-        "`{name}` is unknown: variables are {variables}, parameters {parameters}, functions {functions}"
+        "`{name}` is unknown: variables are {variables}, parameters {}, functions {functions}",
+        if parameters.is_empty() { "none" } else { parameters }
     )]
     Name {
         /// Byte position.

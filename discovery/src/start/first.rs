@@ -1,39 +1,25 @@
-//! The state in which each piece of a recording begins: a first guess, to be estimated on.
+//! The first guess of the state in which each piece of a recording begins.
 //!
 //! Candidates are rest, the first samples themselves, and a straight line through the first few
 //! (it averages the noise). The one from which the model follows the beginning best is taken;
 //! rest unless another is clearly better, for most recordings begin there and a shaft at rest has
 //! no speed to estimate.
 
+use std::ops::Range;
+
 use drivescope_numerics::Regression;
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::effects::info::Beside;
-use serde::Serialize;
 
+use super::Start;
 use crate::case::{Case, Setting};
-use crate::measured::{Measured, OUTPUTS, Output, SHORTEST_PIECE};
+use crate::measured::{Measured, Output, SHORTEST_PIECE};
 
 /// Samples that a line goes through.
 const LINE: usize = 10;
 /// Gain in squared errors (in units of the noise) that a moving start must bring: three
 /// standard deviations of one value.
 const CLEARLY: f64 = 9.0;
-
-/// State at the beginning of a piece of a recording, and what sensors beside those of the motor
-/// count from; what the drive does not have is 0, and own states of effects begin at 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Start {
-    /// Armature current, A.
-    pub current: f64,
-    /// Speed, rad/s (m/s); exactly 0 where the shaft is at rest.
-    pub speed: f64,
-    /// Position, rad (m).
-    pub position: f64,
-    /// What a position of the load is counted from, rad (m).
-    pub load_zero: f64,
-    /// Temperature of the surroundings, in the unit of the sensor.
-    pub surroundings: f64,
-}
 
 /// The first guess for each piece.
 pub fn first_starts(
@@ -42,20 +28,36 @@ pub fn first_starts(
     noise: &[f64],
     setting: &Setting,
 ) -> Vec<Start> {
-    let of = |piece: &std::ops::Range<usize>| {
+    let of = |piece: &Range<usize>| {
         let head = measured.part(piece.start..piece.start + SHORTEST_PIECE);
         // Pieces have at least that many samples.
-        head.map_or(Start::REST, |head| best(drive, &head, noise, setting))
+        let all = zero(measured, piece.clone(), Beside::LoadPosition);
+        head.map_or(Start::REST, |head| best((drive, noise, setting), &head, all))
     };
-    measured.pieces.iter().map(of).collect()
+    let mut starts: Vec<Start> = measured.pieces.iter().map(of).collect();
+    if drive.model().has(Beside::Temperature) {
+        // The coldest beginning is taken for that of a winding as warm as its surroundings.
+        let coldest = starts.iter().map(|it| it.surroundings).fold(f64::INFINITY, f64::min);
+        for start in &mut starts {
+            start.warmth = start.surroundings - coldest;
+            start.surroundings = coldest;
+        }
+    }
+    starts
 }
 
-fn best(drive: &Drive, head: &Measured, noise: &[f64], setting: &Setting) -> Start {
+/// The best candidate for a piece that begins with `head`, on the whole of which the load's
+/// position counts from about `load_zero`.
+fn best(
+    (drive, noise, setting): (&Drive, &[f64], &Setting),
+    head: &Measured,
+    load_zero: f64,
+) -> Start {
     let misfit = |start: &Start| {
         let starts = &[*start];
         Case { drive, measured: head, noise, starts, setting }.squares().sum
     };
-    let [rest, others @ ..] = candidates(drive, head);
+    let [rest, others @ ..] = candidates(drive, head, load_zero);
     let (mut start, mut least) = (rest, misfit(&rest) - CLEARLY);
     for other in others {
         let misfit = misfit(&other);
@@ -66,8 +68,12 @@ fn best(drive: &Drive, head: &Measured, noise: &[f64], setting: &Setting) -> Sta
     start
 }
 
-/// Rest, the first samples, and the line through the first few.
-fn candidates(drive: &Drive, head: &Measured) -> [Start; 3] {
+/// Rest, a motor at rest on a twisted coupling, the first samples, and the line through the first
+/// few.
+fn candidates(drive: &Drive, head: &Measured, load_zero: f64) -> [Start; 4] {
+    // At its beginning alone a twist cannot be told from the zero: it swings about none.
+    let zero_now = zero(head, 0..LINE, Beside::LoadPosition);
+    let may_twist = drive.model().has(Beside::LoadPosition);
     let lines = [Output::Current, Output::Speed, Output::Position].map(|output| {
         let values = &head.output(output)?.values;
         line(&values[..LINE.min(values.len())])
@@ -85,8 +91,15 @@ fn candidates(drive: &Drive, head: &Measured) -> [Start; 3] {
         },
         speed,
         position,
-        load_zero: zero(head, Beside::LoadPosition),
-        surroundings: zero(head, Beside::Temperature),
+        load_zero: zero_now,
+        surroundings: zero(head, 0..LINE, Beside::Temperature),
+        ..Start::REST
+    };
+    let twisted = |start: Start| match may_twist {
+        true => {
+            Start { load_zero, twist: load_zero - zero_now, slip: slip(head, start.speed), ..start }
+        }
+        false => start,
     };
     let by_line = start(
         lines[0].map(|line| line.0),
@@ -94,16 +107,30 @@ fn candidates(drive: &Drive, head: &Measured) -> [Start; 3] {
         lines[2].map_or(position, |line| line.0),
     );
     let by_first = start(first[0], first[1].unwrap_or(slope), position);
-    [start(first[0].or(Some(0.0)), 0.0, position), by_first, by_line]
+    let rest = start(first[0].or(Some(0.0)), 0.0, position);
+    [rest, twisted(rest), twisted(by_first), twisted(by_line)]
 }
 
-/// What such a sensor counts from: the mean of what it shows more than the motor's own at the
-/// beginning, or than a cold winding; 0 where it was not measured.
-fn zero(head: &Measured, sensor: Beside) -> f64 {
-    let Some(channel) = head.output(sensor.into()) else { return 0.0 };
-    let of_motor = |k| if sensor == Beside::Temperature { 0.0 } else { head.of_motor(sensor, k) };
-    let beyond = channel.values.iter().enumerate().map(|(k, y)| y - of_motor(k));
-    let known: Vec<f64> = beyond.take(LINE).filter(|it| it.is_finite()).collect();
+/// Speed of the motor less that of the load, which its own sensors show; 0 where none does.
+fn slip(head: &Measured, speed: f64) -> f64 {
+    let line_of = |output| {
+        let values = &head.output(output)?.values;
+        line(&values[..LINE.min(values.len())])
+    };
+    let of_load = line_of(Output::LoadSpeed).map(|line| line.0);
+    let of_load = of_load.or_else(|| Some(line_of(Output::LoadPosition)?.1 / head.period_s));
+    of_load.map_or(0.0, |of_load| speed - of_load)
+}
+
+/// What such a sensor counts from: the mean of what it shows more than the motor's own over those
+/// samples, or than a cold winding; 0 where it was not measured.
+fn zero(measured: &Measured, samples: Range<usize>, sensor: Beside) -> f64 {
+    let Some(channel) = measured.output(sensor.into()) else { return 0.0 };
+    let beyond = samples.map(|k| match sensor {
+        Beside::Temperature => channel.values[k],
+        _ => channel.values[k] - measured.of_motor(sensor, k),
+    });
+    let known: Vec<f64> = beyond.filter(|it| it.is_finite()).collect();
     known.iter().sum::<f64>() / known.len().max(1) as f64
 }
 
@@ -124,40 +151,6 @@ fn line(values: &[f64]) -> Option<(f64, f64)> {
     }
     let fit = (regression.rows() > 2).then(|| regression.solve().ok())??;
     Some((fit.parameters[0], fit.parameters[1]))
-}
-
-impl Start {
-    /// A shaft at rest without current.
-    pub const REST: Self =
-        Self { current: 0.0, speed: 0.0, position: 0.0, load_zero: 0.0, surroundings: 0.0 };
-
-    /// Its numbers in the order of [`Output`]: a state, or what a sensor counts from.
-    pub fn values(&self) -> [f64; OUTPUTS] {
-        [self.current, self.speed, self.position, 0.0, self.load_zero, self.surroundings]
-    }
-
-    /// Places in [`Self::values`] of what is unknown: a shaft at rest has no speed to estimate,
-    /// and a position or a temperature matters where it is measured.
-    pub(crate) fn free_states(&self, drive: &Drive, measured: &Measured) -> Vec<usize> {
-        let current = (drive.motor.input == Input::Voltage).then_some(Output::Current);
-        let speed = (self.speed != 0.0).then_some(Output::Speed);
-        let shown = [Output::Position, Output::LoadPosition, Output::Temperature].into_iter();
-        let shown = shown.filter(|output| measured.output(*output).is_some());
-        current.into_iter().chain(speed).chain(shown).map(|output| output as usize).collect()
-    }
-
-    /// The same with another value at that place.
-    #[must_use]
-    pub fn with(self, place: usize, value: f64) -> Self {
-        match place {
-            0 => Self { current: value, ..self },
-            1 => Self { speed: value, ..self },
-            2 => Self { position: value, ..self },
-            4 => Self { load_zero: value, ..self },
-            5 => Self { surroundings: value, ..self },
-            _ => self,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -65,7 +65,7 @@ pub(super) fn averaged(drive: &Drive, measured: &Measured) -> Option<Measured> {
         angle: measured.angle.as_ref().map(mean),
         pieces: averaged,
         noise_gain: measured.noise_gain,
-        set_aside: Vec::new(),
+        remarks: Vec::new(),
     })
 }
 

@@ -140,7 +140,7 @@ fn the_column_of_every_law_is_the_difference_of_the_whole_filter() {
         let bar = match info.id {
             "torque_ripple" => 0.12,
             "speed_sensor_lag" => 0.2,
-            _ => 0.06,
+            _ => 0.08,
         };
         assert!(off < bar, "{}: {differences:?}", info.id);
         compared += 1;

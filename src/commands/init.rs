@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use drivescope_discovery::Unexplained;
+use drivescope_discovery::{BothUnexplained, Unexplained};
 use drivescope_plant::drive::Input;
 use serde::Serialize;
 
@@ -60,15 +60,9 @@ struct Answer<'a> {
     /// Bandwidth of the observer with which it does, Hz; 0 in free run.
     observer_hz: f64,
     /// What the balances leave unexplained.
-    unexplained: Balances,
+    unexplained: BothUnexplained,
     /// The command to type next.
     next: String,
-}
-
-#[derive(Debug, Serialize)]
-struct Balances {
-    torque: Option<Unexplained>,
-    voltage: Option<Unexplained>,
 }
 
 #[derive(Debug, Serialize)]
@@ -101,7 +95,6 @@ impl Run for Init {
         let (text, _) = first.file(&self.output.display().to_string())?;
         output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
         let next = self.next();
-        let [torque, voltage] = first.quality.unexplained;
         let answer = Answer {
             output: self.output.clone(),
             motion: first.choice.motion,
@@ -110,7 +103,7 @@ impl Run for Init {
             parameters: first.values.iter().map(parameter).collect(),
             fit: &first.quality.fits,
             observer_hz: first.quality.observer_hz,
-            unexplained: Balances { torque, voltage },
+            unexplained: first.quality.unexplained.into(),
             next: next.command().to_owned(),
         };
         session.wrote(&said(&first, &answer), &answer, &next)?;
@@ -161,7 +154,7 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
         let percent = percent.map_or("constant".to_owned(), |it| format!("{it:.1} %"));
         let _ = writeln!(text, "  {signal:<8} fit {percent}, rms {} {unit}, {how}", number(*rms));
     }
-    let Balances { torque, voltage } = answer.unexplained;
+    let BothUnexplained { torque, voltage } = answer.unexplained;
     for (name, left) in [("torque", torque), ("voltage", voltage)] {
         if let Some(Unexplained { share, .. }) = left {
             let _ = writeln!(text, "  {:.1} % of the {name} unexplained", 100.0 * share);

@@ -77,6 +77,14 @@ fn hidden_effects_are_named_and_the_error_falls_to_the_floor() {
             assert!(after < most && after < before, "{kind}, {key}: {before} to {after}");
         }
         assert_eq!(answer["ladder"].as_array().map(Vec::len), Some(2), "{answer}");
+        if kind == "asymmetric_friction" {
+            let share = |when: &str, of: &str| number(&answer[when][of]["torque"]["share"]);
+            for of in ["unexplained", "validation_unexplained"] {
+                let (before, after) = (share("before", of), share("after", of));
+                assert!(after < 0.9 * before && after > 0.0, "{of}: {before} to {after}");
+                assert_eq!(answer["ladder"][1][of], answer["after"][of], "{answer}");
+            }
+        }
         let text = std::fs::read_to_string(here.join("found.toml")).expect("it was written");
         assert!(text.contains(kind) && text.contains("# ohm, from the plate"), "{text}");
     }

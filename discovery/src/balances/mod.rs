@@ -45,6 +45,22 @@ pub struct Unexplained {
     pub share: f64,
 }
 
+/// What both balances leave unexplained; none where one was not measured, or the drive has states
+/// that were not.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BothUnexplained {
+    /// Of the balance of torques (forces).
+    pub torque: Option<Unexplained>,
+    /// Of the balance of voltages.
+    pub voltage: Option<Unexplained>,
+}
+
+impl From<[Option<Unexplained>; 2]> for BothUnexplained {
+    fn from([torque, voltage]: [Option<Unexplained>; 2]) -> Self {
+        Self { torque, voltage }
+    }
+}
+
 /// A drive at the values that the balances give.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Begun {

@@ -17,6 +17,7 @@ use super::scales::Scales;
 use super::screen::screen;
 use super::typed;
 use super::weighed::Formula;
+use crate::balances::unexplained;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -137,7 +138,7 @@ pub fn discover_by(
         } else {
             named.polished(estimation, validation, &seen).unwrap_or(named)
         };
-        found.climb(Some(kind), &named, watch);
+        found.climb(Some(kind), &named, (estimation, validation), watch);
         let before = std::mem::replace(&mut model, named);
         base.get_or_insert(before);
         formulas.extend(formula);
@@ -205,7 +206,7 @@ pub fn add(
     };
     found.named.push(kind.to_owned());
     found.verdict = Verdict::Named;
-    found.climb(Some(kind.to_owned()), &added, watch);
+    found.climb(Some(kind.to_owned()), &added, (estimation, validation), watch);
     found.end(added.fitted.drive, of_user);
     Ok(found)
 }
@@ -274,7 +275,7 @@ fn begin(
         doubts: other_machine::doubt(&model, validation).into_iter().collect(),
         observer: setting.observer,
     };
-    found.climb(None, &model, watch);
+    found.climb(None, &model, (estimation, validation), watch);
     Ok((model, found))
 }
 
@@ -355,9 +356,18 @@ impl Discovery {
         }
     }
 
-    fn climb(&mut self, added: Option<String>, model: &Model, watch: &dyn Watch) {
+    fn climb(
+        &mut self,
+        added: Option<String>,
+        model: &Model,
+        (estimation, validation): (&Evidence, &Evidence),
+        watch: &dyn Watch,
+    ) {
+        let drive = &model.fitted.drive;
         let rung = Rung {
             added,
+            unexplained: unexplained(drive, estimation).into(),
+            validation_unexplained: unexplained(drive, validation).into(),
             error: model.fitted.squares.error(),
             validation_error: model.validation.squares.error(),
         };

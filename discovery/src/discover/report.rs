@@ -9,6 +9,7 @@ use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
 use super::inverse::SecondOpinion;
 use super::learned::LearnedCurve;
+use crate::balances::BothUnexplained;
 use crate::compare::Finding;
 use crate::doubt::Doubt;
 use crate::estimate::Estimate;
@@ -56,6 +57,10 @@ pub struct Rung {
     pub error: f64,
     /// Error on the validation data.
     pub validation_error: f64,
+    /// What the balances leave unexplained of the estimation data.
+    pub unexplained: BothUnexplained,
+    /// The same of the validation data.
+    pub validation_unexplained: BothUnexplained,
 }
 
 /// An estimated parameter of a ranked effect.

@@ -31,9 +31,8 @@ const FALLS: f64 = 1e-3;
 pub(crate) struct Weighed {
     /// ln of it over that of the base.
     evidence: f64,
-    /// The same of the recordings held out, given the others, and the other way round.
+    /// The same of the recordings held out, given the others.
     repeats: f64,
-    back: f64,
     /// Root of the mean square of what it does, of what the balance holds.
     pub(crate) size: f64,
     /// That it is what is missing, among the candidates and nothing.
@@ -194,7 +193,6 @@ impl Round<'_> {
             let weighed = Weighed {
                 evidence,
                 repeats: all - evidence,
-                back: all - (own.held_out - ground.base.held_out),
                 size: own.size,
                 probability: 0.0,
                 by_balance: false,

@@ -119,3 +119,37 @@ fn slopes(measured: &Measured, x: &[f64], sd: f64) -> (Vec<f64>, f64) {
         reach = (2 * reach).min(longest);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{bench, dr300, noisy};
+
+    #[test]
+    fn friction_is_not_judged_where_the_shaft_rests_or_turns_round() {
+        let drive = dr300();
+        let recording = noisy(bench(&drive, 2.0, 0.001), [0.01, 0.3], 7);
+        let measured = Measured::new(&drive, &recording).expect("it can be used");
+        let direction = Direction::of(&drive, &measured, &[0.01, 0.3, 1.0]);
+        let speed = &measured.output(Output::Speed).expect("it was measured").values;
+        let fastest = fastest(speed);
+        let (mut moving, mut turning) = (0, 0);
+        for (k, omega) in speed.iter().enumerate() {
+            let sign = direction.at(k);
+            if omega.abs() > 0.1 * fastest {
+                assert!(sign == 0.0 || sign == omega.signum(), "sample {k}: {omega} and {sign}");
+                moving += usize::from(sign != 0.0);
+            }
+            if omega.abs() < 1e-3 * fastest {
+                assert_eq!(sign, 0.0, "sample {k}: {omega}");
+                turning += 1;
+            }
+            assert_eq!(direction.loose(k) > 0.0, sign == 0.0);
+        }
+        assert!(moving > speed.len() / 2 && turning > 0, "{moving} {turning}");
+        let mut greased = drive;
+        greased.effects.clear();
+        let free = Direction::of(&greased, &measured, &[0.01, 0.3, 1.0]);
+        assert!((0..speed.len()).all(|k| free.at(k) == 1.0 && free.loose(k) == 0.0));
+    }
+}

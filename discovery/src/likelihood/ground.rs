@@ -78,7 +78,7 @@ impl Ground {
 }
 
 /// The evidence of a structure with the random load with which it is most probable, in the recordings
-/// of the fit, in those held out, and in all.
+/// of the fit and in all.
 fn at_its_best(
     scene: &Scene,
     law: Option<&Law<'_>>,
@@ -95,7 +95,6 @@ fn at_its_best(
     let each = LOADS.par_iter().filter_map(with);
     each.reduce_with(|a, b| Optimum {
         fitted: a.fitted.max(b.fitted),
-        held_out: a.held_out.max(b.held_out),
         all: a.all.max(b.all),
         size: if a.fitted > b.fitted { a.size } else { b.size },
     })

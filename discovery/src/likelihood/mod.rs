@@ -2,13 +2,14 @@
 //! space, and the evidence of laws and free curves in it.
 //!
 //! ```text
-//!  fitted drive, recordings ──> scene ──> randomness: load, voltage, noise by likelihood
-//!                                 └─> filter ──> tracks: innovations, gains, derivatives
+//!  fitted drive, recordings ──averaged──> scene ──> ground: randomness by likelihood and parameters
+//!                                           │       by Gauss and Newton, in turn
+//!                                           └─> filter ──> tracks: innovations, gains, derivatives
 //!  plant's laws as duals ──> columns ──whitened by the same filter──> gram: products
 //!                                                  └─> marginal: evidence of any set of columns
 //! ```
 //!
-//! [`weigh()`] judges every law at its null and every curve; [`optimum()`] a law that was fitted.
+//! [`weigh()`] judges every law at its null and every curve; [`Ground::with`] a law at its own best.
 
 mod averaged;
 mod base;

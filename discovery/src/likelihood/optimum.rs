@@ -27,7 +27,6 @@ pub(crate) struct Law<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Optimum {
     pub(crate) fitted: f64,
-    pub(crate) held_out: f64,
     pub(crate) all: f64,
     /// Root of the mean square of what the law does, of the balance's size.
     pub(crate) size: f64,
@@ -123,10 +122,5 @@ pub(super) fn optimum(
     } else {
         0.0
     };
-    Some(Optimum {
-        fitted: evidence(&|held_out| !held_out),
-        held_out: evidence(&|held_out| held_out),
-        all: evidence(&|_| true),
-        size,
-    })
+    Some(Optimum { fitted: evidence(&|held_out| !held_out), all: evidence(&|_| true), size })
 }

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use drivescope_discovery::compare::Finding;
 use drivescope_discovery::{
-    Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung, SecondOpinion,
-    Verdict,
+    BothUnexplained, Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung,
+    SecondOpinion, Verdict,
 };
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
@@ -21,11 +21,18 @@ use crate::report::words::{p_value, significant};
 struct Errors {
     error: f64,
     validation_error: f64,
+    unexplained: BothUnexplained,
+    validation_unexplained: BothUnexplained,
 }
 
 impl Errors {
     fn of(rung: &Rung) -> Self {
-        Self { error: rung.error, validation_error: rung.validation_error }
+        Self {
+            error: rung.error,
+            validation_error: rung.validation_error,
+            unexplained: rung.unexplained,
+            validation_unexplained: rung.validation_unexplained,
+        }
     }
 }
 

@@ -63,10 +63,11 @@ impl Logging {
     }
 
     /// What an instance begins with: FMI's `loggingOn` is about debugging, and what went wrong is said
-    /// in any case.
+    /// in any case. A warning of every sample is not.
     pub(super) fn initial(on: bool) -> Self {
         let mut logging = Self::all(true);
         logging.switch(LogCategory::Events, on);
+        logging.switch(LogCategory::StatusWarning, on);
         logging
     }
 

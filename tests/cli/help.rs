@@ -105,5 +105,7 @@ fn a_reader_that_goes_away_is_no_error() {
     drop(child.stdout.take());
     let ended = child.wait_with_output().expect("it ends");
     assert_eq!(ended.status.code(), Some(0));
-    assert_eq!(String::from_utf8_lossy(&ended.stderr), "");
+    // All of it may have been written before the reader went: then the next command is told.
+    let told = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert!(told.lines().all(|line| line.starts_with("next: ")), "{told}");
 }

@@ -2,8 +2,6 @@
 //! parameters, an offset of the torque in every recording, and the law of dry friction at zero
 //! speed, which no formula holds exactly.
 
-use std::ops::Range;
-
 use drivescope_plant::drive::Drive;
 use rayon::prelude::*;
 
@@ -26,7 +24,6 @@ const NEAR_ZERO: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
 pub(super) struct Base {
     offsets: Vec<Series>,
     zero_speed: Vec<Series>,
-    nothing: Vec<Series>,
 }
 
 impl Base {
@@ -43,11 +40,9 @@ impl Base {
             };
             torque(track.ticks.iter().map(|tick| differs(tick.filtered[1])).collect())
         };
-        let most_own = scene.recordings.iter().map(|it| it.own.len()).max().unwrap_or(0);
         Self {
             offsets: (0..scene.recordings.len()).map(offset).collect(),
             zero_speed: NEAR_ZERO.iter().map(near).collect(),
-            nothing: vec![Series::default(); most_own],
         }
     }
 
@@ -59,8 +54,9 @@ impl Base {
         known: Option<&'a Known>,
     ) -> Vec<Source<'a>> {
         let it = &scene.recordings[recording];
-        let given = |shares: &'a [Share], names: &[String]| {
-            vec![Source::Given { shares, count: names.len() }]
+        let given = |shares: &'a [Vec<Share>], names: &[String]| {
+            let each = shares.iter().zip(names.chunks(A_PASS));
+            each.map(|(shares, names)| Source::Given { shares, count: names.len() }).collect()
         };
         let passes = |names: &'a [String]| passes(&it.drive, names);
         let mut sources =
@@ -73,33 +69,28 @@ impl Base {
                     known.map_or_else(|| passes(&it.own), |known| given(&known.own, &it.own)),
                 );
             } else {
-                sources.push(Source::Series(&self.nothing[..of.own.len()]));
+                sources.push(Source::Nothing(of.own.len()));
             }
         }
         sources
     }
 }
 
-/// Shares of a drive's parameters along a track: those of the machine and of the recording.
+/// Shares of a drive's parameters along a track, a pass after the other: those of the machine and of
+/// the recording.
 pub(super) struct Known {
-    machine: Vec<Share>,
-    own: Vec<Share>,
+    machine: Vec<Vec<Share>>,
+    own: Vec<Vec<Share>>,
 }
 
 impl Known {
     /// Of each recording, as the plant is linearised along the tracks.
     pub(super) fn of(scene: &Scene, tracks: &[Track]) -> Vec<Self> {
         let one = |(it, track): (&super::scene::Recorded, &Track)| {
-            let shares = |names: &[String]| {
+            let shares = |names: &[String]| -> Vec<Vec<Share>> {
                 let passes = passes(&it.drive, names).into_iter();
-                let each: Vec<(usize, Vec<Share>)> = passes
-                    .map(|source| Pass::new(&it.drive, it.recording(), source))
-                    .map(|pass| (pass.len(), pass.all(&track.ticks)))
-                    .collect();
-                let at = |tick: usize| {
-                    each.iter().flat_map(move |(count, all)| &all[tick * count..][..*count])
-                };
-                (0..track.ticks.len()).flat_map(at).copied().collect()
+                let pass = |source| Pass::new(&it.drive, it.recording(), source).all(track);
+                passes.map(pass).collect()
             };
             Self { machine: shares(&scene.names), own: shares(&it.own) }
         };
@@ -121,9 +112,10 @@ pub(super) fn probability(
     known: Option<&[Known]>,
     flat: bool,
 ) -> f64 {
-    let grams = grams(scene, tracks, references, known, |_| Further::default(), &|| false);
+    let filters = [tracks];
+    let grams = grams(scene, &filters, references, known, |_| Further::default(), &|| false);
     let all = terms(scene);
-    let pooled = Pooled::of(&grams, all.variances.len(), scene, references);
+    let pooled = Pooled::of(&grams[0], all.variances.len(), scene, references);
     let terms = if flat { all } else { nuisance(&all) };
     let likelihood: f64 = tracks.iter().map(|track| track.log_likelihood).sum();
     likelihood + log_evidence(&pooled.sum(scene, |_| true), &terms)
@@ -163,38 +155,33 @@ pub(crate) struct Further<'a> {
     pub(crate) groups: &'a [usize],
 }
 
-/// Products of the base's columns, then of the `further` ones of each recording; `known` are the
+/// Products of the base's columns, then of the `further` ones of each recording, under each of the
+/// `filters`, which are those of all recordings and linearised along the first; `known` are the
 /// shares of the base's parameters where they are at hand.
 pub(crate) fn grams<'a>(
     scene: &'a Scene,
-    tracks: &'a [Track],
+    filters: &'a [&'a [Track]],
     references: &References,
     known: Option<&'a [Known]>,
     further: impl Fn(usize) -> Further<'a> + Sync,
     stopped: &(dyn Fn() -> bool + Sync),
-) -> Vec<Gram> {
-    let fastest = fastest(tracks);
+) -> Vec<Vec<Gram>> {
+    let fastest = fastest(filters[0]);
     let one = |recording: usize| {
         let it = &scene.recordings[recording];
-        let base = Base::of(scene, recording, &tracks[recording], fastest);
+        let tracks: Vec<&Track> = filters.iter().map(|tracks| &tracks[recording]).collect();
+        let base = Base::of(scene, recording, tracks[0], fastest);
         let known = known.map(|known| &known[recording]);
         let mut background = base.sources(scene, recording, known);
         let further = further(recording);
         background.extend(further.background.iter().copied());
-        let groups = |first: usize, end: usize| -> Vec<Range<usize>> {
-            let ends = further.groups.iter().scan(first, |next, count| {
-                *next += count;
-                Some(*next - count..*next)
-            });
-            let groups: Vec<Range<usize>> = ends.collect();
-            debug_assert_eq!(groups.last().map_or(first, |last| last.end), end);
-            groups
-        };
-        let track = &tracks[recording];
         let sources = (background.as_slice(), further.judged.as_slice());
-        gram(&it.drive, it.recording(), track, references, sources, &groups, stopped)
+        gram(&it.drive, it.recording(), &tracks, references, sources, further.groups, stopped)
     };
-    (0..scene.recordings.len()).into_par_iter().map(one).collect()
+    let mut each: Vec<_> =
+        (0..scene.recordings.len()).into_par_iter().map(|it| one(it).into_iter()).collect();
+    let of = |_: &&[Track]| each.iter_mut().filter_map(Iterator::next).collect();
+    filters.iter().map(of).collect()
 }
 
 pub(crate) fn fastest(tracks: &[Track]) -> f64 {

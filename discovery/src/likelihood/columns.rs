@@ -7,31 +7,47 @@
 //!
 //! nu = H e + O,  w = nu / sd,  e <- A (e - K nu) + g.
 
+use std::ops::Range;
+
 use drivescope_plant::drive::Drive;
 use drivescope_plant::model::OWN;
-use nalgebra::DMatrix;
 
 use super::direction::Direction;
-use super::filter::{LOAD, SENSORS, Tick, VOLTAGE, Vector, own_states};
+use super::filter::{LOAD, SENSORS, Tick, Track, VOLTAGE, Vector, own_states};
 use super::rates::Rates;
+use super::sparse::{LANES, NO_ROWS, Row, Rows, add};
 use super::stepper::{Stepped, Stepper};
 use crate::measured::Measured;
 
 /// Directions of a pass.
-pub(crate) const A_PASS: usize = 8;
+pub(crate) const A_PASS: usize = LANES;
 
 /// Where the columns of some changes come from; sub-steps of a drive are no longer than that.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Source<'a> {
     /// Derivatives by those parameters of the drive, at most [`A_PASS`].
     Parameters { drive: &'a Drive, names: &'a [String] },
-    /// Shares that are known, those of a tick after those of another.
+    /// Shares of so many changes that are known, at most [`A_PASS`] of them.
     Given { shares: &'a [Share], count: usize },
     /// What a drive does otherwise than one that was stepped from every state of the track: one
     /// column; own states of which only the first few are `shared`, sub-steps no longer than that.
     Difference { of: &'a Drive, from: &'a [Stepped], shared: usize, longest_s: f64 },
+    /// So many columns that are 0.
+    Nothing(usize),
     /// Series in units of torque, voltage, and of what each sensor shows, by the sample's tick.
     Series(&'a [Series]),
+}
+
+impl Source<'_> {
+    /// Number of its columns.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Parameters { names, .. } => names.len(),
+            Self::Given { count, .. } | Self::Nothing(count) => *count,
+            Self::Difference { .. } => 1,
+            Self::Series(series) => series.len(),
+        }
+    }
 }
 
 /// A column's share in the balances and in what the sensors show, one value a tick; what is empty
@@ -43,16 +59,17 @@ pub(crate) struct Series {
     pub(crate) shown: [Vec<f64>; SENSORS],
 }
 
-/// Shares of a change over a sample: in the next state, and in what the sensors show now.
+/// Shares of up to [`LANES`] changes over a sample: in the next state, and in what the sensors show
+/// now.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Share {
-    pub(crate) state: Vector,
-    pub(crate) shown: [f64; SENSORS],
+    pub(crate) state: Rows,
+    pub(crate) shown: [Row; SENSORS],
 }
 
 impl Share {
     pub(crate) fn none() -> Self {
-        Self { state: Vector::zeros(), shown: [0.0; SENSORS] }
+        Self { state: NO_ROWS, shown: [[0.0; LANES]; SENSORS] }
     }
 }
 
@@ -60,16 +77,38 @@ enum Maker<'a> {
     Rates(Box<Rates<'a>>),
     Given(&'a [Share]),
     Difference { of: Box<Stepper<'a>>, from: &'a [Stepped], rows: usize },
-    Series(&'a [Series]),
+    Nothing,
+    Series { all: &'a [Series], yields: Yields },
+}
+
+/// What a torque and a voltage that are held over a sample do to the next state.
+struct Yields {
+    /// Number of the derivatives for which they were made.
+    step: usize,
+    /// Of the drive of the track, kg m^2 (kg) and H.
+    inertia: f64,
+    inductance: f64,
+    torque: Vector,
+    voltage: Vector,
+}
+
+impl Yields {
+    fn at(&mut self, track: &Track, tick: &Tick) {
+        if self.step != tick.step {
+            let transition = &track.step(tick).transition;
+            self.torque = transition.column(LOAD) / self.inertia;
+            self.voltage = transition.column(VOLTAGE) / self.inductance;
+            self.step = tick.step;
+        }
+    }
 }
 
 /// A pass on its way along a track.
 pub(crate) struct Pass<'a> {
     maker: Maker<'a>,
-    /// Of the drive of the track, kg m^2 (kg) and H.
-    inertia: f64,
-    inductance: f64,
-    errors: Vec<Vector>,
+    count: usize,
+    /// Errors of the state that the changes leave under each filter, [`LANES`] columns at a time.
+    errors: Vec<Vec<Rows>>,
     room: Vec<Share>,
 }
 
@@ -81,109 +120,157 @@ impl<'a> Pass<'a> {
         source: Source<'a>,
     ) -> Self {
         let known = own_states(base);
-        let (maker, count) = match source {
+        let count = source.len();
+        let maker = match source {
             Source::Parameters { drive, names } => {
-                (Maker::Rates(Box::new(Rates::new(drive, recording, known, names))), names.len())
+                Maker::Rates(Box::new(Rates::new(drive, recording, known, names)))
             }
-            Source::Given { shares, count } => (Maker::Given(shares), count),
+            Source::Given { shares, .. } => Maker::Given(shares),
             Source::Difference { of, from, shared, longest_s } => {
                 let rows = OWN + shared.min(own_states(of)).min(known).min(LOAD - OWN);
                 let of = Box::new(Stepper::new(of, recording.0, known, longest_s));
-                (Maker::Difference { of, from, rows }, 1)
+                Maker::Difference { of, from, rows }
             }
-            Source::Series(series) => (Maker::Series(series), series.len()),
+            Source::Nothing(_) => Maker::Nothing,
+            Source::Series(all) => {
+                let yields = Yields {
+                    step: usize::MAX,
+                    inertia: base.motor.j,
+                    inductance: base.motor.l.unwrap_or(1.0),
+                    torque: Vector::zeros(),
+                    voltage: Vector::zeros(),
+                };
+                Maker::Series { all, yields }
+            }
         };
-        let errors = vec![Vector::zeros(); count];
-        Self {
-            maker,
-            inertia: base.motor.j,
-            inductance: base.motor.l.unwrap_or(1.0),
-            errors,
-            room: vec![Share::none(); count],
-        }
+        let groups = if matches!(maker, Maker::Nothing) { 0 } else { count.div_ceil(LANES) };
+        Self { maker, count, errors: Vec::new(), room: vec![Share::none(); groups] }
     }
 
     /// Number of its columns.
     pub(crate) fn len(&self) -> usize {
-        self.errors.len()
+        self.count
     }
 
-    /// Shares of all its changes along a track, those of a tick after those of another.
-    pub(crate) fn all(mut self, track: &[Tick]) -> Vec<Share> {
-        let mut all = Vec::with_capacity(self.len() * track.len());
-        for (number, tick) in track.iter().enumerate() {
-            self.shares(number, tick);
-            all.extend_from_slice(&self.room);
-        }
-        all
+    /// Whether its columns are 0.
+    pub(crate) fn is_nothing(&self) -> bool {
+        matches!(self.maker, Maker::Nothing)
+    }
+
+    /// Shares of all its changes along a track, at most [`A_PASS`] of them.
+    pub(crate) fn all(mut self, track: &Track) -> Vec<Share> {
+        let at = |(number, tick): (usize, &Tick)| self.shares(number, track, tick)[0];
+        track.ticks.iter().enumerate().map(at).collect()
     }
 
     /// Shares of all its changes at that tick, whose number on the track is `number`.
-    fn shares(&mut self, number: usize, tick: &Tick) {
-        let Self { maker, room, inertia, inductance, .. } = self;
-        match maker {
-            Maker::Rates(rates) => rates.shares(tick, room),
-            Maker::Given(shares) => {
-                let count = room.len();
-                room.copy_from_slice(&shares[number * count..][..count]);
-            }
+    fn shares(&mut self, number: usize, track: &Track, tick: &Tick) -> &[Share] {
+        let room = &mut self.room;
+        match &mut self.maker {
+            Maker::Nothing => {}
+            Maker::Rates(rates) => rates.shares(track, tick, &mut room[0]),
+            Maker::Given(shares) => return &shares[number..=number],
             Maker::Difference { of, from, rows } => {
-                let (with, without) = (of.at(tick), from[number]);
+                let (with, without) = (of.at(tick), &from[number]);
                 // One that has fewer own states does nothing to those of the other.
                 for row in 0..*rows {
-                    room[0].state[row] = with.state[row] - without.state[row];
+                    room[0].state[row][0] = with.state[row] - without.state[row];
                 }
-                room[0].shown = std::array::from_fn(|it| with.shown[it] - without.shown[it]);
+                for (sensor, shown) in room[0].shown.iter_mut().enumerate() {
+                    shown[0] = with.shown[sensor] - without.shown[sensor];
+                }
             }
-            Maker::Series(series) => {
-                for (share, one) in room.iter_mut().zip(series.iter()) {
-                    let at = |values: &Vec<f64>| values.get(number).copied().unwrap_or(0.0);
-                    let (torque, voltage) = (at(&one.torque), at(&one.voltage));
-                    share.state = tick.transition.column(LOAD) * (torque / *inertia)
-                        + tick.transition.column(VOLTAGE) * (voltage / *inductance);
-                    share.state[LOAD] = 0.0;
-                    share.state[VOLTAGE] = 0.0;
-                    share.shown = std::array::from_fn(|sensor| at(&one.shown[sensor]));
+            Maker::Series { all, yields } => {
+                yields.at(track, tick);
+                for (share, series) in room.iter_mut().zip(all.chunks(LANES)) {
+                    let row = |of: &dyn Fn(&Series) -> &Vec<f64>| -> Row {
+                        let mut row = [0.0; LANES];
+                        for (value, one) in row.iter_mut().zip(series) {
+                            *value = of(one).get(number).copied().unwrap_or(0.0);
+                        }
+                        row
+                    };
+                    let (torque, voltage) = (row(&|it| &it.torque), row(&|it| &it.voltage));
+                    for (place, state) in share.state.iter_mut().enumerate().take(LOAD) {
+                        *state = [0.0; LANES];
+                        add(state, yields.torque[place], &torque);
+                        add(state, yields.voltage[place], &voltage);
+                    }
+                    for (sensor, shown) in share.shown.iter_mut().enumerate() {
+                        *shown = row(&|it| &it.shown[sensor]);
+                    }
                 }
+            }
+        }
+        &self.room
+    }
+
+    /// Writes whitened columns of those ticks under each of the filters, which were linearised along
+    /// the first one's track, into a block each: rows of [`Pass::len`] values, one a measured value.
+    /// What the changes do is seen by `see`.
+    pub(crate) fn fill(
+        &mut self,
+        tracks: &[&Track],
+        ticks: Range<usize>,
+        blocks: &mut [Vec<f64>],
+        mut see: impl FnMut(&[Share]),
+    ) {
+        let mut all = std::mem::take(&mut self.errors);
+        all.resize(tracks.len(), vec![NO_ROWS; self.room.len()]);
+        let mut written = 0;
+        for number in ticks {
+            let first = &tracks[0].ticks[number];
+            if first.begins {
+                all.iter_mut().for_each(|errors| errors.fill(NO_ROWS));
+            }
+            let count = self.count;
+            let shares = self.shares(number, tracks[0], first);
+            see(shares);
+            let values = first.inverse_sd.iter().filter(|it| **it > 0.0).count() * count;
+            for ((track, errors), block) in tracks.iter().zip(&mut all).zip(&mut *blocks) {
+                let block = &mut block[written..written + values];
+                filter(track, &track.ticks[number], shares, errors, block);
+            }
+            written += values;
+        }
+        self.errors = all;
+    }
+}
+
+/// What a filter makes of shares of changes at a tick: whitened values of each measured one, and the
+/// errors that the changes leave in the state.
+fn filter(track: &Track, tick: &Tick, shares: &[Share], errors: &mut [Rows], block: &mut [f64]) {
+    let step = track.step(tick);
+    let measured = block.len() / tick.inverse_sd.iter().filter(|it| **it > 0.0).count().max(1);
+    let mut written = block.chunks_exact_mut(measured.max(1));
+    for sensor in (0..SENSORS).filter(|it| tick.inverse_sd[*it] > 0.0) {
+        // The gains stand one after the other: each sensor sees what the ones before left.
+        let Some(written) = written.next() else { return };
+        for ((error, share), written) in
+            errors.iter_mut().zip(shares).zip(written.chunks_mut(LANES))
+        {
+            let mut nu = share.shown[sensor];
+            for (state, sense) in step.sense[sensor].iter().enumerate() {
+                if *sense != 0.0 {
+                    add(&mut nu, *sense, &error[state]);
+                }
+            }
+            for (row, gain) in error.iter_mut().zip(&tick.gain[sensor]) {
+                if *gain != 0.0 {
+                    add(row, -gain, &nu);
+                }
+            }
+            for (written, nu) in written.iter_mut().zip(nu) {
+                *written = nu * tick.inverse_sd[sensor];
             }
         }
     }
-
-    /// Writes whitened columns of some ticks into rows, one column a measured value; `from` is the
-    /// number of the first tick. What the changes do is seen by `see`.
-    pub(crate) fn fill(
-        &mut self,
-        ticks: &[Tick],
-        from: usize,
-        block: &mut DMatrix<f64>,
-        mut see: impl FnMut(&[Share]),
-    ) {
-        let mut column = 0;
-        for (number, tick) in ticks.iter().enumerate() {
-            if tick.begins {
-                self.errors.fill(Vector::zeros());
-            }
-            self.shares(from + number, tick);
-            let measured: usize = tick.inverse_sd.iter().filter(|it| **it > 0.0).count();
-            see(&self.room);
-            for (row, share) in self.room.iter().enumerate() {
-                let before = self.errors[row];
-                let (mut error, mut place) = (before, column);
-                for sensor in 0..SENSORS {
-                    let inverse_sd = tick.inverse_sd[sensor];
-                    if inverse_sd == 0.0 {
-                        continue;
-                    }
-                    // The gains stand one after the other: each sensor sees what the ones before
-                    // left.
-                    let nu = tick.sense[sensor].dot(&error) + share.shown[sensor];
-                    error -= tick.gain[sensor] * nu;
-                    block[(row, place)] = nu * inverse_sd;
-                    place += 1;
-                }
-                self.errors[row] = tick.transition * error + share.state;
-            }
-            column += measured;
+    for (error, share) in errors.iter_mut().zip(shares) {
+        let mut next = share.state;
+        step.transition.add_times(error, &mut next);
+        for (state, left) in [LOAD, VOLTAGE].into_iter().zip(track.left) {
+            next[state] = error[state].map(|value| left * value);
         }
+        *error = next;
     }
 }

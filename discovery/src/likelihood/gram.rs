@@ -3,13 +3,18 @@
 use std::ops::Range;
 
 use drivescope_plant::drive::{Drive, Input};
-use nalgebra::DMatrix;
+use drivescope_plant::model::{CURRENT, SPEED};
+use nalgebra::{DMatrix, DMatrixView, Dyn};
 use rayon::prelude::*;
 
 use super::columns::{Pass, Share, Source};
 use super::direction::Direction;
-use super::filter::{LOAD, SENSORS, Tick, Track, VOLTAGE};
+use super::filter::{LOAD, SENSORS, Tick, Track, VOLTAGE, Vector};
+use super::sparse::{LANES, Row};
 use crate::measured::Measured;
+
+/// A matrix whose rows and columns are exchanged.
+type Turned<'a> = DMatrixView<'a, f64, Dyn, Dyn>;
 
 /// Ticks of a block.
 const BLOCK: usize = 512;
@@ -37,32 +42,41 @@ struct Yield {
 
 impl Yield {
     fn of(track: &Track, drive: &Drive) -> Self {
-        let by = |tick: &Tick, row: usize, column: usize| tick.transition[(row, column)];
-        let free = track.ticks.iter().max_by(|a, b| by(a, 1, LOAD).total_cmp(&by(b, 1, LOAD)));
-        let at = |row: usize, column: usize| free.map_or(0.0, |tick| by(tick, row, column));
+        let column = |place: usize| track.steps.iter().map(move |it| it.transition.column(place));
+        let freest = |a: &(Vector, Vector), b: &(Vector, Vector)| a.0[SPEED].total_cmp(&b.0[SPEED]);
+        let free = column(LOAD).zip(column(VOLTAGE)).max_by(freest);
+        let (torque, voltage) = free.unwrap_or_default();
         let inductance = drive.motor.l.unwrap_or(1.0);
         let electrical = if drive.motor.input == Input::Voltage { 1.0 / inductance } else { 0.0 };
         Self {
-            speed_of_torque: at(1, LOAD) / drive.motor.j,
-            speed_of_voltage: electrical * at(1, VOLTAGE),
-            current_of_voltage: electrical * at(0, VOLTAGE),
+            speed_of_torque: torque[SPEED] / drive.motor.j,
+            speed_of_voltage: electrical * voltage[SPEED],
+            current_of_voltage: electrical * voltage[CURRENT],
             read: std::array::from_fn(|it| {
                 track.ticks.iter().any(|tick| tick.inverse_sd[it] > 0.0)
             }),
         }
     }
 
-    /// Square of the size of a share: as the torque and the voltage that would do the same, and in
-    /// what the sensors show.
-    fn size(&self, share: &Share, references: &References) -> f64 {
+    /// Adds the squares of the sizes of shares: as the torque and the voltage that would do the
+    /// same, and in what the sensors show.
+    fn add_sizes(&self, share: &Share, references: &References, sizes: &mut Row) {
         let over = |a: f64, b: f64| if b == 0.0 { 0.0 } else { a / b };
-        let voltage = over(share.state[0], self.current_of_voltage);
-        let torque = over(share.state[1] - self.speed_of_voltage * voltage, self.speed_of_torque);
-        let read = (0..SENSORS).filter(|it| self.read[*it]);
-        let shown = read.map(|it| (share.shown[it] / references.shown[it]).powi(2));
-        (torque / references.torque).powi(2)
-            + (voltage / references.voltage).powi(2)
-            + shown.sum::<f64>()
+        let of_current = over(1.0, self.current_of_voltage);
+        let of_speed = over(1.0, self.speed_of_torque) / references.torque;
+        let (current, speed) = (&share.state[CURRENT], &share.state[SPEED]);
+        for (lane, size) in sizes.iter_mut().enumerate() {
+            let voltage = current[lane] * of_current;
+            let torque = (speed[lane] - self.speed_of_voltage * voltage) * of_speed;
+            let voltage = voltage / references.voltage;
+            *size += torque * torque + voltage * voltage;
+        }
+        for sensor in (0..SENSORS).filter(|it| self.read[*it]) {
+            for (size, shown) in sizes.iter_mut().zip(&share.shown[sensor]) {
+                let shown = shown / references.shown[sensor];
+                *size += shown * shown;
+            }
+        }
     }
 }
 
@@ -77,16 +91,6 @@ pub(crate) struct Products {
 }
 
 impl Products {
-    fn zeros(background: usize, groups: &[Range<usize>]) -> Self {
-        let all = groups.last().map_or(background, |last| last.end);
-        let square =
-            |group: &Range<usize>| (group.clone(), DMatrix::zeros(group.len(), group.len()));
-        Self {
-            with_background: DMatrix::zeros(background + 1, all + 1),
-            own: groups.iter().map(square).collect(),
-        }
-    }
-
     /// The number of the data among the columns.
     pub(crate) fn data(&self) -> usize {
         self.with_background.ncols() - 1
@@ -114,19 +118,6 @@ impl Products {
         let group = self.own.partition_point(|(group, _)| group.end <= a);
         let (group, products) = &self.own[group];
         products[(a - group.start, b - group.start)]
-    }
-
-    fn add(&mut self, block: &DMatrix<f64>) {
-        let background = self.background();
-        let data = block.nrows() - 1;
-        let mut rows = DMatrix::zeros(background + 1, block.ncols());
-        rows.rows_mut(0, background).copy_from(&block.rows(0, background));
-        rows.row_mut(background).copy_from(&block.row(data));
-        self.with_background.gemm(1.0, &rows, &block.transpose(), 1.0);
-        for (group, products) in &mut self.own {
-            let own = block.rows(group.start, group.len()).into_owned();
-            products.gemm(1.0, &own, &own.transpose(), 1.0);
-        }
     }
 
     /// The same with every column times its factor, the data's 1.
@@ -191,61 +182,186 @@ pub(crate) struct Gram {
     pub(crate) samples: usize,
 }
 
-/// The products of the columns of those sources, in their order; those of the first `background`
-/// sources are the background, each other source is a group of `groups` in turn.
+/// Products so far of the columns of a source under one of the filters.
+#[derive(Clone)]
+struct Multiplied {
+    with_background: DMatrix<f64>,
+    /// Each group of its columns, counted from its first.
+    own: Vec<(Range<usize>, DMatrix<f64>)>,
+}
+
+impl Multiplied {
+    /// Adds the products of `count` columns with the background and within each group.
+    fn add(&mut self, block: &[f64], count: usize, background: &DMatrix<f64>) {
+        let width = background.ncols();
+        let rows = DMatrixView::from_slice(block, count, width);
+        let columns = Turned::from_slice_with_strides(block, width, count, count, 1);
+        self.with_background.gemm(1.0, background, &columns, 1.0);
+        for (group, products) in &mut self.own {
+            let (first, count) = (group.start, group.len());
+            products.gemm(1.0, &rows.rows(first, count), &columns.columns(first, count), 1.0);
+        }
+    }
+}
+
+/// The columns of a source on their way along a track, under each of the filters.
+struct Judged<'a> {
+    pass: Pass<'a>,
+    /// Sums of the squares of the sizes of its columns.
+    sizes: Vec<Row>,
+    /// Its whitened columns along a few ticks, the values of a sensor one after the other.
+    blocks: Vec<Vec<f64>>,
+    products: Vec<Multiplied>,
+}
+
+impl<'a> Judged<'a> {
+    fn new(
+        drive: &Drive,
+        recording: (&'a Measured, &'a Direction),
+        source: Source<'a>,
+        (background, filters): (usize, usize),
+    ) -> Self {
+        let pass = Pass::new(drive, recording, source);
+        let with_background = DMatrix::zeros(background + 1, pass.len());
+        let products = vec![Multiplied { with_background, own: Vec::new() }; filters];
+        let sizes = vec![[0.0; LANES]; pass.len().div_ceil(LANES)];
+        Self { pass, sizes, blocks: vec![Vec::new(); filters], products }
+    }
+
+    fn fill(&mut self, along: &Along<'_>, ticks: Range<usize>, width: usize) {
+        let Self { pass, sizes, blocks, .. } = self;
+        for block in blocks.iter_mut() {
+            block.resize(pass.len() * width, 0.0);
+        }
+        pass.fill(along.tracks, ticks, blocks, |shares| {
+            for (share, sizes) in shares.iter().zip(sizes.iter_mut()) {
+                along.yields.add_sizes(share, along.references, sizes);
+            }
+        });
+    }
+
+    fn multiply(&mut self, backgrounds: &[DMatrix<f64>]) {
+        if self.pass.is_nothing() {
+            return;
+        }
+        let each = self.products.iter_mut().zip(&self.blocks).zip(backgrounds);
+        for ((products, block), background) in each {
+            products.add(block, self.pass.len(), background);
+        }
+    }
+}
+
+/// A recording under one filter or several that were linearised along the first one's track, and in
+/// which units the columns' sizes are.
+struct Along<'a> {
+    tracks: &'a [&'a Track],
+    yields: Yield,
+    references: &'a References,
+}
+
+/// The products of the columns of those sources under each of the filters, in their order; those of
+/// the first ones are the background, each of the others is made of groups of so many columns.
 pub(crate) fn gram<'a>(
     drive: &Drive,
     recording: (&'a Measured, &'a Direction),
-    track: &Track,
+    tracks: &[&Track],
     references: &References,
     (background, others): (&[Source<'a>], &[Source<'a>]),
-    groups: &dyn Fn(usize, usize) -> Vec<Range<usize>>,
+    groups: &[usize],
     stopped: &(dyn Fn() -> bool + Sync),
-) -> Gram {
-    let yields = Yield::of(track, drive);
-    let make = |source: &Source<'a>| {
-        let pass = Pass::new(drive, recording, *source);
-        let size = vec![0.0; pass.len()];
-        (pass, size)
-    };
-    let mut passes: Vec<(Pass<'a>, Vec<f64>)> = background.iter().chain(others).map(make).collect();
-    let known = passes[..background.len()].iter().map(|(pass, _)| pass.len()).sum();
-    let count: usize = passes.iter().map(|(pass, _)| pass.len()).sum();
-    let mut products = Products::zeros(known, &groups(known, count));
-    for (number, ticks) in track.ticks.chunks(BLOCK).enumerate() {
+) -> Vec<Gram> {
+    let along = Along { tracks, yields: Yield::of(tracks[0], drive), references };
+    let known: usize = background.iter().map(Source::len).sum();
+    let new = |source: &Source<'a>| Judged::new(drive, recording, *source, (known, tracks.len()));
+    let mut base: Vec<Judged<'a>> = background.iter().map(new).collect();
+    let mut others: Vec<Judged<'a>> = others.iter().map(new).collect();
+    group(&mut others, groups);
+    let mut of_background = vec![DMatrix::zeros(known + 1, known + 1); tracks.len()];
+    let measured_in = |tick: &Tick| tick.inverse_sd.iter().filter(|it| **it > 0.0).count();
+    let count = tracks[0].ticks.len();
+    for from in (0..count).step_by(BLOCK) {
         if stopped() {
             break;
         }
-        let measured_in = |tick: &Tick| tick.inverse_sd.iter().filter(|it| **it > 0.0).count();
-        let width: usize = ticks.iter().map(measured_in).sum();
-        let blocks: Vec<DMatrix<f64>> = passes
-            .par_iter_mut()
-            .map(|(pass, size)| {
-                let mut block = DMatrix::zeros(pass.len(), width);
-                pass.fill(ticks, number * BLOCK, &mut block, |shares| {
-                    for (share, size) in shares.iter().zip(size.iter_mut()) {
-                        *size += yields.size(share, references);
-                    }
+        let ticks = from..(from + BLOCK).min(count);
+        let width: usize = tracks[0].ticks[ticks.clone()].iter().map(measured_in).sum();
+        base.par_iter_mut().for_each(|one| one.fill(&along, ticks.clone(), width));
+        let rows: Vec<DMatrix<f64>> = (0..tracks.len())
+            .map(|filter| {
+                let mut rows = DMatrix::zeros(known + 1, width);
+                let mut first = 0;
+                for one in &base {
+                    let count = one.pass.len();
+                    let block = DMatrixView::from_slice(&one.blocks[filter], count, width);
+                    rows.rows_mut(first, count).copy_from(&block);
+                    first += count;
+                }
+                let innovations = tracks[filter].ticks[ticks.clone()].iter().flat_map(|tick| {
+                    let read = (0..SENSORS).filter(|it| tick.inverse_sd[*it] > 0.0);
+                    read.map(|it| tick.innovation[it])
                 });
-                block
+                for (column, value) in innovations.enumerate() {
+                    rows[(known, column)] = value;
+                }
+                rows
             })
             .collect();
-        let mut all = DMatrix::zeros(count + 1, width);
-        let mut first = 0;
-        for block in &blocks {
-            all.rows_mut(first, block.nrows()).copy_from(block);
-            first += block.nrows();
+        for (products, rows) in of_background.iter_mut().zip(&rows) {
+            products.gemm(1.0, rows, &rows.transpose(), 1.0);
         }
-        let data = ticks.iter().flat_map(|tick| {
-            (0..SENSORS).filter(|it| tick.inverse_sd[*it] > 0.0).map(|it| tick.innovation[it])
+        others.par_iter_mut().for_each(|one| {
+            one.fill(&along, ticks.clone(), width);
+            one.multiply(&rows);
         });
-        for (column, value) in data.enumerate() {
-            all[(count, column)] = value;
-        }
-        products.add(&all);
     }
-    let samples = track.ticks.len();
-    let size = passes.into_iter().flat_map(|(_, size)| size);
-    let size = size.map(|sum| sum / samples.max(1) as f64).collect();
-    Gram { products, size, samples }
+    let one = |(filter, products): (usize, DMatrix<f64>)| {
+        Gram::of((&base, &others), filter, &products, count)
+    };
+    of_background.into_iter().enumerate().map(one).collect()
+}
+
+/// Tells each of the sources which groups its columns are.
+fn group(others: &mut [Judged<'_>], groups: &[usize]) {
+    let mut counts = groups.iter();
+    for one in others {
+        let mut next = 0;
+        while next < one.pass.len() {
+            let Some(count) = counts.next() else { return };
+            for products in &mut one.products {
+                products.own.push((next..next + count, DMatrix::zeros(*count, *count)));
+            }
+            next += count;
+        }
+        debug_assert_eq!(next, one.pass.len(), "a group has one source");
+    }
+}
+
+impl Gram {
+    fn of(
+        (base, others): (&[Judged<'_>], &[Judged<'_>]),
+        filter: usize,
+        of_background: &DMatrix<f64>,
+        samples: usize,
+    ) -> Self {
+        let known = of_background.nrows() - 1;
+        let count: usize = known + others.iter().map(|one| one.pass.len()).sum::<usize>();
+        let mut with_background = DMatrix::zeros(known + 1, count + 1);
+        with_background.columns_mut(0, known).copy_from(&of_background.columns(0, known));
+        with_background.column_mut(count).copy_from(&of_background.column(known));
+        let sizes = base.iter().chain(others).flat_map(|one| {
+            one.sizes.iter().flatten().take(one.pass.len()).map(|sum| sum / samples.max(1) as f64)
+        });
+        let (mut own, mut first) = (Vec::new(), known);
+        for one in others {
+            let count = one.pass.len();
+            let products = &one.products[filter];
+            with_background.columns_mut(first, count).copy_from(&products.with_background);
+            let shift = |(group, products): &(Range<usize>, DMatrix<f64>)| {
+                (first + group.start..first + group.end, products.clone())
+            };
+            own.extend(products.own.iter().map(shift));
+            first += count;
+        }
+        Self { products: Products { with_background, own }, size: sizes.collect(), samples }
+    }
 }

@@ -1,7 +1,6 @@
 //! A fitted drive at its own best, and structures beside it, each at its own.
 
 use drivescope_plant::drive::EffectData;
-use rayon::prelude::*;
 
 use super::base::Known;
 use super::gram::References;
@@ -13,6 +12,8 @@ use super::scene::Scene;
 /// Sizes of the random load, over that of the base, with which a structure is judged at its best:
 /// the load may have taken what a law explains.
 const LOADS: [f64; 5] = [2.0, 1.0, 0.5, 0.2, 0.05];
+/// Which of them is the base's.
+const OWN: usize = 1;
 /// Rounds of a search for the randomness and one for the parameters: each moves the other.
 const ROUNDS: usize = 5;
 
@@ -92,10 +93,23 @@ fn at_its_best(
         let tracks = scene.retraced(&along, &randomness.scaled(*load))?;
         optimum(scene, law.zip(taken_out.as_deref()), (&tracks, &known), references)
     };
-    let each = LOADS.par_iter().filter_map(with);
-    each.reduce_with(|a, b| Optimum {
-        fitted: a.fitted.max(b.fitted),
-        all: a.all.max(b.all),
-        size: if a.fitted > b.fitted { a.size } else { b.size },
-    })
+    // From the base's own size on to the side where it is more probable.
+    let (mut best, mut all) = (with(&LOADS[OWN])?, f64::NEG_INFINITY);
+    let smaller: &mut dyn Iterator<Item = &f64> = &mut LOADS[OWN + 1..].iter();
+    let larger: &mut dyn Iterator<Item = &f64> = &mut LOADS[..OWN].iter().rev();
+    for side in [smaller, larger] {
+        let own = best.fitted;
+        for load in side {
+            let Some(now) = with(load) else { break };
+            all = all.max(now.all);
+            if now.fitted <= best.fitted {
+                break;
+            }
+            best = now;
+        }
+        if best.fitted > own {
+            break;
+        }
+    }
+    Some(Optimum { all: all.max(best.all), ..best })
 }

@@ -13,12 +13,14 @@
 
 mod averaged;
 mod base;
+mod beginning;
 mod columns;
 mod direction;
 mod exponential;
 mod filter;
 mod gram;
 mod ground;
+mod linear;
 mod marginal;
 mod noise;
 mod optimum;
@@ -27,6 +29,7 @@ mod randomness;
 mod rates;
 mod refine;
 mod scene;
+mod sparse;
 mod stepper;
 #[cfg(test)]
 mod tests;

@@ -43,7 +43,7 @@ impl Law<'_> {
             let from = stepped(&it.drive, &it.measured, known, scene.longest_s, ticks);
             let longest_s = scene.longest_s;
             let source = Source::Difference { of: &without, from: &from, shared, longest_s };
-            Pass::new(&it.drive, it.recording(), source).all(ticks)
+            Pass::new(&it.drive, it.recording(), source).all(track)
         };
         scene.recordings.par_iter().zip(tracks).map(one).collect()
     }
@@ -65,7 +65,8 @@ pub(super) fn optimum(
         },
         None => Further::default(),
     };
-    let grams = grams(scene, tracks, references, Some(known), further, &|| false);
+    let filters = [tracks];
+    let grams = grams(scene, &filters, references, Some(known), further, &|| false).swap_remove(0);
     let law = law.map(|(law, _)| law);
     let mut terms = terms(scene);
     let base = terms.columns.len();

@@ -9,8 +9,9 @@ use drivescope_plant::drive::Drive;
 
 use super::columns::{A_PASS, Share};
 use super::direction::Direction;
-use super::filter::{SENSORS, Tick, Vector};
+use super::filter::{Tick, Track};
 use super::plant::Plant;
+use super::sparse::NO_ROWS;
 use crate::measured::Measured;
 
 type Number = Dual<A_PASS>;
@@ -36,23 +37,23 @@ impl<'a> Rates<'a> {
     }
 
     /// Shares of the changes at that tick.
-    pub(super) fn shares(&mut self, tick: &Tick, room: &mut [Share]) {
+    pub(super) fn shares(&mut self, track: &Track, tick: &Tick, share: &mut Share) {
         let constant = |v: f64, _: usize| Number { v, d: [0.0; A_PASS] };
         let plant = &mut self.plant;
         if tick.begins {
             plant.begin();
         }
         plant.enter(tick.sample);
-        let shown = (!plant.shows_state()).then(|| plant.shown(&tick.predicted, constant));
-        plant.rates(&tick.mean, self.direction.at(tick.sample), constant);
-        for (place, share) in room.iter_mut().enumerate() {
-            let mut rates = Vector::zeros();
-            for (row, [rate]) in plant.rate.iter().enumerate().take(plant.imposed) {
-                rates[row] = rate.d[place];
-            }
-            share.state = tick.input * rates;
-            share.shown = shown.map_or([0.0; SENSORS], |shown| shown.map(|it| it.d[place]));
+        if !plant.shows_state() {
+            share.shown = plant.shown(&tick.predicted, constant).map(|it| it.d);
         }
+        plant.rates(&tick.mean, self.direction.at(tick.sample), constant);
+        let mut rates = NO_ROWS;
+        for (row, [rate]) in rates.iter_mut().zip(&plant.rate).take(plant.imposed) {
+            *row = rate.d;
+        }
+        share.state = NO_ROWS;
+        track.step(tick).input.add_times(&rates, &mut share.state);
         plant.advance();
     }
 }

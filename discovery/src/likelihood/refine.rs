@@ -28,9 +28,10 @@ pub(super) fn refined(mut scene: Scene, randomness: &Randomness, references: &Re
     };
     let Some((mut tracks, mut best)) = at(&scene) else { return scene };
     for _ in 0..STEPS {
-        let grams = grams(&scene, &tracks, references, None, |_| Further::default(), &|| false);
+        let filters = [tracks.as_slice()];
+        let grams = grams(&scene, &filters, references, None, |_| Further::default(), &|| false);
         let terms = terms(&scene);
-        let pooled = Pooled::of(&grams, terms.columns.len(), &scene, references);
+        let pooled = Pooled::of(&grams[0], terms.columns.len(), &scene, references);
         let Some(step) = step(&scene, &pooled, terms) else { break };
         let better = SHARES.iter().find_map(|share| {
             let moved = moved(&scene, &step, *share);

@@ -11,7 +11,6 @@ use super::marginal::{Terms, coefficients, log_evidence, standing_out};
 use super::noise::Noise;
 use crate::measured::Measured;
 use crate::testing::{bench, dr300, noisy};
-use nalgebra::DMatrix;
 
 const SDS: [f64; 2] = [0.01, 0.3];
 const NOISE: Noise = Noise {
@@ -54,9 +53,9 @@ fn innovations(track: &Track) -> Vec<f64> {
 fn column(drive: &Drive, measured: &Measured, track: &Track, source: Source<'_>) -> Vec<f64> {
     let direction = direction(drive, measured);
     let mut pass = Pass::new(drive, (measured, &direction), source);
-    let mut block = DMatrix::zeros(pass.len(), 2 * track.ticks.len());
-    pass.fill(&track.ticks, 0, &mut block, |_| ());
-    block.row(0).iter().copied().collect()
+    let mut blocks = vec![vec![0.0; pass.len() * 2 * track.ticks.len()]];
+    pass.fill(&[track], 0..track.ticks.len(), &mut blocks, |_| ());
+    blocks[0].chunks(pass.len()).map(|row| row[0]).collect()
 }
 
 /// Share of a column by which it differs from another, in the direction of the first.
@@ -162,13 +161,12 @@ fn evidence_is_that_of_a_normal_prior_and_finds_the_coefficient() {
     let names = ["R".to_owned(), "J".to_owned()];
     let source = [Source::Parameters { drive: &drive, names: &names }];
     let references = References { torque: 0.02, voltage: 4.0, shown: [1.0; SENSORS] };
-    let none = |_: usize, _: usize| Vec::new();
     let direction = direction(&drive, &measured);
     let gram =
-        gram(&drive, (&measured, &direction), &track, &references, (&source, &[]), &none, &|| {
+        gram(&drive, (&measured, &direction), &[&track], &references, (&source, &[]), &[], &|| {
             false
         });
-    let products: &Products = &gram.products;
+    let products: &Products = &gram[0].products;
     let terms = Terms { columns: vec![0], variances: vec![0.04] };
     // ln N(y; 0, I + v w w') - ln N(y; 0, I), by the matrix determinant lemma.
     let (g, b, v) = (products.of(0, 0), products.of(0, products.data()), 0.04);

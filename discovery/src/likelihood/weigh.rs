@@ -8,7 +8,7 @@ use drivescope_plant::drive::{Drive, Input};
 use super::base::{Further, Pooled, grams, parameters, passes, terms};
 use super::columns::{A_PASS, Series, Source};
 use super::filter::{Track, own_states};
-use super::gram::{Products, References};
+use super::gram::{Gram, Products, References};
 use super::marginal::{Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene, longest};
@@ -152,9 +152,9 @@ struct Made {
     curves: Vec<Vec<Series>>,
 }
 
-/// Sizes of the random load, over that of the base, at which laws and curves are weighed: it may
-/// have taken what they explain.
-const LOADS: [f64; 2] = [1.0, 0.2];
+/// Sizes of the random load, over that of the base, at which laws and curves are weighed besides: it
+/// may have taken what they explain.
+const SMALLER: [f64; 1] = [0.2];
 
 /// Weighs the candidates and the curves beside the scene's drive.
 ///
@@ -170,26 +170,22 @@ pub(crate) fn weigh(
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Option<Weights> {
     let along = scene.tracks(randomness)?;
-    let at = |load: &f64| {
-        let tracks = scene.retraced(&along, &randomness.scaled(*load))?;
-        // What is stiff is dear to step, and stands out of a large load too.
-        let stiff = *load == LOADS[0];
-        Some(weigh_along(
-            (scene, &tracks, references),
-            (candidates, stiff),
-            (scales, &tolerated),
-            stopped,
-        ))
-    };
-    LOADS.iter().filter_map(at).reduce(Weights::best_of)
+    let at = |load: &f64| scene.retraced(&along, &randomness.scaled(*load));
+    let mut filters = vec![along.as_slice()];
+    let smaller: Vec<Vec<Track>> = SMALLER.iter().filter_map(at).collect();
+    filters.extend(smaller.iter().map(Vec::as_slice));
+    let each =
+        weigh_along((scene, &filters, references), candidates, (scales, &tolerated), stopped);
+    each.into_iter().reduce(Weights::best_of)
 }
 
 fn weigh_along(
-    (scene, tracks, references): (&Scene, &[Track], &References),
-    (candidates, with_stiff): (&[Candidate], bool),
+    (scene, filters, references): (&Scene, &[&[Track]], &References),
+    candidates: &[Candidate],
     (scales, tolerated): (&Scales, &impl Fn(&Curve) -> Option<f64>),
     stopped: &(dyn Fn() -> bool + Sync),
-) -> Weights {
+) -> Vec<Weights> {
+    let tracks = filters[0];
     let trajectories: Vec<Trajectory> =
         scene.recordings.iter().zip(tracks).map(|(it, track)| trajectory(it, track)).collect();
     let families = curves(&scene.drive, scales, &trajectories);
@@ -213,7 +209,7 @@ fn weigh_along(
                 let candidate = &candidates[*candidate];
                 timed(candidate.added(&it.drive, &candidate.variants[*variant]))
             };
-            let step = with_stiff && !it.held_out && !stiff.is_empty();
+            let step = !it.held_out && !stiff.is_empty();
             let own = own_states(&it.drive);
             let stepped = || stepped(&it.drive, &it.measured, own, scene.longest_s, &track.ticks);
             Made {
@@ -251,7 +247,6 @@ fn weigh_along(
     }
     // Columns of laws, which are judged by the recordings of the fit alone.
     let columns: usize = seats.iter().map(|seat| seat.columns.len()).sum();
-    let nothing = vec![Series::default(); columns];
     let curves: Vec<(Curve, Vec<usize>)> = families
         .iter()
         .enumerate()
@@ -266,13 +261,13 @@ fn weigh_along(
     let further = |recording: usize| {
         let (made, held_out) = (&made[recording], scene.recordings[recording].held_out);
         let linear: Vec<Source<'_>> = if held_out {
-            vec![Source::Series(&nothing[..columns - stiff.len()])]
+            vec![Source::Nothing(columns - stiff.len())]
         } else {
             let each = made.with.iter().zip(&shared.names);
             each.flat_map(|(drive, names)| passes(drive, names)).collect()
         };
         let stiff: Vec<Source<'_>> = if made.stepped.is_empty() {
-            vec![Source::Series(&nothing[..stiff.len()])]
+            vec![Source::Nothing(stiff.len())]
         } else {
             let own = own_states(&scene.recordings[recording].drive);
             made.stiff
@@ -296,22 +291,25 @@ fn weigh_along(
             groups: &groups,
         }
     };
-    let grams = grams(scene, tracks, references, None, further, stopped);
-    let pooled = Pooled::of(&grams, base, scene, references);
-    let weighing = Weighing {
-        fitted: pooled.sum(scene, |held_out| !held_out),
-        all: pooled.sum(scene, |_| true),
-        scale: &pooled.scale,
-        background,
-        parameters: parameters(scene),
+    let grams = grams(scene, filters, references, None, further, stopped);
+    let with = |(grams, tracks): (&Vec<Gram>, &&[Track])| {
+        let pooled = Pooled::of(grams, base, scene, references);
+        let weighing = Weighing {
+            fitted: pooled.sum(scene, |held_out| !held_out),
+            all: pooled.sum(scene, |_| true),
+            scale: &pooled.scale,
+            background: background.clone(),
+            parameters: parameters(scene),
+        };
+        let fitted = scene.recordings.iter().zip(*tracks).filter(|(it, _)| !it.held_out);
+        let likelihood: f64 = fitted.map(|(_, track)| track.log_likelihood).sum();
+        Weights {
+            base: likelihood + log_evidence(&weighing.fitted, &weighing.background),
+            laws: weighing.laws(candidates, &seats),
+            curves: weighing.curves(curves.clone()),
+        }
     };
-    let fitted = scene.recordings.iter().zip(tracks).filter(|(it, _)| !it.held_out);
-    let likelihood: f64 = fitted.map(|(_, track)| track.log_likelihood).sum();
-    Weights {
-        base: likelihood + log_evidence(&weighing.fitted, &weighing.background),
-        laws: weighing.laws(candidates, &seats),
-        curves: weighing.curves(curves),
-    }
+    grams.iter().zip(filters).map(with).collect()
 }
 
 impl Weights {

@@ -1,0 +1,194 @@
+//! What the model foretells of a sample, and its derivative: from the plant itself, or as the plant
+//! was linearised along a track.
+
+use std::sync::Arc;
+
+use drivescope_numerics::Dual;
+use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::effects::registry::Entry;
+
+use super::direction::Direction;
+use super::exponential::Exponential;
+use super::filter::{SENSORS, STATES, Square, Tick, Track, Vector, own_states};
+use super::plant::Plant;
+use super::sparse::Sparse;
+use crate::measured::Measured;
+
+/// Parts of a sample in which teeth may meet, and parts of the armature's time constant.
+const KNOCKING: usize = 8;
+const SETTLING: f64 = 6.0;
+
+type Number = Dual<STATES>;
+
+/// Derivatives over a sample; most samples share them with the one before.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Step {
+    /// Of the propagated state by the filtered one, but for the disturbances' own decay.
+    pub(crate) transition: Sparse,
+    /// Of the propagated state by the rates of the states over the sample, s.
+    pub(crate) input: Sparse,
+    /// Of what the sensors show by the predicted state.
+    pub(crate) sense: [Vector; SENSORS],
+}
+
+/// What a filter asks of the plant.
+pub(super) trait Linearised {
+    /// A piece begins.
+    fn begin(&mut self);
+    /// What the sensors show of the predicted state; returns the derivatives.
+    fn shown(&mut self, tick: &mut Tick) -> [Vector; SENSORS];
+    /// The filtered state one sample later, disturbances left out; returns the derivatives.
+    fn propagate(&mut self, tick: &mut Tick) -> &Step;
+    /// The derivatives along the whole track.
+    fn steps(self) -> Arc<Vec<Step>>;
+}
+
+/// The plant itself, its rates linear over a part of a sample.
+pub(super) struct Itself<'a> {
+    plant: Plant<'a, STATES>,
+    direction: &'a Direction,
+    exponential: Exponential,
+    /// Parts of a sample, and how long each is, s.
+    parts: usize,
+    part_s: f64,
+    /// Derivatives of this sample, and those that differ from those of the sample before.
+    transition: Square,
+    input: Square,
+    sense: [Vector; SENSORS],
+    steps: Vec<Step>,
+    last: Option<(Square, Square, [Vector; SENSORS])>,
+}
+
+impl<'a> Itself<'a> {
+    pub(super) fn new(drive: &Drive, measured: &'a Measured, direction: &'a Direction) -> Self {
+        let constant = |_: &str, value: f64| Number { v: value, d: [0.0; STATES] };
+        let parts = parts(drive, measured.period_s);
+        Self {
+            plant: Plant::new(drive, measured, own_states(drive), constant),
+            direction,
+            exponential: Exponential::new(),
+            parts,
+            part_s: measured.period_s / parts as f64,
+            transition: Square::zeros(),
+            input: Square::zeros(),
+            sense: [Vector::zeros(); SENSORS],
+            steps: Vec::new(),
+            last: None,
+        }
+    }
+}
+
+impl Linearised for Itself<'_> {
+    fn begin(&mut self) {
+        self.plant.begin();
+    }
+
+    fn shown(&mut self, tick: &mut Tick) -> [Vector; SENSORS] {
+        self.plant.enter(tick.sample);
+        let shown = self.plant.shown(&tick.predicted, Number::parameter);
+        tick.shown = shown.map(|it| it.v);
+        self.sense = shown.map(|it| Vector::from(it.d));
+        self.sense
+    }
+
+    fn propagate(&mut self, tick: &mut Tick) -> &Step {
+        tick.propagated = tick.filtered;
+        let direction = self.direction.at(tick.sample);
+        tick.mean = Vector::zeros();
+        for part in 0..self.parts {
+            self.plant.rates(&tick.propagated, direction, Number::parameter);
+            let (mut f, mut rates) = (Vector::zeros(), Square::zeros());
+            for (row, [rate]) in self.plant.rate.iter().enumerate().take(self.plant.imposed) {
+                f[row] = rate.v;
+                for column in 0..STATES {
+                    rates[(row, column)] = rate.d[column];
+                }
+            }
+            self.exponential.set(&rates, self.part_s);
+            let Exponential { whole, input, mean, .. } = &self.exponential;
+            tick.mean += (tick.propagated + mean * f) / self.parts as f64;
+            tick.propagated += input * f;
+            (self.transition, self.input) = if part == 0 {
+                (*whole, *input)
+            } else {
+                (whole * self.transition, whole * self.input + input)
+            };
+        }
+        self.plant.advance();
+        let now = (self.transition, self.input, self.sense);
+        if self.last.as_ref() != Some(&now) {
+            self.steps.push(Step {
+                transition: Sparse::of(&now.0, self.plant.imposed),
+                input: Sparse::of(&now.1, self.plant.imposed),
+                sense: self.sense,
+            });
+            self.last = Some(now);
+        }
+        tick.step = self.steps.len() - 1;
+        &self.steps[tick.step]
+    }
+
+    fn steps(self) -> Arc<Vec<Step>> {
+        Arc::new(self.steps)
+    }
+}
+
+/// Parts of a sample over each of which the drive is nearly linear.
+fn parts(drive: &Drive, period_s: f64) -> usize {
+    if drive.effects.is_empty() {
+        // Linear but for the direction of dry friction, which is imposed.
+        return 1;
+    }
+    let knocks = |kind: &str| Entry::find(kind).is_some_and(|entry| entry.info.knocks);
+    if drive.effects.iter().any(|it| knocks(&it.kind)) {
+        return KNOCKING;
+    }
+    let armature = match (drive.motor.r, drive.motor.l) {
+        (Some(r), Some(l)) if drive.motor.input == Input::Voltage => period_s * r / l,
+        _ => 0.0,
+    };
+    (SETTLING * armature).ceil().clamp(1.0, KNOCKING as f64) as usize
+}
+
+/// The plant as it was linearised along a track.
+pub(super) struct Along<'a> {
+    track: &'a Track,
+    next: usize,
+}
+
+impl<'a> Along<'a> {
+    pub(super) fn new(track: &'a Track) -> Self {
+        Self { track, next: 0 }
+    }
+
+    fn now(&self) -> (&'a Tick, &'a Step) {
+        let tick = &self.track.ticks[self.next];
+        (tick, self.track.step(tick))
+    }
+}
+
+impl Linearised for Along<'_> {
+    fn begin(&mut self) {}
+
+    fn shown(&mut self, tick: &mut Tick) -> [Vector; SENSORS] {
+        let (now, step) = self.now();
+        let apart = tick.predicted - now.predicted;
+        tick.shown =
+            std::array::from_fn(|sensor| now.shown[sensor] + step.sense[sensor].dot(&apart));
+        step.sense
+    }
+
+    fn propagate(&mut self, tick: &mut Tick) -> &Step {
+        let (now, step) = self.now();
+        self.next += 1;
+        let apart = tick.filtered - now.filtered;
+        tick.propagated = now.propagated + step.transition.times(&apart);
+        tick.mean = now.mean + 0.5 * (apart + tick.propagated - now.propagated);
+        tick.step = now.step;
+        step
+    }
+
+    fn steps(self) -> Arc<Vec<Step>> {
+        self.track.steps.clone()
+    }
+}

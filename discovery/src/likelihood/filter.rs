@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::model::{OWN, POSITION, SPEED};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::beginning::beginning;
 use super::direction::Direction;
@@ -33,7 +33,6 @@ pub(crate) const VOLTAGE: usize = LOAD + 1;
 pub(crate) const SENSORS: usize = 3;
 
 pub(crate) type Vector = SVector<f64, STATES>;
-pub(crate) type Square = SMatrix<f64, STATES, STATES>;
 
 /// A sample of a filtered recording; one that was not measured has no gain.
 #[derive(Debug, Clone)]

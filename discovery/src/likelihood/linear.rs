@@ -4,14 +4,15 @@
 use std::sync::Arc;
 
 use drivescope_numerics::Dual;
-use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::law::Variable;
 use drivescope_plant::effects::registry::Entry;
 
 use super::direction::Direction;
 use super::exponential::Exponential;
-use super::filter::{SENSORS, STATES, Square, Tick, Track, Vector, own_states};
+use super::filter::{SENSORS, STATES, Tick, Track, Vector, own_states};
 use super::plant::Plant;
-use super::sparse::Sparse;
+use super::sparse::{NO_ROWS, Rows, Sparse, add, product, times};
 use crate::measured::Measured;
 
 /// Parts of a sample in which teeth may meet, and parts of the armature's time constant.
@@ -52,11 +53,11 @@ pub(super) struct Itself<'a> {
     parts: usize,
     part_s: f64,
     /// Derivatives of this sample, and those that differ from those of the sample before.
-    transition: Square,
-    input: Square,
+    transition: Rows,
+    input: Rows,
     sense: [Vector; SENSORS],
     steps: Vec<Step>,
-    last: Option<(Square, Square, [Vector; SENSORS])>,
+    last: Option<(Rows, Rows, [Vector; SENSORS])>,
 }
 
 impl<'a> Itself<'a> {
@@ -69,8 +70,8 @@ impl<'a> Itself<'a> {
             exponential: Exponential::new(),
             parts,
             part_s: measured.period_s / parts as f64,
-            transition: Square::zeros(),
-            input: Square::zeros(),
+            transition: NO_ROWS,
+            input: NO_ROWS,
             sense: [Vector::zeros(); SENSORS],
             steps: Vec::new(),
             last: None,
@@ -97,21 +98,23 @@ impl Linearised for Itself<'_> {
         tick.mean = Vector::zeros();
         for part in 0..self.parts {
             self.plant.rates(&tick.propagated, direction, Number::parameter);
-            let (mut f, mut rates) = (Vector::zeros(), Square::zeros());
+            let (mut f, mut rates) = (Vector::zeros(), NO_ROWS);
             for (row, [rate]) in self.plant.rate.iter().enumerate().take(self.plant.imposed) {
                 f[row] = rate.v;
-                for column in 0..STATES {
-                    rates[(row, column)] = rate.d[column];
-                }
+                rates[row] = rate.d;
             }
             self.exponential.set(&rates, self.part_s);
             let Exponential { whole, input, mean, .. } = &self.exponential;
-            tick.mean += (tick.propagated + mean * f) / self.parts as f64;
-            tick.propagated += input * f;
+            tick.mean += (tick.propagated + times(mean, &f)) / self.parts as f64;
+            tick.propagated += times(input, &f);
             (self.transition, self.input) = if part == 0 {
                 (*whole, *input)
             } else {
-                (whole * self.transition, whole * self.input + input)
+                let mut moved = product(whole, &self.input);
+                for (moved, input) in moved.iter_mut().zip(input) {
+                    add(moved, 1.0, input);
+                }
+                (product(whole, &self.transition), moved)
             };
         }
         self.plant.advance();
@@ -133,18 +136,16 @@ impl Linearised for Itself<'_> {
     }
 }
 
-/// Parts of a sample over each of which the drive is nearly linear.
+/// Parts of a sample over each of which the drive is nearly linear. Within a sample it is mostly the
+/// current that moves far.
 fn parts(drive: &Drive, period_s: f64) -> usize {
-    if drive.effects.is_empty() {
-        // Linear but for the direction of dry friction, which is imposed.
-        return 1;
-    }
-    let knocks = |kind: &str| Entry::find(kind).is_some_and(|entry| entry.info.knocks);
-    if drive.effects.iter().any(|it| knocks(&it.kind)) {
+    let infos = || drive.effects.iter().filter_map(|it| Entry::find(&it.kind)).map(|it| it.info);
+    if infos().any(|info| info.knocks) {
         return KNOCKING;
     }
+    let current = drive.effects.iter().any(|it| it.fails_over().contains(&Variable::Current));
     let armature = match (drive.motor.r, drive.motor.l) {
-        (Some(r), Some(l)) if drive.motor.input == Input::Voltage => period_s * r / l,
+        (Some(r), Some(l)) if current || infos().any(|info| info.stiff) => period_s * r / l,
         _ => 0.0,
     };
     (SETTLING * armature).ceil().clamp(1.0, KNOCKING as f64) as usize

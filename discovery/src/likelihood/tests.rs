@@ -90,7 +90,6 @@ fn innovations_of_the_true_drive_are_white_and_of_size_one() {
 fn the_column_of_every_law_is_the_difference_of_the_whole_filter() {
     let drive = tied();
     let measured = measured(&drive);
-    let plain = filtered(&drive, &measured);
     let mut compared = 0;
     for entry in REGISTRY {
         let info = entry.info;
@@ -120,6 +119,8 @@ fn the_column_of_every_law_is_the_difference_of_the_whole_filter() {
         let own = entry.parameters.iter().find(|it| it.name == name).expect("its own");
         let (at_null, names) = (with(0.0), [format!("law.{name}")]);
         let source = Source::Parameters { drive: &at_null, names: &names };
+        // A law over the current has a sample done in more parts, at its null too.
+        let plain = filtered(&at_null, &measured);
         let exact = column(&drive, &measured, &plain, source);
         if exact.iter().all(|value| *value == 0.0) {
             continue;

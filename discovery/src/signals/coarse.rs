@@ -1,7 +1,6 @@
 //! An output of which few levels are seen.
 
 use drivescope_plant::drive::Drive;
-use drivescope_recording::Quantum;
 
 use super::finding::{Consequence, SignalFinding, Size, What};
 use crate::estimate::Evidence;
@@ -9,7 +8,7 @@ use crate::measured::{Channel, Measured};
 
 /// Levels below which the shape of what is missing is that of the converter: half a level is then
 /// 3 % of the range, and no effect beside friction is larger.
-const LEVELS: f64 = 16.0;
+const LEVELS: usize = 16;
 
 /// The findings.
 pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
@@ -18,20 +17,30 @@ pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
 }
 
 fn of(measured: &Measured, channel: &Channel) -> Option<SignalFinding> {
-    let Quantum { step, .. } = Quantum::of(&channel.values)?;
-    let finite = || channel.values.iter().copied().filter(|it| it.is_finite());
-    let range = finite().fold(f64::MIN, f64::max) - finite().fold(f64::MAX, f64::min);
-    let levels = (range / step).round() + 1.0;
+    let mut seen: Vec<f64> = Vec::new();
+    for value in channel.values.iter().filter(|it| it.is_finite()) {
+        if !seen.contains(value) {
+            seen.push(*value);
+        }
+        if seen.len() >= LEVELS {
+            return None;
+        }
+    }
+    let levels = seen.len();
+    let range = seen.iter().copied().fold(f64::MIN, f64::max)
+        - seen.iter().copied().fold(f64::MAX, f64::min);
+    let step = range / levels.saturating_sub(1).max(1) as f64;
     let (name, unit) = (channel.name, &channel.unit);
-    (levels < LEVELS).then(|| SignalFinding {
+    // One level is a shaft at rest.
+    (levels > 1).then(|| SignalFinding {
         recording: measured.name.clone(),
         channel: name.to_owned(),
         what: What::Coarse,
         at: None,
-        size: Size { value: levels, of: "levels" },
+        size: Size { value: levels as f64, of: "levels" },
         consequence: Consequence::Limits,
         sentence: format!(
-            "{name} takes {levels:.0} levels only, {step:.4} {unit} apart: what is smaller than a \
+            "{name} takes {levels} levels only, {step:.4} {unit} apart: what is smaller than a \
              level hardly shows"
         ),
         next: format!("record {name} with more digits or a finer sensor, or over a larger range"),

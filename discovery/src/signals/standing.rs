@@ -36,7 +36,7 @@ const SIGNED: f64 = 0.1;
 /// What friction and back-EMF of the turned sign must take of what is left beside an inertia of
 /// either sign, and how many times what they take with the right one: a load that rings turns the
 /// sign of the inertia near its resonance, and nothing turns that of what is lost.
-const LOST: f64 = 0.3;
+const LOST: f64 = 0.1;
 const LOST_TIMES: f64 = 3.0;
 /// Below this, and ...
 const LITTLE: f64 = 0.4;
@@ -113,8 +113,9 @@ pub(super) fn standing<'a>(
         let far = it.far.as_ref().map_or(0.0, |far| far.best.right_whole());
         it.here.right_whole().max(it.at_once.turned_whole()).max(far)
     };
-    if let Some(plain) = looks.iter().find(|it| best_of(it) >= PLAIN) {
-        return plain.stands();
+    let plain = looks.iter().find(|it| best_of(it) >= PLAIN).map(Look::stands);
+    if let Some(wrong @ (Standing::Turned(_) | Standing::Late(..))) = plain {
+        return wrong;
     }
     let by_chance = |it: &Look| {
         let hardly = (WINDOWS_SHARE / it.windows as f64).max(HARDLY);

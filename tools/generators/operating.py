@@ -37,7 +37,7 @@ def high_speed(rng, t, m):
 def around_rest(rng, t, m):
     """A voltage about that of break-away: the shaft sticks and slips."""
     away = m.T_c * m.R / m.K / m.volts
-    return "open", np.clip(rng.uniform(1.5, 3.0) * away * _profile(rng, t), -1.0, 1.0)
+    return "open", np.clip(rng.uniform(2.0, 4.0) * away * _profile(rng, t), -1.0, 1.0)
 
 
 def speed_loop(rng, t, m):

@@ -211,7 +211,7 @@ def make(plan):
         truth = _truth(drawn, laws.get(drawn.hidden), plan)
         machine = truth["machine"]
         off = {name: rng.choice([-1.0, 1.0]) * rng.uniform(*START) for name in machine}
-        start = {name: value * (1.0 + off[name]) for name, value in machine.items()}
+        start = {name: float(value * (1.0 + off[name])) for name, value in machine.items()}
         if drawn.by_current:
             # From a current and a motion only ratios to K can be known.
             start["K"] = machine["K"]

@@ -31,7 +31,9 @@ const LONGER: f64 = 10.0;
 const FEW: f64 = 0.01;
 /// Share of its range that another signal goes through meanwhile.
 const MOVES: f64 = 0.2;
-/// Where most samples repeat the one before, the change at the end over the largest usual one.
+/// Levels of a signal below which stays are usual: one count a sample is a speed, too.
+const LEVELS: usize = 100;
+/// Where stays are usual, the change at the end over the largest usual one.
 const JUMP: f64 = 3.0;
 
 /// Sets frozen stretches to missing.
@@ -101,13 +103,26 @@ fn of(values: &[f64], rests_at_zero: bool) -> Vec<Range<usize>> {
     };
     let least = (LONGER * *usual as f64).max(SHORTEST as f64) as usize;
     let largest = usual_change(values);
-    let often = 2 * repeated > values.len();
+    let often = 2 * repeated > values.len() || has_few_levels(values);
     let jumps = |stay: &Range<usize>| {
         let after = values.get(stay.end).copied().unwrap_or(f64::NAN);
         (after - values[stay.start]).abs() > JUMP * largest
     };
     stays.retain(|stay| stay.len() >= least && (!often && rests_at_zero || jumps(stay)));
     stays
+}
+
+fn has_few_levels(values: &[f64]) -> bool {
+    let mut seen: Vec<f64> = Vec::new();
+    for value in values.iter().filter(|it| it.is_finite()) {
+        if !seen.contains(value) {
+            seen.push(*value);
+        }
+        if seen.len() >= LEVELS {
+            return false;
+        }
+    }
+    true
 }
 
 fn few(count: usize) -> usize {

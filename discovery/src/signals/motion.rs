@@ -1,17 +1,21 @@
 //! Which motion the recordings hold together: none, one speed, one direction; and which parameters
 //! of the base they cannot tell therefore.
 
+use std::ops::Range;
+
 use drivescope_plant::drive::Drive;
 
 use super::averaged::Averaged;
 use super::finding::{Consequence, SignalFinding, Size, What};
 use crate::estimate::Evidence;
-use crate::measured::{Channel, Measured, Output};
+use crate::measured::{Channel, Measured, Output, bridged};
 
 /// Share of the greatest speed below which a direction is not certain.
 pub(super) const SLOW: f64 = 0.03;
 /// Windows over which a speed is averaged, at most.
 const WINDOWS: usize = 400;
+/// The same where it is asked whether anything moves at all.
+const REST_WINDOWS: usize = 100;
 /// Standard deviations of noise within which a signal stays that does not move.
 const STILL: f64 = 6.0;
 /// Changes of the speed's magnitude below this share of its mean are one speed: friction that
@@ -42,22 +46,29 @@ fn shown(measured: &Measured) -> Option<&Channel> {
     [Output::Speed, Output::Position].into_iter().find_map(|it| measured.output(it))
 }
 
-/// Whether the shaft never moves by more than the sensor's noise.
+/// Whether the shaft never moves by more than the sensor's noise, averaged over windows: a speed
+/// from differences of counts is noisy, and yet no noise.
 fn rests(measured: &Measured, sds: &[f64]) -> bool {
     let Some(channel) = shown(measured) else { return false };
     let index = measured.outputs.iter().position(|it| it.output == channel.output);
     let sd = index.and_then(|k| sds.get(k)).copied().unwrap_or(0.0);
-    let finite = || channel.values.iter().copied().filter(|it| it.is_finite());
-    let n = finite().count().max(1) as f64;
-    // A position rests anywhere, a speed at zero but for its offset.
-    let zero = match channel.output {
-        Output::Position => finite().sum::<f64>() / n,
-        _ => 0.0,
+    let samples: usize = measured.pieces.iter().map(|piece| piece.len()).sum();
+    let length = samples.div_ceil(REST_WINDOWS);
+    let values = bridged(&channel.values);
+    let of = |piece: &Range<usize>| {
+        let means = values[piece.clone()].chunks_exact(length);
+        means.map(|some| some.iter().sum::<f64>() / length as f64).collect::<Vec<_>>()
     };
-    let least =
-        finite().map(|it| (it - zero).abs()).filter(|it| *it > 0.0).fold(f64::MAX, f64::min);
-    let most = finite().map(|it| (it - zero).abs()).fold(0.0, f64::max);
-    most <= STILL * sd || most <= 1.5 * least && most <= STILL * STILL * sd
+    let means: Vec<f64> = measured.pieces.iter().flat_map(of).collect();
+    let (low, high) = means
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(*it), high.max(*it)));
+    let noise = STILL * sd / (length as f64).sqrt();
+    // A position rests anywhere, a speed at zero.
+    match channel.output {
+        Output::Position => high - low <= noise,
+        _ => high.max(-low) <= noise,
+    }
 }
 
 fn at_rest(first: &Measured, evidence: &Evidence) -> SignalFinding {

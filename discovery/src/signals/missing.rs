@@ -19,7 +19,7 @@ fn of(measured: &Measured, channel: &Channel) -> Option<SignalFinding> {
     let within = || measured.pieces.iter().cloned().flatten();
     let holes = || within().filter(|k| !channel.values[*k].is_finite());
     let share = holes().count() as f64 / within().count() as f64;
-    let samples = holes().next()?..holes().last()? + 1;
+    let samples = holes().next()?..holes().next_back()? + 1;
     let name = channel.name;
     (share > MANY).then(|| SignalFinding {
         recording: measured.name.clone(),

@@ -168,7 +168,10 @@ mod tests {
         let mut recording = noisy(bench(&drive, 3.0, 0.001), [0.01, 0.3], 7);
         for signal in &mut recording.signals {
             match signal.name.as_str() {
-                "theta" => signal.values.iter_mut().for_each(|it| *it = it.rem_euclid(6.283)),
+                "theta" => signal
+                    .values
+                    .iter_mut()
+                    .for_each(|it| *it = it.rem_euclid(std::f64::consts::TAU)),
                 // An impulse and its response.
                 "u" => signal.values = (0..3000).map(|k| f64::from(k == 1000) * 20.0).collect(),
                 _ => {}

@@ -124,7 +124,7 @@ def main():
             made = [sys.executable, ROOT / "tools/make_recordings.py", folder / "made"]
             made += ["--cases", str(options.cases), "--seed", str(options.seed)]
             subprocess.run(made + options.make.split(), check=True, stdout=subprocess.DEVNULL)
-            for case in sorted((folder / "made").glob("case_*")):
+            for case in sorted(it.parent for it in (folder / "made").glob("*/drive.toml")):
                 files = [str(case / f"{name}.csv") for name in ("estimation", "validation")]
                 sets.append((str(case / "drive.toml"), files))
         doubted = good_ones(program, sets, options.all)

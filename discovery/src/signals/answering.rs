@@ -5,6 +5,7 @@
 //! signals the one is wrong that stands in both relations that fail; of two nobody can tell which.
 
 use drivescope_plant::drive::Drive;
+use rayon::prelude::*;
 
 use super::averaged::Averaged;
 use super::finding::{Consequence, SignalFinding, Size, What};
@@ -17,7 +18,7 @@ const SAME_RUN: &str = "check that all columns are of the same run, and record u
 
 /// The findings.
 pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
-    evidence.recordings.iter().filter_map(of).collect()
+    evidence.recordings.par_iter().filter_map(of).collect()
 }
 
 fn of(measured: &Measured) -> Option<SignalFinding> {

@@ -87,10 +87,14 @@ fn of(values: &[f64], rests_at_zero: bool) -> Vec<Range<usize>> {
     let finite = || values.iter().copied().filter(|it| it.is_finite());
     let (low, high) =
         finite().fold((f64::MAX, f64::MIN), |(low, high), it| (low.min(it), high.max(it)));
-    // Cut off is another matter, and a speed of zero is a rest.
+    let long = |value: f64| {
+        stays.iter().filter(|it| it.len() >= SHORTEST && values[it.start] == value).count()
+    };
+    // What is cut off stays at its limit more than once, and a speed of zero is a rest.
+    let limits = [low, high].map(|value| (value, long(value) > 1));
     let counts = |stay: &Range<usize>| {
         let value = values[stay.start];
-        value != low && value != high && !(rests_at_zero && value == 0.0)
+        !(limits.contains(&(value, true)) || rests_at_zero && value == 0.0)
     };
     stays.retain(counts);
     let repeated: usize = stays.iter().map(|stay| stay.len() - 1).sum();

@@ -8,6 +8,7 @@
 use std::f64::consts::{PI, TAU};
 
 use drivescope_plant::drive::{Drive, Input, Motion};
+use rayon::prelude::*;
 
 use super::finding::{Consequence, SignalFinding, Size, What};
 use crate::balances::begin;
@@ -55,7 +56,7 @@ struct Hypothesis {
 
 /// The findings.
 pub(super) fn check(drive: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
-    let each = evidence.recordings.iter().zip(&evidence.noise);
+    let each = evidence.recordings.par_iter().zip(&evidence.noise);
     each.filter_map(|(measured, sds)| of(drive, measured, sds)).collect()
 }
 

@@ -15,6 +15,7 @@ use serde::Serialize;
 
 use super::watch::line;
 use crate::evidence::Gathered;
+use crate::read_evidence::unusable;
 use crate::report::words::{p_value, significant};
 
 /// Errors of a drive.
@@ -131,12 +132,13 @@ impl Answer {
         let mut text = String::new();
         let name = if self.drive.is_empty() { "the drive" } else { &self.drive };
         if self.verdict == Verdict::NotJudged {
-            let _ = writeln!(text, "{name}: not judged, and nothing is written");
+            let _ = writeln!(text, "{name}: not judged, and no drive is written");
             for it in self.signals.iter().filter(|it| it.forbids()) {
                 let _ = writeln!(text, "  {it}");
             }
             return text;
         }
+        text += &unusable(&self.signals);
         let _ = writeln!(text, "{name}: {}", self.split);
         let _ = match self.observer_hz {
             0.0 => writeln!(text, "free run from u; errors in units of the noise, floor 1"),

@@ -108,7 +108,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--with", dest="beside", nargs="+", action="append", default=[])
     parser.add_argument("--program", type=Path)
-    parser.add_argument("--make", default="", help="further options of make_recordings.py")
+    parser.add_argument("--make", default="", help="of make_recordings.py, as in --make=--wide")
     parser.add_argument("--spoiled", type=int, default=20, help="recordings that are spoiled")
     parser.add_argument("--spoilings", default=",".join(signals.SPOILINGS))
     parser.add_argument("--all", action="store_true", help="show every finding and every miss")

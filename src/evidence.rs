@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{Evidence, Measured, NoiseSource, Purpose};
 use drivescope_plant::drive::Drive;
 
@@ -47,6 +48,8 @@ pub(crate) struct Gathered {
     pub(crate) noise: Vec<Vec<KnownNoise>>,
     /// How the validation was chosen, in words.
     pub(crate) split: String,
+    /// What is wrong with their signals, the gravest first.
+    pub(crate) signals: Vec<SignalFinding>,
     /// What makes the recordings doubtful.
     pub(crate) doubts: Vec<String>,
 }
@@ -68,7 +71,11 @@ impl EvidenceOptions {
     ) -> miette::Result<Gathered> {
         let given = given_noise(of.0, self.noise.as_deref())?;
         let read = |files: &[PathBuf]| read_evidence(of, files, &given, &self.reading, session);
-        let (first, second) = (read(&self.recordings)?, read(&self.validate)?);
+        let first = read(&self.recordings)?;
+        let second = match self.validate.is_empty() {
+            true => ReadEvidence::none(),
+            false => read(&self.validate)?,
+        };
         let said = first.doubts.len() + second.doubts.len();
         let gathered = Gathered::of(first, second)?;
         gathered.doubts[said..].iter().for_each(|doubt| session.remark(doubt));
@@ -99,6 +106,7 @@ impl Gathered {
             validation: Evidence { recordings: validation, noise: validation_noise },
             noise: noises,
             split,
+            signals: first.signals.into_iter().chain(second.signals).collect(),
             doubts: first.doubts.into_iter().chain(second.doubts).chain(unequal).collect(),
         })
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use drivescope_discovery::signals::{SignalFinding, findings, repaired};
 use drivescope_discovery::{Evidence, Measured, NoiseSource, Purpose, doubts, noise};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::units::name_for_motion;
@@ -32,8 +33,18 @@ pub(crate) struct ReadEvidence {
     pub(crate) evidence: Evidence,
     /// Noise of the outputs of each.
     pub(crate) noise: Vec<Vec<KnownNoise>>,
-    /// What makes them doubtful.
+    /// What is wrong with their signals, the gravest first.
+    pub(crate) signals: Vec<SignalFinding>,
+    /// What makes them doubtful, in words: what is wrong with their signals first.
     pub(crate) doubts: Vec<String>,
+}
+
+impl ReadEvidence {
+    /// No recording.
+    pub(crate) fn none() -> Self {
+        let (evidence, noise) = (Evidence::default(), Vec::new());
+        Self { evidence, noise, signals: Vec::new(), doubts: Vec::new() }
+    }
 }
 
 /// Reads whole recordings for that purpose; says what was assumed and what is doubtful.
@@ -73,11 +84,13 @@ pub(crate) fn evidence_of(
     recordings: &[(String, Recording)],
     given: &[(String, f64)],
 ) -> miette::Result<ReadEvidence> {
-    let mut read = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
+    let mut read = ReadEvidence::none();
     for (name, recording) in recordings {
-        let name = name.clone();
-        let measured = Measured::of(drive, recording, purpose).map_err(told)?;
-        let measured = Measured { name, ..measured };
+        let (recording, mut spoiled) = repaired(recording.clone());
+        spoiled.iter_mut().for_each(|it| it.recording.clone_from(name));
+        read.signals.extend(spoiled);
+        let measured = Measured::of(drive, &recording, purpose).map_err(told)?;
+        let measured = Measured { name: name.clone(), ..measured };
         read.doubts.extend(doubts(drive, &measured).map_err(told)?.iter().map(ToString::to_string));
         let found = noise(drive, &measured, given);
         let known = measured.outputs.iter().zip(&found).map(|(channel, noise)| KnownNoise {
@@ -90,7 +103,15 @@ pub(crate) fn evidence_of(
         read.evidence.noise.push(found.iter().map(|noise| noise.sd).collect());
         read.evidence.recordings.push(measured);
     }
+    read.signals.extend(findings(drive, &read.evidence));
+    read.signals.sort_by_key(|it| it.consequence);
+    read.doubts.splice(0..0, read.signals.iter().map(ToString::to_string));
     Ok(read)
+}
+
+/// What makes every number below worthless, a line each: remarks may have been left out.
+pub(crate) fn unusable(signals: &[SignalFinding]) -> String {
+    signals.iter().filter(|it| it.forbids()).map(|it| format!("not to be judged: {it}\n")).collect()
 }
 
 /// Names of files without their folders, as results show them; with the last folder where two

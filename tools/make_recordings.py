@@ -5,6 +5,9 @@
 
 Every case is a folder: drive.toml (motor and Coulomb friction, start values 10 to 20 % off),
 estimation.csv, validation.csv, truth.json. Cases take what hides in them in turn from the list.
+With --wide every case draws its own kind and size of machine, operating point, sampling rate,
+sensors and load, which truth.json tells; --coloured, --smooth, --motion and --seconds are of the
+others.
 """
 
 import argparse
@@ -12,7 +15,7 @@ import json
 import sys
 from pathlib import Path
 
-from generators import axis, cases, files
+from generators import axis, cases, files, wide
 from generators.laws import catalogue
 from generators.measuring import LEVELS
 
@@ -44,6 +47,12 @@ def main():
     parser.add_argument("--smooth", action="store_true", help="another zero-speed law: tanh")
     parser.add_argument("--size", type=float, default=1.0, help="factor on the usual sizes")
     parser.add_argument("--motion", choices=("rotary", "linear"), default="rotary")
+    parser.add_argument(
+        "--wide",
+        action="store_true",
+        help="machines from 1 W to 10 kW, geared, linear, current-driven; many operating points, "
+        "sampling rates, sensors and loads",
+    )
     parser.add_argument("--columns", help="keep these columns only, as in `u,omega`")
     parser.add_argument("--seconds", type=float, default=8.0)
     options = parser.parse_args()
@@ -53,9 +62,10 @@ def main():
     period = 1e-3
     samples = round(options.seconds / period)
     columns = options.columns.split(",") if options.columns else None
-    if options.motion == "linear":
+    if options.wide:
+        made = wide.make(wide.Plan(hidden, options.seed, options.noise, options.size))
+    elif options.motion == "linear":
         made = axis.make(hidden, options.seed, options.noise, options.coloured, samples, period)
-        drive = files.axis_drive
     else:
         plan = cases.Plan(
             hidden,
@@ -67,9 +77,9 @@ def main():
             samples,
             period,
         )
-        made, drive = cases.make(plan), files.rotary_drive
+        made = cases.make(plan)
     for case in made:
-        files.write(case, options.out, period, columns, drive)
+        files.write(case, options.out, columns)
     index = [{"case": case.name, "hidden": case.truth["hidden"]} for case in made]
     files.replace(options.out / "index.json", json.dumps(index, indent=1) + "\n")
     print(f"{len(made)} cases in {options.out}")

@@ -86,7 +86,7 @@ def made(plan, folder):
     stamp, wanted = folder / "plan.json", json.dumps(asdict(plan), indent=1) + "\n"
     if not stamp.exists() or stamp.read_text(encoding="utf-8") != wanted:
         for case in cases.make(plan):
-            files.write(case, folder, plan.period)
+            files.write(case, folder)
         files.replace(stamp, wanted)
     return [folder / f"case_{k:04d}" for k in range(len(plan.hidden))]
 

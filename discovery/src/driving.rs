@@ -59,6 +59,16 @@ impl Driving {
         }
     }
 
+    /// The name of the recorded signal.
+    pub(crate) fn channel(self) -> &'static str {
+        match self {
+            Self::Input => "u",
+            Self::Torque => TORQUE,
+            Self::Current => CURRENTS[0],
+            Self::Command | Self::Amplified => COMMAND,
+        }
+    }
+
     /// The signal that drives as u of that drive.
     pub(crate) fn as_u(self, drive: &Drive, signal: &Signal) -> Signal {
         let through = |it: &AmplifierData, c_m: f64| {

@@ -32,6 +32,7 @@ mod response;
 mod rig;
 mod run;
 mod sensitivity;
+pub mod signals;
 mod start;
 #[cfg(test)]
 mod testing;

@@ -85,6 +85,8 @@ pub struct Measured {
     pub angle: Option<Vec<f64>>,
     /// Stretches of samples in which u is known; each begins in a state of its own.
     pub pieces: Vec<Range<usize>>,
+    /// Whether the load's sensor stands for the motor's, behind what may be flexible.
+    pub by_load: bool,
     /// What interpolation did to white noise before.
     pub noise_gain: NoiseGain,
     /// What a person should know of its columns (one that has no place in the model), a sentence
@@ -155,6 +157,7 @@ impl Measured {
             outputs,
             angle,
             pieces,
+            by_load: !by_load.is_empty(),
             noise_gain: recording.noise_gain,
             remarks: by_load.iter().map(|it| it.remark()).collect(),
         };
@@ -219,6 +222,7 @@ impl Measured {
                 .collect(),
             angle: self.angle.as_ref().map(take),
             pieces,
+            by_load: self.by_load,
             noise_gain: self.noise_gain,
             remarks: self.remarks.clone(),
         })
@@ -266,7 +270,7 @@ fn held(values: &[f64]) -> Vec<f64> {
 }
 
 /// Missing values on the straight line between their neighbours.
-fn bridged(values: &[f64]) -> Vec<f64> {
+pub(crate) fn bridged(values: &[f64]) -> Vec<f64> {
     let mut bridged = values.to_vec();
     let mut last: Option<usize> = None;
     for k in 0..values.len() {

@@ -182,6 +182,7 @@ mod tests {
             outputs,
             angle: None,
             pieces: std::iter::once(0..100).collect(),
+            by_load: false,
             noise_gain: NoiseGain::NONE,
             remarks: Vec::new(),
         }

@@ -54,7 +54,7 @@ pub use header::{ColumnNote, Taken};
 pub use mapping::{Mapping, ReadOptions};
 pub use place::{Counted, Place};
 pub use preview::{ColumnPreview, Preview};
-pub use quality::{Limit, SignalQuality};
+pub use quality::{Limit, SignalQuality, limits};
 pub use quantum::Quantum;
 pub use replace::{check_writable, write_whole};
 pub use report::{Constant, Report, Sampling, Stretch, Stretches};

@@ -97,6 +97,12 @@ impl SignalQuality {
     }
 }
 
+/// The extremes at which a signal sits; places are samples, counted from 1, in the order of the
+/// values.
+pub fn limits(values: &[f64]) -> Vec<Limit> {
+    inspect("", "", values, &Lines::rows("")).limits
+}
+
 /// Looks at the values of one signal; memory does not depend on their number.
 pub(crate) fn inspect(name: &str, unit: &str, values: &[f64], lines: &Lines) -> SignalQuality {
     let mut missing = Stretches::default();

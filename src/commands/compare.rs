@@ -9,6 +9,7 @@ use clap::Args;
 use drivescope_discovery::compare::{
     Comparison, Curve, Finding, Options, RecordingComparison, Span, compare,
 };
+use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
     Observer, Purpose, Setting, USUAL_BAND_HZ, evaluate, relative_force_error,
 };
@@ -20,7 +21,7 @@ use serde_json::Value;
 use super::{RecordingOptions, Run};
 use crate::failure::{Ending, told};
 use crate::next::Next;
-use crate::read_evidence::{ReadEvidence, given_noise, read_evidence};
+use crate::read_evidence::{ReadEvidence, given_noise, read_evidence, unusable};
 use crate::report::compare::{self as page, compare_html};
 use crate::report::words::{p_value, significant};
 use crate::session::Session;
@@ -68,6 +69,8 @@ struct SpanOf<'a> {
 #[derive(Debug, Serialize)]
 struct Answer<'a> {
     drive: &'a str,
+    /// What is wrong with the signals of the recordings.
+    signals: &'a [SignalFinding],
     #[serde(skip)]
     motion: Motion,
     observer_hz: f64,
@@ -102,8 +105,11 @@ impl Run for Compare {
         let read = |files: &[PathBuf]| {
             read_evidence((&drive, Purpose::Drive), files, &given, &self.reading, session)
         };
-        let ReadEvidence { evidence, noise, doubts } = read(&self.recordings)?;
+        let ReadEvidence { evidence, noise, mut signals, doubts } = read(&self.recordings)?;
         let validation = if self.validate.is_empty() { None } else { Some(read(&self.validate)?) };
+        if let Some(it) = &validation {
+            signals.extend(it.signals.iter().cloned());
+        }
         let observer = Observer::choose(&drive, &evidence.recordings, &evidence.noise);
         let setting = Setting::new(&drive, observer);
         let bar = session.progress(2, "comparing");
@@ -128,6 +134,7 @@ impl Run for Compare {
         let first = evidence.recordings.first();
         let answer = Answer {
             drive: &drive.name,
+            signals: &signals,
             motion: drive.motion,
             observer_hz: compared.observer_hz,
             noise_floor: compared.floor,
@@ -173,6 +180,7 @@ impl Run for Compare {
 /// The answer for a person.
 fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
     let mut text = String::new();
+    text += &unusable(answer.signals);
     let name = if drive.is_empty() { "the drive" } else { drive };
     let _ = writeln!(text, "{name}: {}", answer.verdict);
     let _ = writeln!(text, "{}", page::remark(compared, None));

@@ -113,10 +113,9 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
         recordings.iter().map(|(name, it)| (name.clone(), Recording::clone(it))).collect();
     let read = evidence_of((&given.drive, Purpose::Search), &named, &noise)?;
     drop(named);
-    let none = ReadEvidence { evidence: Evidence::default(), noise: vec![], doubts: vec![] };
     let basis = Basis {
         whole: Arc::new(read.evidence.clone()),
-        gathered: Arc::new(Gathered::of(read, none)?),
+        gathered: Arc::new(Gathered::of(read, ReadEvidence::none())?),
         files,
         seed: progress.bench.seed,
     };

@@ -265,3 +265,54 @@ fn the_report_shows_what_is_missing_and_how_the_error_fell() {
     let text = std::fs::read_to_string(here.join("report.html")).expect("it was written");
     assert!(!text.contains("id=\"missing\""), "nobody was asked what is missing");
 }
+
+/// The recording with one column, by its place, changed.
+fn spoiled(folder: &Path, from: &str, to: &str, column: usize, change: impl Fn(usize, f64) -> f64) {
+    let text = std::fs::read_to_string(folder.join(from)).expect("it was written");
+    let mut lines = text.lines();
+    let mut out = format!("{}\n", lines.next().expect("a header"));
+    for (row, line) in lines.enumerate() {
+        let cells = line.split(',').enumerate().map(|(k, cell)| match k == column {
+            true => change(row, cell.parse().expect("a number")).to_string(),
+            false => cell.to_owned(),
+        });
+        out += &format!("{}\n", cells.collect::<Vec<_>>().join(","));
+    }
+    put(folder, to, out);
+}
+
+#[test]
+fn what_is_wrong_with_the_signals_is_said_first_and_nothing_is_named() {
+    let here = folder();
+    let here = here.path();
+    recorded(here, "");
+    let text = std::fs::read_to_string(here.join("one.csv")).expect("it was written");
+    let headers: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
+    let place = |name: &str| headers.iter().position(|it| it.starts_with(name)).expect("a column");
+    spoiled(here, "one.csv", "turned.csv", place("i ["), |_, i| -i);
+    let discover = ["discover", "base.toml", "turned.csv", "--validate", "two.csv"];
+    let ran = done(here, &[&discover[..], &["-o", "found.toml", "--json", "-"]].concat());
+    let answer = ran.json();
+    assert_eq!(answer["verdict"], "not_judged", "{answer}");
+    assert_eq!((&answer["named"], &answer["before"]), (&serde_json::json!([]), &Value::Null));
+    let first = &answer["signals"][0];
+    assert_eq!((&first["what"], &first["channel"]), (&"sign".into(), &"i".into()), "{first}");
+    assert!(!here.join("found.toml").exists(), "nothing was judged, nothing is written");
+    let said = done(here, &[&discover[..], &["--quiet"]].concat()).out;
+    assert!(
+        said.starts_with("AMIRA DR300: not judged") && said.contains("the sign of i"),
+        "{said}"
+    );
+    let compared = done(here, &["compare", "base.toml", "turned.csv", "--quiet"]).out;
+    assert!(compared.starts_with("not to be judged: turned.csv: the sign of i"), "{compared}");
+    // A spike is set to missing, and everything goes on.
+    let spike = |row, omega| if row == 2000 { 1e9 } else { omega };
+    spoiled(here, "one.csv", "spiked.csv", place("omega"), spike);
+    let fit = ["fit", "base.toml", "spiked.csv", "--validate", "two.csv", "-o", "fitted.toml"];
+    let answer = done(here, &[&fit[..], &["--json", "-"]].concat()).json();
+    let [only] = &answer["signals"].as_array().expect("a list")[..] else { panic!("{answer}") };
+    assert_eq!((&only["what"], &only["consequence"]), (&"spikes".into(), &"repaired".into()));
+    assert_eq!(only["where"]["from"], 2000, "{only}");
+    let error = number(&answer["error"]);
+    assert!(error < FLOOR, "{error}");
+}

@@ -6,4 +6,6 @@ library's: other exponents, extra harmonics, another zero-speed law. Many machin
 together as numpy arrays.
 
 machine -> excitation -> stepping (balance, laws) -> measuring -> files; `cases` puts them together.
+`wide` draws machines of any size (sizes), at operating points (operating, control), with loads of
+several kinds (loads) and sensors of several kinds (channels).
 """

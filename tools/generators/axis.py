@@ -109,7 +109,7 @@ def make(hidden, seed, noise="medium", coloured=False, samples=8000, period=1e-3
         start |= {
             name: float(getattr(m, name) * off[j, k]) for j, name in enumerate(("J", "B", "T_c"))
         }
-        cases.append(Case(f"axis_{k:04d}", truth, start))
+        cases.append(Case(f"axis_{k:04d}", truth, start, period=period, motion="linear"))
     for kind in KINDS:
         path = np.stack([_moves(rng, samples, period) for _ in cases], axis=1)
         controller = Controller(machines, path, period, NOISE[noise], rng)

@@ -60,7 +60,8 @@ class Bench:
     """Pairs of a law's function and its parameters."""
     creep: np.ndarray
     """Speed scale of a smoothed zero-speed law, rad/s; 0: the shaft sticks (Karnopp)."""
-    force: bool = False
+    force: bool | np.ndarray = False
+    """Whether u is the current; one value a machine where they differ."""
     bristle: np.ndarray | None = None
     """Deflection at which the bristles slip, rad; 0: none."""
     heating: tuple | None = None
@@ -74,7 +75,8 @@ class Bench:
 def balance(bench, x, direction, u, load, time):
     """Rates of the states, torque without dry friction, its levels forward and backward."""
     m = bench.machine
-    i = u if bench.force else x[I]
+    mixed = isinstance(bench.force, np.ndarray)
+    i = np.where(bench.force, u, x[I]) if mixed else u if bench.force else x[I]
     w, theta = x[W], x[THETA]
     total = Total.start(m)
     view = View(i, w, theta, u, time, x[WARM], m.K * i)
@@ -82,9 +84,11 @@ def balance(bench, x, direction, u, load, time):
         add(total, view, parameters)
     rate = np.zeros_like(x)
     rate[THETA] = w
-    if not bench.force:
+    if mixed or not bench.force:
         resistance = m.R * (total.resistance + x[WARM])
         rate[I] = (total.supply * u - resistance * i - m.K * total.flux * w - total.drop) / m.L
+        if mixed:
+            rate[I] = np.where(bench.force, 0.0, rate[I])
     free = m.K * total.flux * i - m.B * w - total.torque
     inertia = m.J
     if bench.far is None:

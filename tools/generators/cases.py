@@ -51,6 +51,11 @@ class Case:
     """Parameters of the drive file: off by 10 to 20 %."""
     recordings: dict = field(default_factory=dict)
     """By kind: columns by name."""
+    period: float = 1e-3
+    """Sampling time, s."""
+    motion: str = "rotary"
+    by_current: bool = False
+    """Whether u is the current, A."""
 
 
 def _each(flag, count):
@@ -140,7 +145,7 @@ def make(plan, substeps=SUBSTEPS):
             "noise": {},
         }
         start = {name: values[name] * float(off[j, k]) for j, name in enumerate(names)}
-        cases.append(Case(f"case_{k:04d}", truth, start))
+        cases.append(Case(f"case_{k:04d}", truth, start, period=plan.period))
     # Both recordings of all machines in one go: numpy's cost is in the calls, not in the lanes.
     lanes = range(count * len(KINDS))
     shares = [excitation.voltage(rng, plan.samples, plan.period) for _ in lanes]

@@ -3,7 +3,10 @@
 import json
 from pathlib import Path
 
-UNITS = {"time": "s", "u": "V", "i": "A", "omega": "rad/s", "theta": "rad", "x": "m"}
+UNITS = {
+    **{"time": "s", "u": "V", "i": "A"},
+    **{"omega": "rad/s", "theta": "rad", "v": "m/s", "x": "m"},
+}
 
 
 def replace(path, text):
@@ -14,10 +17,10 @@ def replace(path, text):
     beside.replace(path)
 
 
-def csv(columns, period):
+def csv(columns, period, by_current=False):
     """Text of a recording; 9 digits are more than any sensor has."""
-    names = ["time", *columns]
-    rows = [",".join(f"{name} [{UNITS[name]}]" for name in names)]
+    units = UNITS | ({"u": "A"} if by_current else {})
+    rows = [",".join(f"{name} [{units[name]}]" for name in ["time", *columns])]
     for k, values in enumerate(zip(*columns.values(), strict=True)):
         rows.append(f"{k * period:.9g}," + ",".join(f"{value:.9g}" for value in values))
     return "\n".join(rows) + "\n"
@@ -45,11 +48,11 @@ T_c = {start["T_c"]!r}
 """
 
 
-def axis_drive(name, start):
-    """A first drive file of a force-driven axis."""
+def force_drive(name, start, motion):
+    """A first drive file of what is driven by a force, a torque or their current."""
     return f"""schema = 1
 name = "{name}"
-motion = "linear"
+motion = "{motion}"
 
 [motor]
 input = "force"
@@ -63,13 +66,20 @@ T_c = {start["T_c"]!r}
 """
 
 
-def write(case, folder, period, columns=None, drive=rotary_drive):
+def drive_file(case):
+    """The first drive file of a case."""
+    if case.motion == "linear" or case.by_current:
+        return force_drive(case.name, case.start, case.motion)
+    return rotary_drive(case.name, case.start)
+
+
+def write(case, folder, columns=None):
     """Folder `folder/NAME` with drive.toml, truth.json and a CSV for every recording."""
     target = Path(folder) / case.name
     target.mkdir(parents=True, exist_ok=True)
-    replace(target / "drive.toml", drive(case.name, case.start))
+    replace(target / "drive.toml", drive_file(case))
     for kind, recording in case.recordings.items():
         kept = {name: v for name, v in recording.items() if columns is None or name in columns}
-        replace(target / f"{kind}.csv", csv(kept, period))
+        replace(target / f"{kind}.csv", csv(kept, case.period, case.by_current))
     replace(target / "truth.json", json.dumps(case.truth, indent=1) + "\n")
     return target

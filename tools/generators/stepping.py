@@ -81,7 +81,7 @@ def run(bench, u, load, period, delay=None, substeps=SUBSTEPS):
     before = np.zeros(n)
     for k in range(samples):
         now = u(k, x) if controlled else u[k]
-        kept[:, k] = now, (now if bench.force else x[I]), x[W], x[THETA], x[SHOWN]
+        kept[:, k] = now, np.where(bench.force, now, x[I]), x[W], x[THETA], x[SHOWN]
         for j in range(substeps):
             applied = np.where(j >= late, now, before)
             time = (k * substeps + j) * h

@@ -7,9 +7,12 @@ import unittest
 
 import numpy as np
 
-from . import axis, cases, machine
+from . import axis, cases, channels, machine, operating, sizes, wide
 from .balance import Bench
+from .control import Controllers
 from .laws import catalogue
+from .loads import KINDS as LOADS
+from .loads import Loads
 from .measuring import ColouredLoad
 from .stepping import run
 
@@ -129,6 +132,137 @@ class Made(unittest.TestCase):
             x = case.recordings["estimation"]["x"]
             self.assertGreater(np.ptp(x), 0.02)
             self.assertLess(np.abs(x).max(), 0.2)
+
+
+class Wide(unittest.TestCase):
+    def test_a_gear_turns_as_its_motor_does(self):
+        """Seen from the slow shaft the machine is another, and its motion the motor's over n."""
+        rng = np.random.default_rng(3)
+        m, _ = sizes.motor(rng)
+        with_gear, n = sizes.geared(rng, m)
+        with_gear.T_c = n * m.T_c
+        carriage, r = sizes.axis(rng, m)
+        all_ = sizes.together([m, with_gear, carriage])
+        here = Bench(machine=all_, laws=[], creep=np.zeros(3))
+        w = run(here, swinging(all_, 1000), still, PERIOD).w
+        np.testing.assert_allclose(w[:, 1], w[:, 0] / n, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(w[:, 2], w[:, 0] * r, rtol=1e-9, atol=1e-9)
+
+    def test_motors_of_all_sizes_are_motors(self):
+        rng = np.random.default_rng(1)
+        drawn = [sizes.motor(rng) for _ in range(300)]
+        watts = np.array([watts for _, watts in drawn])
+        self.assertLess(watts.min(), 3.0)
+        self.assertGreater(watts.max(), 3e3)
+        m = sizes.together([m for m, _ in drawn])
+        # The rated current loses a share of the voltage, and turns against a share of the torque.
+        self.assertTrue((m.R * m.amps < 0.6 * m.volts).all())
+        self.assertTrue((m.T_c + m.B * m.top_speed < 0.25 * m.rated_torque).all())
+
+    def test_every_load_has_the_stated_spread_and_memory(self):
+        n, sd, slow, h = 400, 2.0, 0.05, 1e-3
+        memories = {
+            "ornstein_uhlenbeck": np.exp(-1.0),
+            "telegraph": np.exp(-1.0),
+            "shots": np.exp(-1.0),
+            # A whole turn of its phase.
+            "oscillation": np.exp(-1.0 / 3.0),
+            "sine": -1.0,
+        }
+        for kind in LOADS:
+            rng = np.random.default_rng(2)
+            load = Loads(rng, [kind] * n, np.full(n, sd), np.full(n, slow), h)
+            values = np.array([load(k, 0).copy() for k in range(2000)])
+            if kind == "random_walk":
+                self.assertAlmostEqual(values[1000].std() / sd, 1.0, delta=0.15)
+                self.assertEqual(np.abs(values[0]).max(), 0.0)
+                continue
+            self.assertAlmostEqual(values[500:].std() / sd, 1.0, delta=0.06, msg=kind)
+            lag = (values[550:] * values[500:-50]).mean() / values[500:].var()
+            self.assertAlmostEqual(lag, memories[kind], delta=0.06, msg=kind)
+
+    def test_closed_loops_follow(self):
+        """By voltage and by current, in speed and in position, sampled fast and slowly."""
+        modes = np.array(["speed", "speed", "position", "position"] * 2)
+        force = np.array([False, True] * 4)
+        every = np.array([1] * 4 + [10] * 4)
+        one, _ = sizes.motor(np.random.default_rng(6))
+        all_ = sizes.together([one] * 8)
+        t = np.arange(3000) * PERIOD
+        wave = np.sin(2 * np.pi * 0.5 * t)[:, None]
+        asked = np.where(modes == "speed", 0.3, 0.1 * one.volts / one.K) * wave
+        rng = np.random.default_rng(1)
+        control = Controllers(all_, force, modes, asked, every, PERIOD, 0.0, rng)
+        here = Bench(machine=all_, laws=[], creep=np.zeros(8), force=force)
+        trace = run(here, control, still, PERIOD)
+        shown = np.where(modes == "speed", trace.w / all_.top_speed, trace.theta)[1000:]
+        off = np.sqrt(np.mean((shown - asked[1000:]) ** 2, axis=0))
+        share = off / np.sqrt(np.mean(asked[1000:] ** 2, axis=0))
+        self.assertLess(share.max(), 0.35, share)
+        for lane in range(4, 8):
+            changes = np.flatnonzero(np.diff(trace.u[:, lane])) + 1
+            self.assertTrue((changes % 10 == 0).all())
+
+    def test_operating_points_are_what_they_say(self):
+        rng, t = np.random.default_rng(4), np.arange(4000) * PERIOD
+        m, _ = sizes.motor(rng)
+        for point in (operating.one_direction, operating.high_speed, operating.one_way_loop):
+            _, asked = point(rng, t, m)
+            self.assertTrue((np.sign(asked) == np.sign(asked[0])).all(), point.__name__)
+        _, high = operating.high_speed(rng, t, m)
+        self.assertGreater(np.abs(high).min(), 0.6)
+        _, low = operating.low_speed(rng, t, m)
+        self.assertLess(np.abs(low).max(), 0.05)
+        mode, path = operating.position_loop(rng, t, m)
+        self.assertEqual(mode, "position")
+        self.assertLess(np.abs(np.diff(path)).max() / PERIOD, m.top_speed)
+
+    def test_sensors_show_what_is_stated(self):
+        t = np.arange(2000) * PERIOD
+        wave = np.sin(20.0 * t)
+        late = channels.late(t, wave, 2.5e-3)
+        np.testing.assert_allclose(late[10:], np.sin(20.0 * (t[10:] - 2.5e-3)), atol=1e-4)
+        speed = channels.differences(wave, 1e-3, PERIOD)
+        self.assertLess(np.abs(speed[1:] - 20.0 * np.cos(20.0 * t[1:])).max(), 1.5)
+        steps = speed / (1e-3 / PERIOD)
+        np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
+
+    def test_a_plan_holds_all_kinds_and_says_so(self):
+        hidden = [None, "cogging", "stribeck", "saturation", "x_touch", "delay"] * 10
+        plan = wide.Plan(hidden, seed=9, lasts=0.1)
+        made = wide.make(plan)
+        truths = [case.truth for case in made]
+        self.assertEqual([truth["hidden"] for truth in truths], hidden)
+        for key, values in {
+            "kind": set(wide.KIND_SHARES),
+            "motion": {"rotary", "linear"},
+            "input": {"voltage", "current"},
+            "speed_from": {"sensor", "differences", None},
+            "zero_speed": {"smooth", "stick"},
+        }.items():
+            self.assertEqual({truth[key] for truth in truths}, values, key)
+        self.assertGreater(len({truth["rate_hz"] for truth in truths}), 6)
+        kinds = {truth["load"]["kind"] for truth in truths if truth["load"]}
+        self.assertEqual(kinds, set(LOADS))
+        self.assertTrue(any(truth["skew_s"] > 0.0 for truth in truths))
+        points = {point for truth in truths for point in truth["operating"].values()}
+        self.assertEqual(
+            points, {it.__name__ for it in operating.BY_VOLTAGE + operating.BY_CURRENT}
+        )
+        for case in made:
+            shown = case.recordings["estimation"]
+            self.assertAlmostEqual(case.period * case.truth["rate_hz"], 1.0)
+            motion = {"v", "x"} if case.motion == "linear" else {"omega", "theta"}
+            self.assertTrue(motion & set(shown), case.truth)
+            self.assertEqual(set(case.truth["noise"]["estimation"]), set(shown) - {"u"})
+            for values in shown.values():
+                self.assertTrue(np.isfinite(values).all(), case.truth)
+
+    def test_the_same_seed_gives_the_same_bytes(self):
+        plan = wide.Plan([None, "cogging", "stribeck"], seed=2, lasts=0.05)
+        for one, other in zip(wide.make(plan), wide.make(plan), strict=True):
+            for name, values in one.recordings["validation"].items():
+                self.assertEqual(values.tobytes(), other.recordings["validation"][name].tobytes())
 
 
 def speeds_with(ids, samples=1000):

@@ -156,6 +156,7 @@ fn scripted(of: &Measured, amplitude: f64, script: fn(f64) -> f64) -> Measured {
         outputs: outputs.collect(),
         angle: None,
         pieces: std::iter::once(0..samples).collect(),
+        by_load: false,
         noise_gain: NoiseGain::NONE,
         remarks: Vec::new(),
     }

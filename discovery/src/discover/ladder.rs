@@ -16,6 +16,7 @@ use super::round::{Outcome, Round};
 use super::scales::Scales;
 use super::screen::screen;
 use super::typed;
+use super::unusable;
 use super::weighed::Formula;
 use crate::balances::unexplained;
 use crate::case::Setting;
@@ -23,6 +24,7 @@ use crate::compare::{self, Finding};
 use crate::error::Error;
 use crate::estimate::{Evidence, Options};
 use crate::observer::Observer;
+use crate::signals::SignalFinding;
 
 /// Why no curve is added.
 const NO_CURVE: &str = "no torque or voltage over speed, current, position or time alone lowers the \
@@ -69,9 +71,14 @@ pub fn discover_by(
     validation: &Evidence,
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
+    let wrong = unusable::signals(drive, estimation, validation);
+    if wrong.iter().any(SignalFinding::forbids) {
+        return Ok(unusable::discovery(drive, estimation, wrong));
+    }
     let of_user = drive;
     let (drive, typed) = &typed::apart(of_user);
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
+    found.signals = wrong;
     let mut base: Option<Model> = None;
     let mut formulas: Vec<Formula> = Vec::new();
     let seen = |error| seen_by(watch, error);
@@ -272,6 +279,7 @@ fn begin(
         learned: None,
         next_experiment: None,
         second_opinion: None,
+        signals: Vec::new(),
         doubts: other_machine::doubt(&model, validation).into_iter().collect(),
         observer: setting.observer,
     };

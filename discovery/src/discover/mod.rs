@@ -39,6 +39,7 @@ mod sight;
 mod smooth;
 mod taken_back;
 mod typed;
+mod unusable;
 mod weighed;
 mod whiten;
 

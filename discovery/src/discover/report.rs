@@ -14,6 +14,7 @@ use crate::compare::Finding;
 use crate::doubt::Doubt;
 use crate::estimate::Estimate;
 use crate::observer::Observer;
+use crate::signals::SignalFinding;
 
 /// What the loop says while it runs.
 #[derive(Debug, Clone)]
@@ -117,6 +118,9 @@ pub enum Verdict {
     None,
     /// Something is missing, and none of the known effects is it.
     Unknown,
+    /// The signals of the recordings do not let anything be judged.
+    #[serde(rename = "not_judged")]
+    NotJudged,
 }
 
 /// What a discovery found.
@@ -148,6 +152,8 @@ pub struct Discovery {
     pub next_experiment: Option<NextExperiment>,
     /// What the inverse form says of the first round; nothing where noise covers it.
     pub second_opinion: Option<SecondOpinion>,
+    /// What is wrong with the signals of the recordings, the gravest first.
+    pub signals: Vec<SignalFinding>,
     /// Doubts about the recordings that only the fit raises.
     pub doubts: Vec<Doubt>,
     /// The observer.

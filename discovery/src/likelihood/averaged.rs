@@ -64,6 +64,7 @@ pub(super) fn averaged(drive: &Drive, measured: &Measured) -> Option<Measured> {
             .collect(),
         angle: measured.angle.as_ref().map(mean),
         pieces: averaged,
+        by_load: measured.by_load,
         noise_gain: measured.noise_gain,
         remarks: Vec::new(),
     })

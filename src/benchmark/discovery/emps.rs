@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use drivescope_discovery::{Rule, Unwatched, discover_by};
+use drivescope_discovery::{Rule, Rung, Unwatched, discover_by};
 use drivescope_recording::{ReadOptions, read};
 use serde::Serialize;
 
@@ -57,7 +57,7 @@ impl Emps {
             discover_by(rule, &drive, &estimation?, &validation?, &Unwatched).map_err(told)?;
         let all = found.drive.parameters();
         let value = |name: &str| all.iter().find(|it| it.name == name).map(|it| it.value);
-        let errors = |rung: usize| found.ladder[rung].validation_error;
+        let error = |rung: Option<&Rung>| rung.map_or(f64::NAN, |it| it.validation_error);
         let refused = found
             .ranking
             .iter()
@@ -67,7 +67,7 @@ impl Emps {
             refused: refused.chain(not).collect(),
             difference: value(&format!("{NAME}.dB_m")).map(|half| 2.0 * half),
             mean: found.drive.motor.b_m,
-            validation_ratio: errors(found.ladder.len() - 1) / errors(0),
+            validation_ratio: error(found.ladder.last()) / error(found.ladder.first()),
             named: found.named,
         })
     }

@@ -207,7 +207,7 @@ fn judge(case: &Case, noise_given: bool, rule: Rule) -> Outcome {
             Some(detectable(case, noise_given))
         }
     };
-    let answer = answer(case, noise_given, rule).map_err(|error| error.to_string());
+    let answer = answer(case, noise_given, rule);
     let (hidden, grade) = (case.hidden.clone(), case.grade);
     let (group, foreign) = (case.group, case.foreign);
     Outcome { group, foreign, grade, noise_given, hidden, detectable, answer, alone_s: None }
@@ -228,16 +228,22 @@ fn detectable(case: &Case, noise_given: bool) -> bool {
     case.hidden.iter().all(|kind| gain(kind).map_or(true, |gain| gain > DETECTABLE))
 }
 
-fn answer(case: &Case, noise_given: bool, rule: Rule) -> Result<Answer, Error> {
-    let estimation = evidence(&case.drive, &case.estimation, noise_given)?;
-    let validation = evidence(&case.drive, &case.validation, noise_given)?;
-    let found = discover_by(rule, &case.drive, &estimation, &validation, &Unwatched)?;
+/// What the discovery answers; why it does not.
+fn answer(case: &Case, noise_given: bool, rule: Rule) -> Result<Answer, String> {
+    let said = |error: Error| error.to_string();
+    let estimation = evidence(&case.drive, &case.estimation, noise_given).map_err(said)?;
+    let validation = evidence(&case.drive, &case.validation, noise_given).map_err(said)?;
+    let found =
+        discover_by(rule, &case.drive, &estimation, &validation, &Unwatched).map_err(said)?;
+    let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
+        let wrong: Vec<String> = found.signals.iter().map(ToString::to_string).collect();
+        return Err(format!("not judged: {}", wrong.join("; ")));
+    };
     let set = |id: &String| {
         let ranked = found.ranking.iter().find(|it| it.effect == *id && it.refused.is_none());
         let others = ranked.map_or(vec![], |it| it.confusion_set.clone());
         std::iter::once(id.clone()).chain(others).collect()
     };
-    let (first, last) = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
     Ok(Answer {
         sets: found.named.iter().map(set).collect(),
         named: found.named.clone(),

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use drivescope_discovery::compare::Finding;
+use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
     BothUnexplained, Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung,
     SecondOpinion, Verdict,
@@ -14,6 +15,7 @@ use serde::Serialize;
 
 use super::watch::line;
 use crate::evidence::Gathered;
+use crate::read_evidence::unusable;
 use crate::report::words::{p_value, significant};
 
 /// Errors of a drive.
@@ -50,8 +52,11 @@ pub(super) struct Answer {
     drive: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
-    before: Errors,
-    after: Errors,
+    /// What is wrong with the signals of the recordings, the gravest first.
+    signals: Vec<SignalFinding>,
+    /// Nothing where nothing could be judged.
+    before: Option<Errors>,
+    after: Option<Errors>,
     noise: NoiseOf,
     #[serde(rename = "where")]
     fails: Vec<Finding>,
@@ -92,12 +97,15 @@ impl Answer {
         let first = &gathered.noise[0];
         let given = first.iter().all(|it| it.source == NoiseSource::Given);
         let source = if given { NoiseSource::Given } else { NoiseSource::Estimated };
-        let rungs = (&found.ladder[0], &found.ladder[found.ladder.len() - 1]);
+        let mut signals = gathered.signals.clone();
+        signals.extend(found.signals.iter().filter(|it| !gathered.signals.contains(it)).cloned());
+        signals.sort_by_key(|it| it.consequence);
         Self {
             drive: base.name.clone(),
             output,
-            before: Errors::of(rungs.0),
-            after: Errors::of(rungs.1),
+            signals,
+            before: found.ladder.first().map(Errors::of),
+            after: found.ladder.last().map(Errors::of),
             noise: NoiseOf { sd: first.iter().map(|it| (it.name, it.sd)).collect(), source },
             fails: found.fails.clone(),
             verdict: found.verdict,
@@ -123,6 +131,14 @@ impl Answer {
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         let name = if self.drive.is_empty() { "the drive" } else { &self.drive };
+        if self.verdict == Verdict::NotJudged {
+            let _ = writeln!(text, "{name}: not judged, and no drive is written");
+            for it in self.signals.iter().filter(|it| it.forbids()) {
+                let _ = writeln!(text, "  {it}");
+            }
+            return text;
+        }
+        text += &unusable(&self.signals);
         let _ = writeln!(text, "{name}: {}", self.split);
         let _ = match self.observer_hz {
             0.0 => writeln!(text, "free run from u; errors in units of the noise, floor 1"),
@@ -183,6 +199,7 @@ impl Answer {
                 "something is missing, and it is none of the effects that the library knows\n"
                     .to_owned()
             }
+            Verdict::NotJudged => "not judged\n".to_owned(),
         }
     }
 

@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Discovery, Error, Evidence, Purpose, Watch, discover_by};
+use drivescope_discovery::{Discovery, Error, Evidence, Purpose, Verdict, Watch, discover_by};
 use drivescope_plant::drive::Drive;
 
 use super::Run;
@@ -92,7 +92,9 @@ impl Search<'_> {
         // What was found until then is not the answer.
         interrupt::check()?;
         let found = found.map_err(told)?;
-        if let Some(path) = self.output {
+        // Of what was not judged there is no drive to write.
+        let output = self.output.filter(|_| found.verdict != Verdict::NotJudged);
+        if let Some(path) = output {
             let text = with_effects(
                 (self.given, &drive_source::text(self.given)?),
                 self.base,
@@ -105,10 +107,10 @@ impl Search<'_> {
             let html = report(&found, &gathered, session.seed)?;
             output::write_file(path, |out| out.write_all(html.as_bytes()))?;
         }
-        let output = self.output.cloned();
+        let written = output.cloned();
         let answer =
-            Answer::new(self.base, output, &gathered, &found, self.named_are, session.seed);
-        let next = match self.output {
+            Answer::new(self.base, written, &gathered, &found, self.named_are, session.seed);
+        let next = match output {
             Some(output) => self.evidence.on(Next::new("compare").files([output])),
             None => {
                 let again = Next::new("discover").with(self.given);

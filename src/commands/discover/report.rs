@@ -22,7 +22,8 @@ pub(super) fn report(found: &Discovery, gathered: &Gathered, seed: u64) -> miett
     };
     let after = compared(&found.drive)?;
     let before = match found.ladder.len() {
-        1 => None,
+        // Nothing was added, or nothing judged.
+        0 | 1 => None,
         // The cards speak of the base as it was fitted, before anything was added.
         _ => Some(compared(&found.base)?),
     };

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
     Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Setting, USUAL_BAND_HZ,
     relative_force_error, with_own,
@@ -12,7 +13,7 @@ use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
 use crate::evidence::Gathered;
-use crate::read_evidence::KnownNoise;
+use crate::read_evidence::{KnownNoise, unusable};
 
 /// Correlation from which on two parameters are named together.
 const STRONG: f64 = 0.9;
@@ -111,6 +112,8 @@ pub(super) struct Answer {
     noise_source: BTreeMap<&'static str, drivescope_discovery::NoiseSource>,
     recordings: Vec<OfRecording>,
     split: String,
+    /// What is wrong with the signals of the recordings, the gravest first.
+    signals: Vec<SignalFinding>,
     doubts: Vec<String>,
     observer_hz: f64,
     noise_floor: f64,
@@ -190,6 +193,7 @@ impl Answer {
                 .collect(),
             recordings,
             split: gathered.split.clone(),
+            signals: gathered.signals.clone(),
             doubts: gathered.doubts.clone(),
             observer_hz: setting.observer.hz,
             noise_floor: mean_square(&floors.collect::<Vec<_>>()),
@@ -203,7 +207,7 @@ impl Answer {
 
     /// The answer for a person.
     pub(super) fn text(&self) -> String {
-        let mut text = String::new();
+        let mut text = unusable(&self.signals);
         self.setting(&mut text);
         self.table(&mut text);
         self.errors(&mut text);

@@ -46,6 +46,9 @@ fn words(missing: &Missing) -> String {
         Verdict::Named => format!("Missing: {}.", named.join(", ")),
         Verdict::None => "Nothing is missing that these recordings could show.".to_owned(),
         Verdict::Unknown => "Something is missing, and no effect of the library is it.".to_owned(),
+        Verdict::NotJudged => {
+            "Not judged: the signals of the recordings do not allow it.".to_owned()
+        }
     }
 }
 

@@ -68,6 +68,9 @@ impl Missing {
         let not_shown = |(effects, reason): (Vec<&str>, &str)| {
             (effects.join(", ").replace('_', " "), reason.to_owned())
         };
+        // Signals that let nothing be judged.
+        let unusable = found.signals.iter().filter(|it| it.forbids());
+        let unusable = unusable.map(|it| ("anything".to_owned(), it.to_string()));
         // What may be named stands before what was refused, however much that explains.
         ranking.sort_by_key(|one| one.refused.is_some());
         Self {
@@ -78,7 +81,7 @@ impl Missing {
             next: found.next_experiment.clone(),
             second_opinion: found.second_opinion.clone(),
             typed: effects.filter_map(|effect| OwnLaw::of(effect, found.drive.motion)).collect(),
-            not_shown: found.not_shown().into_iter().map(not_shown).collect(),
+            not_shown: unusable.chain(found.not_shown().into_iter().map(not_shown)).collect(),
         }
     }
 }

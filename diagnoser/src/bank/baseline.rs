@@ -105,13 +105,13 @@ pub fn learn<const N: usize, P: Process<N>>(
     for (k, parameter) in process.learned().iter().enumerate() {
         let tolerance = nominal.covariance[moving + k][moving + k].sqrt();
         let change = offsets[k] - 1.0;
-        if !(change.abs() <= TOLERATED * tolerance) {
+        if change.is_nan() || change.abs() > TOLERATED * tolerance {
             let parameter = parameter.clone();
             return Err(BaselineError::OutOfTolerance { parameter, change, tolerance });
         }
     }
     let score = normal_score(squares, measured as f64);
-    if !(score < NOT_THIS_MACHINE) {
+    if score.is_nan() || score >= NOT_THIS_MACHINE {
         let rms = (squares / measured as f64).sqrt();
         return Err(BaselineError::NotThisMachine { rms });
     }

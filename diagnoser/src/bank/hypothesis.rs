@@ -126,7 +126,7 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
             let (step, sd) = (score / gram, 1.0 / gram.sqrt());
             best = Some(Fit { mechanism, onset, size, sd, log_likelihood });
             let next = (size + step).clamp(about.least, about.most);
-            if !(step.abs() > CONVERGED * sd) || next == size {
+            if step.is_nan() || step.abs() <= CONVERGED * sd || next == size {
                 break;
             }
             size = next;

@@ -16,10 +16,14 @@
 //! one set of signals and is what the file stores; [`Diagnoser::learn`] makes one from recordings,
 //! and [`Diagnoser::with_faults`] teaches it faults that were recorded and labelled.
 //!
+//! Where the physics of the process is known, a [`bank`] of hypotheses does more: it names the
+//! mechanism that failed, its size and its onset without having been shown any fault.
+//!
 //! Equation numbers are those of K. Patan, M. Witczak, J. Korbicz, "Towards robustness in neural
 //! network based fault diagnosis", Int. J. Appl. Math. Comput. Sci. 18 (2008), 443-454.
 
 mod arx;
+pub mod bank;
 mod data;
 mod decision;
 mod design;

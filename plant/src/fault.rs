@@ -29,6 +29,12 @@ macro_rules! mechanisms {
     };
 }
 
+/// What a sensor shows of a value with a fault of its gain and a bias.
+#[inline(always)]
+pub fn sensed(value: f64, gain: f64, bias: f64) -> f64 {
+    value * (1.0 + gain) + bias
+}
+
 /// A way in which a drive can fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mechanism {

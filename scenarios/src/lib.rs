@@ -11,6 +11,7 @@
 //! Randomness is drawn before anything runs in parallel: a run's inputs are a function of the
 //! seed and the run's number.
 
+pub mod bank;
 pub mod cosimulated;
 pub mod drives;
 pub mod experiment;

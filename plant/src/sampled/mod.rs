@@ -17,6 +17,7 @@ use crate::fault::{FaultLanes, Faults};
 use crate::integrate::{State, Stepper};
 use crate::model::{Applied, Control, Controls, Model, Motors};
 
+pub use amplifier::amplified;
 use amplifier::amplify;
 use controller::Pi;
 pub use delay::DelayLine;

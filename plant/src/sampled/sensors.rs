@@ -3,7 +3,7 @@
 use super::{InputLanes, SignalLanes};
 use crate::drive::SensorData;
 use crate::effects::law::OutputLanes;
-use crate::fault::FaultLanes;
+use crate::fault::{FaultLanes, sensed};
 
 /// Sensors of `N` drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,11 +53,11 @@ impl<const N: usize> Sensors<N> {
         signals: &mut SignalLanes<f64, N>,
     ) {
         for l in 0..N {
-            let speed = shown.omega[l] * (1.0 + faults.tacho[l]) + faults.tacho_bias[l];
+            let speed = sensed(shown.omega[l], faults.tacho[l], faults.tacho_bias[l]);
             let noise = inputs.noise_t[l] * (1.0 + faults.tacho_noise[l]);
             let t = quantised(speed * self.per_si + noise, self.tacho_quantum);
             signals.t[l] = if faults.tacho_freeze[l] > FROZEN { signals.t[l] } else { t };
-            let current = shown.i[l] * (1.0 + faults.current_sensor[l]) + faults.current_bias[l];
+            let current = sensed(shown.i[l], faults.current_sensor[l], faults.current_bias[l]);
             let noise = inputs.noise_i_m[l] * (1.0 + faults.current_noise[l]);
             let i_m = quantised(current + noise, self.current_quantum);
             signals.i_m[l] = if faults.current_freeze[l] > FROZEN { signals.i_m[l] } else { i_m };

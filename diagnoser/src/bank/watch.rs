@@ -1,0 +1,288 @@
+//! The bank at work, a row at a time, in fixed memory.
+//!
+//! ```text
+//! watching -- a statistic above its limit --> gathering -- horizon rows after the onset --> judged
+//!    ^                                                                                        |
+//!    +--- the named fault acts in the process from now on: its end is the next change --------+
+//! ```
+
+use std::collections::VecDeque;
+
+use super::frozen::Frozen;
+use super::hypothesis::Case;
+use super::judge::{Cause, Judgement};
+use super::onsets::{OLDEST, Onsets};
+use super::process::{Belief, Process, Row};
+use super::squares::Squares;
+
+/// Rows before an onset that are filtered again with every hypothesis.
+const BEFORE: usize = 20;
+
+/// Limits of the statistics, designed for a mean time between false alarms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Of the generalised likelihood ratio over mechanism and onset, and of stuck sensors.
+    pub ratio: f64,
+    /// Of the cumulative sum of squares.
+    pub squares: f64,
+}
+
+/// What an alarm rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Symptom {
+    /// The innovations look like those of this mechanism.
+    Mechanism(usize),
+    /// A sensor repeats itself.
+    Frozen(usize),
+    /// The innovations are larger than the process makes them.
+    Excess,
+}
+
+/// A statistic went over its limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alarm {
+    /// Sample at which it did.
+    pub sample: usize,
+    /// First sample that contributed.
+    pub onset: usize,
+    /// What it rests on; the judgement that follows may name something else.
+    pub symptom: Symptom,
+}
+
+/// What a row brought.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Event {
+    /// Something changed.
+    Alarm(Alarm),
+    /// What it was.
+    Judged(Judgement),
+    /// What was unknown, or a stuck sensor, is over; the last sample of it.
+    Ended(usize),
+}
+
+/// The statistics of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Statistics {
+    /// Of the likeliest mechanism and onset, or of a stuck sensor.
+    pub ratio: f64,
+    /// Cumulative sum of squares.
+    pub squares: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Mode {
+    Watching,
+    Gathering {
+        onset: usize,
+    },
+    /// The sensor shows this value since it is stuck.
+    Stuck {
+        sensor: usize,
+        value: f64,
+    },
+    /// Something unknown was last heard of at that sample.
+    Holding {
+        last: usize,
+    },
+}
+
+/// A bank that watches one machine.
+#[derive(Debug, Clone)]
+pub struct Watch<const N: usize, P> {
+    healthy: P,
+    /// The process as it acts: healthy, or with the fault that was named.
+    acting: P,
+    belief: Belief<N>,
+    limits: Limits,
+    horizon: usize,
+    onsets: Onsets<N>,
+    frozen: Frozen,
+    squares: Squares,
+    /// The last rows, each with the belief before it.
+    kept: VecDeque<(Belief<N>, Row)>,
+    now: usize,
+    mode: Mode,
+    statistics: Statistics,
+}
+
+impl<const N: usize, P: Process<N>> Watch<N, P> {
+    /// A bank over a process whose machine was learned; judgements rest on `horizon` rows from the
+    /// onset on.
+    pub(crate) fn new(process: P, belief: Belief<N>, limits: Limits, horizon: usize) -> Self {
+        let onsets = Onsets::new(process.mechanisms(), N - process.learned().len());
+        Self {
+            acting: process.clone(),
+            healthy: process,
+            belief,
+            limits,
+            horizon,
+            onsets,
+            frozen: Frozen::new(),
+            squares: Squares::default(),
+            kept: VecDeque::with_capacity(BEFORE + OLDEST.max(horizon) + 1),
+            now: 0,
+            mode: Mode::Watching,
+            statistics: Statistics { ratio: 0.0, squares: 0.0 },
+        }
+    }
+
+    /// The process without a fault, with the machine that was learned.
+    pub fn process(&self) -> &P {
+        &self.healthy
+    }
+
+    /// What is known of the state before the next row.
+    pub fn belief(&self) -> &Belief<N> {
+        &self.belief
+    }
+
+    /// The statistics of the last row.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// The same bank with other limits.
+    #[must_use]
+    pub fn with_limits(mut self, limits: Limits) -> Self {
+        self.limits = limits;
+        self
+    }
+
+    /// After a gap: the state is unknown, the machine is the same. The sample number goes on.
+    pub fn resume(&mut self, row: &Row) {
+        let fresh = self.acting.begin(row);
+        let moving = N - self.healthy.learned().len();
+        for r in 0..N {
+            if r < moving {
+                self.belief.mean[r] = fresh.mean[r];
+            }
+            for c in 0..N {
+                if r.min(c) < moving {
+                    self.belief.covariance[r][c] = fresh.covariance[r][c];
+                }
+            }
+        }
+        self.forget();
+        if let Mode::Gathering { .. } = self.mode {
+            self.mode = Mode::Watching;
+        }
+    }
+
+    fn forget(&mut self) {
+        self.onsets.clear();
+        self.frozen = Frozen::new();
+        self.squares = Squares::default();
+        self.kept.clear();
+    }
+
+    /// Takes in a row.
+    #[inline]
+    pub fn step(&mut self, row: &Row) -> Option<Event> {
+        let mut row = *row;
+        if let Mode::Stuck { sensor, value } = self.mode {
+            if row.shown[sensor] != value {
+                self.mode = Mode::Watching;
+                let ended = Event::Ended(self.now.saturating_sub(1));
+                self.resume(&row);
+                self.take_in(&row);
+                return Some(ended);
+            }
+            row.shown[sensor] = f64::NAN;
+        }
+        self.take_in(&row);
+        let now = self.now - 1;
+        match self.mode {
+            Mode::Watching | Mode::Stuck { .. } => {
+                let alarm = self.alarm(now)?;
+                self.mode = Mode::Gathering { onset: alarm.onset };
+                Some(Event::Alarm(alarm))
+            }
+            Mode::Gathering { onset } if self.now >= onset + self.horizon => {
+                Some(Event::Judged(self.judged(onset)))
+            }
+            Mode::Gathering { .. } => None,
+            Mode::Holding { last } => self.hold(now, last),
+        }
+    }
+
+    /// Filters a row and brings the statistics up to it.
+    #[inline]
+    fn take_in(&mut self, row: &Row) {
+        if self.kept.len() == self.kept.capacity().min(BEFORE + OLDEST.max(self.horizon)) {
+            self.kept.pop_front();
+        }
+        self.kept.push_back((self.belief, *row));
+        let sensed = self.acting.sense(&self.belief.mean, row);
+        let correction = self.belief.correct(&sensed, row);
+        let advanced = self.acting.advance(&self.belief, row);
+        self.onsets.open(self.now);
+        self.onsets.step(&sensed, &correction, &advanced);
+        self.frozen.step(self.now, row, &correction, &self.acting.quanta());
+        self.squares.step(self.now, &correction);
+        self.belief = self.belief.moved(&advanced);
+        self.now += 1;
+        let ratio = self.onsets.peak().map_or(0.0, |peak| peak.ratio);
+        self.statistics =
+            Statistics { ratio: ratio.max(self.frozen.peak().0), squares: self.squares.ratio };
+    }
+
+    fn alarm(&self, sample: usize) -> Option<Alarm> {
+        let Statistics { ratio, squares } = self.statistics;
+        if ratio <= self.limits.ratio && squares <= self.limits.squares {
+            return None;
+        }
+        let (stuck, sensor, since) = self.frozen.peak();
+        let peak = self.onsets.peak();
+        let (symptom, onset) = if stuck > self.limits.ratio {
+            (Symptom::Frozen(sensor), since)
+        } else if let Some(peak) = peak.filter(|peak| peak.ratio > self.limits.ratio) {
+            (Symptom::Mechanism(peak.mechanism), peak.onset)
+        } else {
+            (Symptom::Excess, self.squares.onset)
+        };
+        let first = self.now - self.kept.len();
+        Some(Alarm { sample, onset: onset.max(first), symptom })
+    }
+
+    /// Judges what was gathered and goes on under what is named.
+    fn judged(&mut self, onset: usize) -> Judgement {
+        let oldest = self.now - self.kept.len();
+        let first = onset.saturating_sub(BEFORE).max(oldest);
+        let kept = self.kept.iter().skip(first - oldest);
+        let rows: Vec<Row> = kept.map(|(_, row)| *row).collect();
+        let belief = self.kept.get(first - oldest).map_or(self.belief, |(belief, _)| *belief);
+        let case = Case { healthy: &self.healthy, before: &self.acting, belief, rows: &rows };
+        let judged = case.judge(onset - first, first);
+        self.belief = judged.end;
+        self.acting = self.healthy.clone();
+        self.mode = Mode::Watching;
+        self.forget();
+        match judged.judgement.cause {
+            Cause::Healthy => {}
+            Cause::Mechanism(mechanism) => {
+                if let Some(of) = judged.judgement.candidates.first() {
+                    self.acting = self.healthy.with_fault(mechanism, of.size);
+                }
+            }
+            Cause::Frozen(sensor) => {
+                let value = rows.last().map_or(f64::NAN, |row| row.shown[sensor]);
+                self.mode = Mode::Stuck { sensor, value };
+            }
+            Cause::Unknown => self.mode = Mode::Holding { last: self.now },
+        }
+        judged.judgement
+    }
+
+    /// Waits until nothing is heard of the unknown for a horizon.
+    fn hold(&mut self, now: usize, last: usize) -> Option<Event> {
+        if self.alarm(now).is_some() {
+            self.mode = Mode::Holding { last: now };
+            self.onsets.clear();
+            self.squares = Squares::default();
+        } else if now >= last + self.horizon {
+            self.mode = Mode::Watching;
+            return Some(Event::Ended(last));
+        }
+        None
+    }
+}

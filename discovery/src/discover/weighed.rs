@@ -1,7 +1,7 @@
 //! A round by the rule of evidence: weigh everything beside the drive, fit what is promising, decide
 //! by the numbers of [`super::decision`].
 
-use drivescope_plant::drive::Drive;
+use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_plant::effects::law::Variable;
 use rayon::prelude::*;
 
@@ -58,20 +58,25 @@ impl Round<'_> {
     /// Weighs, refits and decides.
     pub(crate) fn weighed(&self) -> Outcome {
         self.watch.step(&Step::Doing("filtering the recordings"));
+        let t0 = std::time::Instant::now();
         let scene = Scene::of(self.model, self.estimation, self.validation);
         let Some(mut ground) = Ground::of(scene) else { return Outcome::default() };
+        eprintln!("T ground {:?}", t0.elapsed());
         let mut disturbances = Vec::new();
         let (weights, mut judged) = loop {
             self.watch.step(&Step::Doing("weighing the library"));
             let Some(weights) = self.weights(&ground) else { return Outcome::default() };
+            eprintln!("T weigh {:?}", t0.elapsed());
             self.watch.step(&Step::Doing("fitting the best candidates"));
             let mut judged = self.by_evidence(&ground, &self.promising(&weights));
+            eprintln!("T fitted {:?}", t0.elapsed());
             let curve = weights.curves.iter().find(|curve| curve.repeats > 0.0);
             for one in &mut judged {
                 one.refused = self.unconvincing(one, curve);
             }
             self.simplest_of_equal(&mut judged);
             self.fit_first(&ground, &mut judged);
+            eprintln!("T first {:?}", t0.elapsed());
             let nothing = judged.iter().all(|one| one.refused.is_some());
             let disturbs = judged.first().is_some_and(|best| self.is_disturbance(best));
             let enough = disturbances.len() == DISTURBANCES || self.watch.stopped();
@@ -165,20 +170,18 @@ impl Round<'_> {
         let judge = |weight: &&LawWeight| {
             let it = &self.all[weight.candidate];
             let begins = weight.variants.iter().take(if it.is_linear() { 1 } else { BEGINS });
-            let free = || {
-                let free = it.parameters().filter(|name| !it.frozen.contains(name));
-                free.map(|name| format!("{}.{name}", it.id)).collect::<Vec<_>>()
-            };
+            let free = it.parameters().filter(|name| !it.frozen.contains(name));
+            let free: Vec<String> = free.map(|name| format!("{}.{name}", it.id)).collect();
             let at = |variant: &usize| {
                 let mut effect = it.variants[*variant].effect.clone();
                 for (name, value) in it.coefficients.iter().zip(&weight.coefficients) {
                     let own = effect.parameters.iter_mut().find(|(own, _)| own == name);
                     own.into_iter().for_each(|(_, own)| *own = *value);
                 }
-                ground.with(&effect, free().into_iter(), &it.coefficients)
+                effect
             };
-            let ends = begins.filter_map(at);
-            let (scene, own) = ends.max_by(|a, b| a.1.fitted.total_cmp(&b.1.fitted))?;
+            let begins: Vec<EffectData> = begins.map(at).collect();
+            let (scene, own) = ground.with(&begins, &free, &it.coefficients)?;
             // A law whose coefficients all stay at the end of their range is none.
             let values = scene.drive.parameters();
             let at_end = |(name, range): (&String, &(f64, f64))| {
@@ -228,10 +231,15 @@ impl Round<'_> {
         for one in judged.iter_mut().filter(|one| one.refused.is_none()) {
             let drive = one.model.fitted.drive.clone();
             let setting = finer(&self.model.setting, &drive);
-            let fit = |options: Options| {
-                Model::fit(&drive, estimation, validation, setting, &options, &seen)
+            let fit = |drive: &Drive, options: Options| {
+                Model::fit(drive, estimation, validation, setting, &options, &seen)
             };
-            let Ok(model) = fit(Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR }) else {
+            let near = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
+            // The minimum of the free run may lie on the side of the base's own values.
+            let beside = self.beside(one);
+            let ends = [&drive, &beside].into_par_iter().filter_map(|begin| fit(begin, near).ok());
+            let sum = |model: &Model| model.fitted.squares.sum;
+            let Some(model) = ends.min_by(|a, b| sum(a).total_cmp(&sum(b))) else {
                 one.refused = Some("no fit with it ends".to_owned());
                 continue;
             };
@@ -243,7 +251,7 @@ impl Round<'_> {
             let falls = before
                 .zip(left(&drive))
                 .is_some_and(|(before, after)| after < (1.0 - FALLS) * before);
-            if let (true, Ok(model)) = (falls, fit(Options { steps: 0, ..Options::NEAR })) {
+            if let (true, Ok(model)) = (falls, fit(&drive, Options { steps: 0, ..Options::NEAR })) {
                 one.model = model;
                 if let Some(weighed) = &mut one.weighed {
                     weighed.by_balance = true;
@@ -252,6 +260,16 @@ impl Round<'_> {
             }
             one.refused = Some("the error on the validation data does not fall".to_owned());
         }
+    }
+
+    /// The drive of the round with the candidate as it was fitted.
+    fn beside(&self, one: &Judged) -> Drive {
+        let id = &self.all[one.candidate].id;
+        let with = &one.model.fitted.drive;
+        let mut beside = self.model.fitted.drive.clone();
+        beside.effects.extend(with.effects.iter().filter(|effect| effect.id == *id).cloned());
+        beside.fixed.clone_from(&with.fixed);
+        beside
     }
 
     /// Puts the simplest of those that pass and are not told from the best of them before it.

@@ -103,19 +103,22 @@ pub(super) fn passes<'a>(drive: &'a Drive, names: &'a [String]) -> Vec<Source<'a
     names.chunks(A_PASS).map(|names| Source::Parameters { drive, names }).collect()
 }
 
-/// ln of the probability of the recordings along those tracks, what is not `flat` of the base
-/// integrated out, and the parameters too where they are.
-pub(super) fn probability(
+/// Products of the base along those tracks.
+pub(super) fn pooled(
     scene: &Scene,
     tracks: &[Track],
     references: &References,
     known: Option<&[Known]>,
-    flat: bool,
-) -> f64 {
+) -> Pooled {
     let filters = [tracks];
     let grams = grams(scene, &filters, references, known, |_| Further::default(), &|| false);
+    Pooled::of(&grams[0], terms(scene).variances.len(), scene, references)
+}
+
+/// ln of the probability of the recordings along those tracks, what is not `flat` of the base
+/// integrated out, and the parameters too where they are.
+pub(super) fn probability(scene: &Scene, tracks: &[Track], pooled: &Pooled, flat: bool) -> f64 {
     let all = terms(scene);
-    let pooled = Pooled::of(&grams[0], all.variances.len(), scene, references);
     let terms = if flat { all } else { nuisance(&all) };
     let likelihood: f64 = tracks.iter().map(|track| track.log_likelihood).sum();
     likelihood + log_evidence(&pooled.sum(scene, |_| true), &terms)

@@ -7,8 +7,8 @@
 
 use super::sparse::{NO_ROWS, Row, Rows, add, product, unit};
 
-/// Norm of the part of the sample for which the series is summed; six terms leave 1e-9 of it.
-const SMALL: f64 = 0.1;
+/// Norm of the part of the sample for which the series is summed; six terms leave 4e-8 of it.
+const SMALL: f64 = 0.3;
 const TERMS: u32 = 7;
 
 /// exp(A h), G and M of a sample, and for which A they were made: most are equal to the ones before.

@@ -26,6 +26,8 @@ pub(crate) struct Ground {
     pub(crate) scene: Scene,
     pub(crate) randomness: Randomness,
     pub(crate) references: References,
+    /// ln of the probability of the excerpt that laws are fitted to.
+    probability: f64,
     /// Evidence of the base at its best.
     pub(crate) base: Optimum,
 }
@@ -46,7 +48,7 @@ impl Ground {
         let mut part = excerpt(&scene);
         for _ in 0..ROUNDS {
             let searched = randomness.searched(&part, &references, COARSE)?;
-            let moved = refined(part.clone(), &searched, &references);
+            let moved = refined(part.clone(), &searched, &references)?.scene;
             let same = moved.drive == part.drive && searched == randomness;
             (part, randomness) = (moved, searched);
             references = part.references(&part.tracks(&randomness)?);
@@ -55,23 +57,34 @@ impl Ground {
             }
         }
         let scene = scene.with_values_of(&part);
+        let probability = refined(part, &randomness, &references)?.probability;
         let base = at_its_best(&scene, None, &randomness, &references)?;
-        Some(Self { scene, randomness, references, base })
+        Some(Self { scene, randomness, references, probability, base })
     }
 
-    /// The scene with that effect at its own best, and the evidence there; `estimated` are the
-    /// parameters of the effect that are free, `coefficients` those that are 0 where it vanishes.
+    /// The scene with one of those effects at its own best, and the evidence there: the effects are
+    /// begins of the same law, of which the best is followed. `estimated` are the parameters of the
+    /// effect that are free, `coefficients` those that are 0 where it vanishes. Nothing where none
+    /// of several is more probable than the base.
     pub(crate) fn with(
         &self,
-        effect: &EffectData,
-        estimated: impl Iterator<Item = String>,
+        effects: &[EffectData],
+        estimated: &[String],
         coefficients: &[String],
     ) -> Option<(Scene, Optimum)> {
-        let scene = self.scene.with(effect, estimated);
-        let part = refined(excerpt(&scene), &self.randomness, &self.references);
-        let randomness = self.randomness.searched(&part, &self.references, FINE)?;
-        let part = refined(part, &randomness, &self.references);
-        let scene = scene.with_values_of(&part);
+        let begin = |effect: &EffectData| {
+            let scene = self.scene.with(effect, estimated.iter().cloned());
+            refined(excerpt(&scene), &self.randomness, &self.references)
+        };
+        let ends = effects.iter().filter_map(begin);
+        let best = ends.max_by(|a, b| a.probability.total_cmp(&b.probability))?;
+        if effects.len() > 1 && best.probability < self.probability {
+            return None;
+        }
+        let randomness = self.randomness.searched(&best.scene, &self.references, FINE)?;
+        let part = refined(best.scene, &randomness, &self.references)?.scene;
+        let effect = part.drive.effects.last()?;
+        let scene = self.scene.with(effect, estimated.iter().cloned()).with_values_of(&part);
         let law = Law { id: &effect.id, coefficients };
         let optimum = at_its_best(&scene, Some(&law), &randomness, &self.references)?;
         Some((scene, optimum))

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::base::{Known, probability};
+use super::base::{Known, pooled, probability};
 use super::filter::SENSORS;
 use super::gram::References;
 use super::noise::Noise;
@@ -95,7 +95,8 @@ impl Randomness {
         let known = Known::of(scene, &along);
         let evidence = |tried: &Self| {
             let tracks = scene.retraced(&along, tried)?;
-            Some(probability(scene, &tracks, references, Some(&known), true))
+            let pooled = pooled(scene, &tracks, references, Some(&known));
+            Some(probability(scene, &tracks, &pooled, true))
         };
         let mut best = *self;
         let mut most = evidence(&best)?;

@@ -4,9 +4,9 @@
 //! beside something missing, it lies elsewhere, and evidence compares structures only where each
 //! is at its own best. Steps are those of Gauss and Newton on the columns of the base.
 
-use super::base::{Further, Pooled, grams, probability, terms};
+use super::base::{Pooled, pooled, probability, terms};
 use super::gram::References;
-use super::marginal::{Terms, coefficients};
+use super::marginal::coefficients;
 use super::randomness::Randomness;
 use super::scene::Scene;
 
@@ -19,37 +19,47 @@ const SHARES: [f64; 3] = [1.0, 0.3, 0.1];
 /// Factor by which a value that must be positive moves in a step at most.
 const FURTHEST: f64 = 3.0;
 
-/// The scene with the parameters of the machine moved to where its recordings are most probable.
-pub(super) fn refined(mut scene: Scene, randomness: &Randomness, references: &References) -> Scene {
+/// A scene and how probable its recordings are with it, ln.
+pub(super) struct Refined {
+    pub(super) scene: Scene,
+    pub(super) probability: f64,
+}
+
+/// The scene with the parameters of the machine moved to where its recordings are most probable;
+/// nothing where the drive overflows.
+pub(super) fn refined(
+    scene: Scene,
+    randomness: &Randomness,
+    references: &References,
+) -> Option<Refined> {
     let at = |scene: &Scene| {
         let tracks = scene.tracks(randomness)?;
-        let probability = probability(scene, &tracks, references, None, false);
-        probability.is_finite().then_some((tracks, probability))
+        let pooled = pooled(scene, &tracks, references, None);
+        let probability = probability(scene, &tracks, &pooled, false);
+        probability.is_finite().then_some((pooled, probability))
     };
-    let Some((mut tracks, mut best)) = at(&scene) else { return scene };
+    let (mut products, probability) = at(&scene)?;
+    let mut best = Refined { scene, probability };
     for _ in 0..STEPS {
-        let filters = [tracks.as_slice()];
-        let grams = grams(&scene, &filters, references, None, |_| Further::default(), &|| false);
-        let terms = terms(&scene);
-        let pooled = Pooled::of(&grams[0], terms.columns.len(), &scene, references);
-        let Some(step) = step(&scene, &pooled, terms) else { break };
+        let Some(step) = step(&best.scene, &products) else { break };
         let better = SHARES.iter().find_map(|share| {
-            let moved = moved(&scene, &step, *share);
-            let (tracks, now) = at(&moved)?;
-            (now > best).then_some((moved, tracks, now))
+            let scene = moved(&best.scene, &step, *share);
+            let (products, probability) = at(&scene)?;
+            (probability > best.probability).then_some((products, Refined { scene, probability }))
         });
-        let Some((moved, along, now)) = better else { break };
-        let gained = now - best;
-        (scene, tracks, best) = (moved, along, now);
-        if gained < WORTH {
+        let Some((along, more)) =
+            better.filter(|(_, it)| it.probability > best.probability + WORTH)
+        else {
             break;
-        }
+        };
+        (products, best) = (along, more);
     }
-    scene
+    Some(best)
 }
 
 /// The most probable change of each parameter; one at the end of its range does not leave it.
-fn step(scene: &Scene, pooled: &Pooled, mut terms: Terms) -> Option<Vec<f64>> {
+fn step(scene: &Scene, pooled: &Pooled) -> Option<Vec<f64>> {
+    let mut terms = terms(scene);
     let products = pooled.sum(scene, |_| true);
     let known = scene.drive.parameters();
     let at_end: Vec<bool> = scene

@@ -47,6 +47,9 @@ pub(crate) struct Scene {
     pub(crate) longest_s: f64,
 }
 
+/// Least noise of a sensor in a recording over that in the noisiest of its recordings.
+const QUIET: f64 = 0.3;
+
 /// The longest sub-step that resolves a drive, s.
 pub(crate) fn longest(drive: &Drive) -> f64 {
     Setting::new(drive, Observer::NONE).longest_s
@@ -55,7 +58,7 @@ pub(crate) fn longest(drive: &Drive) -> f64 {
 impl Scene {
     pub(crate) fn of(model: &Model, estimation: &Evidence, validation: &Evidence) -> Self {
         let drive = &model.fitted.drive;
-        // A sensor is the same in every recording, however quiet one of them seems.
+        // A sensor that hardly moves in one recording seems quieter there than it is.
         let mut sensors = [0.0_f64; SENSORS];
         for evidence in [estimation, validation] {
             for (measured, noise) in evidence.recordings.iter().zip(&evidence.noise) {
@@ -66,17 +69,22 @@ impl Scene {
                 }
             }
         }
-        let sensors = sensors.map(|sd| if sd > 0.0 { sd } else { 1.0 });
         let recorded = |evidence: &Evidence, fits: &[crate::estimate::Fit], held_out: bool| {
-            let each = evidence.recordings.iter().zip(fits);
-            let one = |(measured, fit): (&Measured, &crate::estimate::Fit)| {
+            let each = evidence.recordings.iter().zip(&evidence.noise).zip(fits);
+            let one = |((measured, own), fit): ((&Measured, &Vec<f64>), &crate::estimate::Fit)| {
+                let mut noise = sensors.map(|sd| if sd > 0.0 { QUIET * sd } else { 1.0 });
+                let known = measured.outputs.iter().zip(own);
+                for (channel, sd) in known.filter(|(it, _)| (it.output as usize) < SENSORS) {
+                    let known = &mut noise[channel.output as usize];
+                    *known = known.max(*sd);
+                }
                 let measured = averaged(drive, measured).unwrap_or_else(|| measured.clone());
                 Recorded {
                     drive: with_own(drive, fit),
                     own: fit.own.iter().map(|it| it.name.clone()).collect(),
-                    direction: Arc::new(Direction::of(drive, &measured, &sensors)),
+                    direction: Arc::new(Direction::of(drive, &measured, &noise)),
                     measured: Arc::new(measured),
-                    noise: sensors,
+                    noise,
                     held_out,
                 }
             };
@@ -178,14 +186,16 @@ impl Scene {
         let resisting = each().flat_map(|(it, track)| {
             let motor = &it.drive.motor;
             let force = motor.input == Input::Force;
-            track.ticks.iter().map(move |tick| {
-                let i = if force { it.measured.u[tick.sample] } else { tick.filtered[0] };
+            // Where friction is whatever it takes, the balance says nothing of its size.
+            let told = track.ticks.iter().filter(|tick| it.direction.loose(tick.sample) == 0.0);
+            told.map(move |tick| {
+                let i = if force { it.measured.u[tick.sample] } else { tick.mean[0] };
                 motor.k_m * i - motor.j * tick.acceleration(it.measured.period_s)
             })
         });
         let dropped = each().flat_map(|(it, track)| {
             let r = it.drive.motor.r.unwrap_or(1.0);
-            track.ticks.iter().map(move |tick| r * tick.filtered[0])
+            track.ticks.iter().map(move |tick| r * tick.mean[0])
         });
         let shown = |sensor: usize| {
             let all = tracks.iter().flat_map(|track| &track.ticks);

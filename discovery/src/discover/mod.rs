@@ -22,6 +22,7 @@ mod gates;
 mod inverse;
 mod inverse_plant;
 mod judge;
+mod knocking;
 mod ladder;
 mod learned;
 mod left;

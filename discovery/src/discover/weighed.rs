@@ -19,6 +19,10 @@ use crate::likelihood::{CurveWeight, Ground, LawWeight, Scene, Weights, weigh};
 
 /// ln of the evidence at its null from which on a law is fitted.
 const PROMISING: f64 = 2.0;
+/// Share of the best law's evidence at its null from which another one is fitted.
+const CHANCE: f64 = 0.05;
+/// The same of laws of two masses, which take long.
+const MASSES: f64 = 0.4;
 /// Shapes from which a law without a derivative at its null is fitted.
 const BEGINS: usize = 2;
 /// Disturbances locked to the position that recordings may have besides.
@@ -140,10 +144,17 @@ impl Round<'_> {
     fn promising<'w>(&self, weights: &'w Weights) -> Vec<&'w LawWeight> {
         let told = |it: &&LawWeight| it.finite && !it.imitated && it.evidence > PROMISING;
         let mut promising: Vec<&LawWeight> = weights.laws.iter().filter(told).collect();
-        let best = promising.first().map(|it| self.all[it.candidate].info);
+        let candidate = |it: &LawWeight| &self.all[it.candidate];
+        let best = promising.first().copied();
+        let most = best.map_or(0.0, |best| best.evidence);
+        promising.retain(|it| it.evidence >= CHANCE * most);
         promising.truncate(decision::REFITTED);
-        let instead = |it: &&LawWeight| {
-            best.is_some_and(|best| best.excludes.contains(&self.all[it.candidate].info.id))
+        // Far from their nulls laws of two masses are told only by their fits, all of them.
+        let of_two = |it: &LawWeight| self.is_of_two_masses(candidate(it));
+        let two = promising.iter().any(|it| of_two(it) && it.evidence >= MASSES * most);
+        promising.retain(|it| two || !of_two(it));
+        let instead = |it: &LawWeight| {
+            best.is_some_and(|best| candidate(best).info.excludes.contains(&candidate(it).info.id))
         };
         let law = weights.laws.first().map_or(0.0, |it| it.evidence);
         let curve = weights
@@ -154,8 +165,9 @@ impl Round<'_> {
             let over = &self.all[it.candidate].fails_over;
             curve.is_some_and(|it| it.curve.variables().iter().any(|v| over.contains(v)))
         };
-        let beside =
-            |it: &&LawWeight| instead(it) || (!self.all[it.candidate].is_linear() && shown(it));
+        let beside = |it: &&LawWeight| {
+            if of_two(it) { two } else { instead(it) || (!candidate(it).is_linear() && shown(it)) }
+        };
         let beside: Vec<&LawWeight> = weights.laws.iter().filter(beside).collect();
         for one in beside {
             if promising.iter().all(|it| it.candidate != one.candidate) {
@@ -167,7 +179,7 @@ impl Round<'_> {
 
     /// Evidence of candidates at their best, fitted, most probable first.
     fn by_evidence(&self, ground: &Ground, promising: &[&LawWeight]) -> Vec<Judged> {
-        let judge = |weight: &&LawWeight| {
+        let filtered = |weight: &&LawWeight| {
             let it = &self.all[weight.candidate];
             let begins = weight.variants.iter().take(if it.is_linear() { 1 } else { BEGINS });
             let free = it.parameters().filter(|name| !it.frozen.contains(name));
@@ -207,7 +219,23 @@ impl Round<'_> {
             }
             Some((Judged::weighed(weight.candidate, it, model, &weighed), weighed))
         };
-        let mut judged: Vec<(Judged, Weighed)> = promising.par_iter().filter_map(judge).collect();
+        let foretold = |weight: &&LawWeight| {
+            let it = &self.all[weight.candidate];
+            let found = self.is_of_two_masses(it).then(|| self.foretold(ground, it))??;
+            let weighed = Weighed {
+                evidence: found.fitted,
+                repeats: found.all - found.fitted,
+                size: found.size,
+                probability: 0.0,
+                by_balance: false,
+            };
+            Some((Judged::weighed(weight.candidate, it, found.model, &weighed), weighed))
+        };
+        let best = |weight: &&LawWeight| {
+            let both = [filtered(weight), foretold(weight)].into_iter().flatten();
+            both.max_by(|a, b| a.1.evidence.total_cmp(&b.1.evidence))
+        };
+        let mut judged: Vec<(Judged, Weighed)> = promising.par_iter().filter_map(best).collect();
         judged.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
         // Counted from the greatest, whose exponential would overflow.
         let most = judged.first().map_or(0.0, |(_, best)| best.evidence.max(0.0));
@@ -237,7 +265,9 @@ impl Round<'_> {
             let near = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
             // The minimum of the free run may lie on the side of the base's own values.
             let beside = self.beside(one);
-            let ends = [&drive, &beside].into_par_iter().filter_map(|begin| fit(begin, near).ok());
+            let fitted = self.all[one.candidate].info.knocks;
+            let begins = if fitted { vec![&drive] } else { vec![&drive, &beside] };
+            let ends = begins.into_par_iter().filter_map(|begin| fit(begin, near).ok());
             let sum = |model: &Model| model.fitted.squares.sum;
             let Some(model) = ends.min_by(|a, b| sum(a).total_cmp(&sum(b))) else {
                 one.refused = Some("no fit with it ends".to_owned());

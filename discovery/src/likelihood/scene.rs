@@ -95,6 +95,14 @@ impl Scene {
         Self { drive: drive.clone(), names: model.names(), recordings, longest_s: longest(drive) }
     }
 
+    /// Whether it sees means of the samples of those recordings.
+    pub(crate) fn is_averaged(&self, estimation: &Evidence, validation: &Evidence) -> bool {
+        let samples =
+            |evidence: &Evidence| -> usize { evidence.recordings.iter().map(Measured::len).sum() };
+        let own: usize = self.recordings.iter().map(|it| it.measured.len()).sum();
+        own != samples(estimation) + samples(validation)
+    }
+
     /// The recordings it was fitted to alone.
     pub(crate) fn fitted(&self) -> Self {
         let recordings = self.recordings.iter().filter(|it| !it.held_out).cloned().collect();
@@ -156,8 +164,13 @@ impl Scene {
     }
 
     /// With the values that another scene has of its parameters.
-    pub(crate) fn with_values_of(mut self, other: &Self) -> Self {
-        for it in other.drive.parameters() {
+    pub(crate) fn with_values_of(self, other: &Self) -> Self {
+        self.with_drive(&other.drive)
+    }
+
+    /// With the values that a fitted drive has of its parameters.
+    pub(crate) fn with_drive(mut self, drive: &Drive) -> Self {
+        for it in drive.parameters() {
             if self.names.contains(&it.name) {
                 self.set(&it.name, it.value);
             }

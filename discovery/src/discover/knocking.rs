@@ -1,0 +1,83 @@
+//! The evidence of a law whose teeth knock, from what the free run foretells.
+//!
+//! A filter is linear about its state, and when teeth meet is not: a knock foretold a little too
+//! early leaves it in the wrong place. What the free run (or the observer that was frozen for this
+//! drive) foretells of a sample from those before is a probability too, with the exact moments of
+//! contact; it is that of the filter whose load is not random.
+
+use super::candidates::Candidate;
+use super::refit::{Model, refit};
+use super::round::Round;
+use super::screen::screen;
+use crate::balances::unexplained;
+use crate::case::Squares;
+use crate::estimate::Evidence;
+use crate::likelihood::Ground;
+
+/// A law fitted in free run, with ln of its evidence over that of the base.
+pub(super) struct Foretold {
+    pub(super) model: Model,
+    /// In the recordings of the fit.
+    pub(super) fitted: f64,
+    /// In these and those held out.
+    pub(super) all: f64,
+    /// What it does, of what the balance holds.
+    pub(super) size: f64,
+}
+
+impl Round<'_> {
+    /// Whether a law knocks, or is excluded by one that does: only its fit in free run can be
+    /// compared with that one's.
+    pub(super) fn is_of_two_masses(&self, it: &Candidate) -> bool {
+        let knocks = |other: &Candidate| other.info.knocks && excludes(other, it);
+        it.info.knocks || self.all.iter().any(knocks)
+    }
+
+    /// Nothing where no fit ends, or the filter sees means of the samples, which are not foretold.
+    pub(super) fn foretold(&self, ground: &Ground, it: &Candidate) -> Option<Foretold> {
+        if ground.scene.is_averaged(self.estimation, self.validation) {
+            return None;
+        }
+        let may = |other: &Candidate| other.id == it.id;
+        let screened = screen(&self.sight, self.all, &may, &|| self.watch.stopped()).plain;
+        let screened = screened.into_iter().next()?;
+        let (estimation, validation) = (self.estimation, self.validation);
+        let seen = |_| self.watch.stopped();
+        let model = refit(self.model, it, &screened, estimation, validation, &seen).ok()?;
+        let base = &self.model.fitted;
+        // No inverse is told of what has a mass behind teeth: of the torque that the base leaves
+        // unexplained it has as much as of the error.
+        let left = unexplained(&base.drive, estimation)[0].map_or(0.0, |it| it.rms);
+        let kept = model.fitted.squares.sum / base.squares.sum;
+        let size = left * (1.0 - kept).max(0.0).sqrt() / ground.references.torque;
+        let own = ln_probability(estimation, &model.fitted.squares);
+        let others = ln_probability(validation, &model.validation.squares);
+        // A filter knows less of each reversal than a free run: the base is the better of both. Its
+        // evidence holds the price of its parameters; Laplace's of a single one is this.
+        let parameters = model.fitted.parameters.len() as f64;
+        let price = 0.5 * parameters * (model.fitted.squares.values as f64).ln();
+        let before = ln_probability(estimation, &base.squares);
+        let both = before + ln_probability(validation, &self.model.validation.squares);
+        let fitted = own - price - before.max(ground.base.fitted);
+        let all = own + others - price - both.max(ground.base.all);
+        Some(Foretold { model, fitted, all, size })
+    }
+}
+
+fn excludes(one: &Candidate, other: &Candidate) -> bool {
+    one.info.excludes.contains(&other.info.id)
+}
+
+/// ln of the probability of what was measured where errors are normal and of the size that they have,
+/// without its constant.
+fn ln_probability(evidence: &Evidence, squares: &Squares) -> f64 {
+    let each = evidence.recordings.iter().zip(&evidence.noise);
+    let sizes: f64 = each
+        .flat_map(|(measured, noise)| measured.outputs.iter().zip(noise))
+        .map(|(channel, sd)| {
+            channel.values.iter().filter(|it| it.is_finite()).count() as f64 * sd.ln()
+        })
+        .sum();
+    let n = squares.values as f64;
+    -0.5 * n * (1.0 + (squares.sum / n).ln()) - sizes
+}

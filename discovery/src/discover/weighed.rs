@@ -33,9 +33,9 @@ const FALLS: f64 = 1e-3;
 /// The evidence of a fitted candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Weighed {
-    /// ln of it over that of the base.
+    /// ln of it over that of the base, of all recordings.
     evidence: f64,
-    /// The same of the recordings held out, given the others.
+    /// The part of those held out, given the others.
     repeats: f64,
     /// Root of the mean square of what it does, of what the balance holds.
     pub(crate) size: f64,
@@ -116,7 +116,9 @@ impl Round<'_> {
     fn is_disturbance(&self, one: &Judged) -> bool {
         let locked = self.all[one.candidate].coefficients == ["a", "b"];
         locked
-            && one.weighed.is_some_and(|it| it.evidence > decision::EVIDENCE && it.repeats <= 0.0)
+            && one.weighed.is_some_and(|it| {
+                it.evidence - it.repeats > decision::EVIDENCE && it.repeats <= 0.0
+            })
     }
 
     fn weights(&self, ground: &Ground) -> Option<Weights> {
@@ -203,11 +205,10 @@ impl Round<'_> {
             if it.is_linear() && it.coefficients.iter().zip(&it.ranges).all(at_end) {
                 return None;
             }
-            let evidence = own.fitted - ground.base.fitted;
-            let all = own.all - ground.base.all;
+            let evidence = own.all - ground.base.all;
             let weighed = Weighed {
                 evidence,
-                repeats: all - evidence,
+                repeats: evidence - (own.fitted - ground.base.fitted),
                 size: own.size,
                 probability: 0.0,
                 by_balance: false,
@@ -223,7 +224,7 @@ impl Round<'_> {
             let it = &self.all[weight.candidate];
             let found = self.is_of_two_masses(it).then(|| self.foretold(ground, it))??;
             let weighed = Weighed {
-                evidence: found.fitted,
+                evidence: found.all,
                 repeats: found.all - found.fitted,
                 size: found.size,
                 probability: 0.0,
@@ -331,7 +332,7 @@ impl Round<'_> {
     fn unconvincing(&self, one: &Judged, curve: Option<&CurveWeight>) -> Option<String> {
         let it = one.weighed?;
         let (evidence, size) = self.asked(self.is_further(one));
-        let share = curve.map_or(1.0, |curve| it.evidence / curve.evidence.max(f64::MIN_POSITIVE));
+        let share = curve.map_or(1.0, |curve| it.evidence / curve.of_all().max(f64::MIN_POSITIVE));
         if it.evidence + decision::LAW_ODDS.ln() <= evidence {
             Some(format!("its evidence is {:.1} only, and {evidence} is asked for", it.evidence))
         } else if it.repeats <= 0.0 {
@@ -359,7 +360,7 @@ impl Round<'_> {
     /// Whether a curve shows that something is missing.
     fn stands(&self, curve: &CurveWeight) -> bool {
         let (evidence, size) = self.asked(!self.named.is_empty());
-        curve.evidence + decision::CURVE_ODDS.ln() > evidence
+        curve.of_all() + decision::CURVE_ODDS.ln() > evidence
             && curve.repeats > 0.0
             && curve.size >= size
     }

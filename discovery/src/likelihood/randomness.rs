@@ -53,6 +53,12 @@ impl Randomness {
         Self { load_sd: load * self.load_sd, ..*self }
     }
 
+    /// With a load that forgets what it was after another time, s, and does the same within a few
+    /// samples.
+    pub(crate) fn with_time(&self, load_s: f64) -> Self {
+        Self { load_s, load_sd: self.load_sd * (load_s / self.load_s).sqrt(), ..*self }
+    }
+
     /// A first guess, from what drives.
     fn guess(scene: &Scene) -> Self {
         let u = rms(scene.recordings.iter().flat_map(|it| it.measured.u.iter().copied()));
@@ -119,8 +125,9 @@ impl Randomness {
                     match number {
                         0 => tried.load_sd *= factor,
                         1 => {
-                            tried.load_s =
-                                (factor * tried.load_s).clamp(SHORTEST * period, longest_s);
+                            // What the load does within a few samples is told best: it stays.
+                            let load_s = (factor * tried.load_s).clamp(SHORTEST * period, longest_s);
+                            tried = tried.with_time(load_s);
                         }
                         2 => tried.voltage_sd *= factor,
                         sensor => tried.sensors[sensor - 3] *= factor,

@@ -56,11 +56,19 @@ pub(crate) struct CurveWeight {
     pub(crate) size: f64,
 }
 
+impl CurveWeight {
+    /// ln of its evidence in all recordings.
+    pub(crate) fn of_all(&self) -> f64 {
+        self.evidence + self.repeats
+    }
+}
+
 /// The weights of everything.
 #[derive(Debug, Clone)]
 pub(crate) struct Weights {
-    /// ln of the evidence of the base.
+    /// ln of the evidence of the base, in the recordings of the fit and in all.
     base: f64,
+    base_of_all: f64,
     /// Most probable first.
     pub(crate) laws: Vec<LawWeight>,
     /// Most probable first.
@@ -152,9 +160,11 @@ struct Made {
     curves: Vec<Vec<Series>>,
 }
 
-/// Sizes of the random load, over that of the base, at which laws and curves are weighed besides: it
-/// may have taken what they explain.
-const SMALLER: [f64; 1] = [0.2];
+/// Size of the random load, and the time after which it forgets what it was, over those of the base,
+/// with which laws and curves are weighed besides: it may have taken what they explain, and it takes
+/// what stays the same by a long memory.
+const SMALLER: f64 = 0.2;
+const SHORTER: f64 = 0.2;
 
 /// Weighs the candidates and the curves beside the scene's drive.
 ///
@@ -170,10 +180,11 @@ pub(crate) fn weigh(
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Option<Weights> {
     let along = scene.tracks(randomness)?;
-    let at = |load: &f64| scene.retraced(&along, &randomness.scaled(*load));
+    let others = [randomness.scaled(SMALLER), randomness.with_time(SHORTER * randomness.load_s)];
+    let at = |other: &Randomness| scene.retraced(&along, other);
+    let others: Vec<Vec<Track>> = others.iter().filter_map(at).collect();
     let mut filters = vec![along.as_slice()];
-    let smaller: Vec<Vec<Track>> = SMALLER.iter().filter_map(at).collect();
-    filters.extend(smaller.iter().map(Vec::as_slice));
+    filters.extend(others.iter().map(Vec::as_slice));
     let each =
         weigh_along((scene, &filters, references), candidates, (scales, &tolerated), stopped);
     each.into_iter().reduce(Weights::best_of)
@@ -301,10 +312,13 @@ fn weigh_along(
             background: background.clone(),
             parameters: parameters(scene),
         };
-        let fitted = scene.recordings.iter().zip(*tracks).filter(|(it, _)| !it.held_out);
+        let each = || scene.recordings.iter().zip(*tracks);
+        let fitted = each().filter(|(it, _)| !it.held_out);
         let likelihood: f64 = fitted.map(|(_, track)| track.log_likelihood).sum();
+        let all: f64 = each().map(|(_, track)| track.log_likelihood).sum();
         Weights {
             base: likelihood + log_evidence(&weighing.fitted, &weighing.background),
+            base_of_all: all + log_evidence(&weighing.all, &weighing.background),
             laws: weighing.laws(candidates, &seats),
             curves: weighing.curves(curves.clone()),
         }
@@ -316,7 +330,10 @@ impl Weights {
     /// Each law and curve where it explains more, over the base where that does.
     fn best_of(self, other: Self) -> Self {
         let base = self.base.max(other.base);
+        let base_of_all = self.base_of_all.max(other.base_of_all);
         let (mine, others) = (self.base - base, other.base - base);
+        let [my_rest, their_rest] = [(&self, mine), (&other, others)]
+            .map(|(it, fitted)| it.base_of_all - base_of_all - fitted);
         let mut laws = self.laws;
         for law in &mut laws {
             law.evidence += mine;
@@ -328,11 +345,16 @@ impl Weights {
         }
         laws.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         let mut curves = self.curves;
-        curves.iter_mut().for_each(|it| it.evidence += mine);
-        let theirs = other.curves.into_iter();
-        curves.extend(theirs.map(|it| CurveWeight { evidence: it.evidence + others, ..it }));
-        curves.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-        Self { base, laws, curves }
+        for it in &mut curves {
+            (it.evidence, it.repeats) = (it.evidence + mine, it.repeats + my_rest);
+        }
+        curves.extend(other.curves.into_iter().map(|it| CurveWeight {
+            evidence: it.evidence + others,
+            repeats: it.repeats + their_rest,
+            ..it
+        }));
+        curves.sort_by(|a, b| b.of_all().total_cmp(&a.of_all()));
+        Self { base, base_of_all, laws, curves }
     }
 }
 
@@ -432,7 +454,7 @@ impl Weighing<'_> {
                 CurveWeight { curve, evidence, repeats: all - bases[1] - evidence, size }
             })
             .collect();
-        found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        found.sort_by(|a, b| b.of_all().total_cmp(&a.of_all()));
         found
     }
 }

@@ -270,6 +270,9 @@ fn curve(plan: Plan, maker: &Maker<'_>, evidence: &Evidence<'_>) -> Curve {
 /// The inverse of the directions that are told: the smallest solution.
 fn pseudo_inverse(information: DMatrix<f64>) -> DMatrix<f64> {
     let size = information.nrows();
+    if size == 0 {
+        return information;
+    }
     let eigen = SymmetricEigen::new(information);
     let largest = eigen.eigenvalues.max();
     let mut inverse = DMatrix::zeros(size, size);

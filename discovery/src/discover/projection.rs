@@ -190,6 +190,9 @@ pub(crate) fn wald(
 /// Directions of the information that stand out of the base.
 fn rank(information: &DMatrix<f64>, whole: &[f64]) -> usize {
     let n = information.nrows();
+    if n == 0 {
+        return 0;
+    }
     let scale = |k: usize| if whole[k] > 0.0 { 1.0 / whole[k].sqrt() } else { 0.0 };
     let scaled = DMatrix::from_fn(n, n, |j, k| information[(j, k)] * scale(j) * scale(k));
     scaled.symmetric_eigenvalues().iter().filter(|value| **value > STANDS_OUT).count()
@@ -199,6 +202,9 @@ fn rank(information: &DMatrix<f64>, whole: &[f64]) -> usize {
 /// are rounding.
 pub(crate) fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let n = matrix.nrows();
+    if n == 0 {
+        return matrix.clone();
+    }
     let scale = DVector::from_fn(n, |k, _| {
         let d = matrix[(k, k)];
         if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 }

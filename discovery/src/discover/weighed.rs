@@ -62,25 +62,20 @@ impl Round<'_> {
     /// Weighs, refits and decides.
     pub(crate) fn weighed(&self) -> Outcome {
         self.watch.step(&Step::Doing("filtering the recordings"));
-        let t0 = std::time::Instant::now();
         let scene = Scene::of(self.model, self.estimation, self.validation);
         let Some(mut ground) = Ground::of(scene) else { return Outcome::default() };
-        eprintln!("T ground {:?}", t0.elapsed());
         let mut disturbances = Vec::new();
         let (weights, mut judged) = loop {
             self.watch.step(&Step::Doing("weighing the library"));
             let Some(weights) = self.weights(&ground) else { return Outcome::default() };
-            eprintln!("T weigh {:?}", t0.elapsed());
             self.watch.step(&Step::Doing("fitting the best candidates"));
             let mut judged = self.by_evidence(&ground, &self.promising(&weights));
-            eprintln!("T fitted {:?}", t0.elapsed());
             let curve = weights.curves.iter().find(|curve| curve.repeats > 0.0);
             for one in &mut judged {
                 one.refused = self.unconvincing(one, curve);
             }
             self.simplest_of_equal(&mut judged);
             self.fit_first(&ground, &mut judged);
-            eprintln!("T first {:?}", t0.elapsed());
             let nothing = judged.iter().all(|one| one.refused.is_some());
             let disturbs = judged.first().is_some_and(|best| self.is_disturbance(best));
             let enough = disturbances.len() == DISTURBANCES || self.watch.stopped();
@@ -332,7 +327,9 @@ impl Round<'_> {
     fn unconvincing(&self, one: &Judged, curve: Option<&CurveWeight>) -> Option<String> {
         let it = one.weighed?;
         let (evidence, size) = self.asked(self.is_further(one));
-        let share = curve.map_or(1.0, |curve| it.evidence / curve.of_all().max(f64::MIN_POSITIVE));
+        let share = curve.map_or(1.0, |curve| {
+            (it.evidence - it.repeats) / curve.evidence.max(f64::MIN_POSITIVE)
+        });
         if it.evidence + decision::LAW_ODDS.ln() <= evidence {
             Some(format!("its evidence is {:.1} only, and {evidence} is asked for", it.evidence))
         } else if it.repeats <= 0.0 {
@@ -360,7 +357,7 @@ impl Round<'_> {
     /// Whether a curve shows that something is missing.
     fn stands(&self, curve: &CurveWeight) -> bool {
         let (evidence, size) = self.asked(!self.named.is_empty());
-        curve.of_all() + decision::CURVE_ODDS.ln() > evidence
+        curve.evidence + decision::CURVE_ODDS.ln() > evidence
             && curve.repeats > 0.0
             && curve.size >= size
     }

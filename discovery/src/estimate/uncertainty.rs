@@ -87,6 +87,9 @@ pub(super) fn covariance(
 
 /// L (I - S)^(-1/2) L^-1 C_b r_b with S = L^-1 H_b L^-T, L L^T = H.
 fn corrected(block: &BlockScore, lower: &DMatrix<f64>) -> Option<DVector<f64>> {
+    if lower.is_empty() {
+        return None;
+    }
     let half = lower.solve_lower_triangular(&block.hessian)?;
     let mut share = lower.solve_lower_triangular(&half.transpose())?;
     share = (&share + share.transpose()) * 0.5;

@@ -11,9 +11,9 @@ use super::scene::Scene;
 
 /// Sizes of the random load, over that of the base, with which a structure is judged at its best:
 /// the load may have taken what a law explains.
-const LOADS: [f64; 5] = [2.0, 1.0, 0.5, 0.2, 0.05];
+const LOADS: [f64; 7] = [20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.05];
 /// Which of them is the base's.
-const OWN: usize = 1;
+const OWN: usize = 3;
 /// Rounds of a search for the randomness and one for the parameters: each moves the other.
 const ROUNDS: usize = 5;
 
@@ -106,23 +106,30 @@ fn at_its_best(
         let tracks = scene.retraced(&along, &randomness.scaled(*load))?;
         optimum(scene, law.zip(taken_out.as_deref()), (&tracks, &known), references)
     };
-    // From the base's own size on to the side where it is more probable.
-    let (mut best, mut all) = (with(&LOADS[OWN])?, f64::NEG_INFINITY);
-    let smaller: &mut dyn Iterator<Item = &f64> = &mut LOADS[OWN + 1..].iter();
-    let larger: &mut dyn Iterator<Item = &f64> = &mut LOADS[..OWN].iter().rev();
+    let mut tried: [Option<Option<Optimum>>; LOADS.len()] = [None; LOADS.len()];
+    let mut at = |place: usize| *tried[place].get_or_insert_with(|| with(&LOADS[place]));
+    let fitted = climbed(&mut at, |it| it.fitted)?;
+    let all = climbed(&mut at, |it| it.all)?.all;
+    Some(Optimum { all, ..fitted })
+}
+
+/// From the base's own load on to the side where a structure is more probable, to the best.
+fn climbed(
+    at: &mut impl FnMut(usize) -> Option<Optimum>,
+    of: impl Fn(&Optimum) -> f64,
+) -> Option<Optimum> {
+    let own = at(OWN)?;
+    let mut best = own;
+    let smaller: &mut dyn Iterator<Item = usize> = &mut (OWN + 1..LOADS.len());
+    let larger: &mut dyn Iterator<Item = usize> = &mut (0..OWN).rev();
     for side in [smaller, larger] {
-        let own = best.fitted;
-        for load in side {
-            let Some(now) = with(load) else { break };
-            all = all.max(now.all);
-            if now.fitted <= best.fitted {
-                break;
-            }
+        for place in side {
+            let Some(now) = at(place).filter(|now| of(now) > of(&best)) else { break };
             best = now;
         }
-        if best.fitted > own {
+        if of(&best) > of(&own) {
             break;
         }
     }
-    Some(Optimum { all: all.max(best.all), ..best })
+    Some(best)
 }

@@ -126,7 +126,8 @@ impl Randomness {
                         0 => tried.load_sd *= factor,
                         1 => {
                             // What the load does within a few samples is told best: it stays.
-                            let load_s = (factor * tried.load_s).clamp(SHORTEST * period, longest_s);
+                            let load_s =
+                                (factor * tried.load_s).clamp(SHORTEST * period, longest_s);
                             tried = tried.with_time(load_s);
                         }
                         2 => tried.voltage_sd *= factor,

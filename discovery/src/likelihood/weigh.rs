@@ -56,13 +56,6 @@ pub(crate) struct CurveWeight {
     pub(crate) size: f64,
 }
 
-impl CurveWeight {
-    /// ln of its evidence in all recordings.
-    pub(crate) fn of_all(&self) -> f64 {
-        self.evidence + self.repeats
-    }
-}
-
 /// The weights of everything.
 #[derive(Debug, Clone)]
 pub(crate) struct Weights {
@@ -353,7 +346,7 @@ impl Weights {
             repeats: it.repeats + their_rest,
             ..it
         }));
-        curves.sort_by(|a, b| b.of_all().total_cmp(&a.of_all()));
+        curves.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         Self { base, base_of_all, laws, curves }
     }
 }
@@ -454,7 +447,7 @@ impl Weighing<'_> {
                 CurveWeight { curve, evidence, repeats: all - bases[1] - evidence, size }
             })
             .collect();
-        found.sort_by(|a, b| b.of_all().total_cmp(&a.of_all()));
+        found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         found
     }
 }

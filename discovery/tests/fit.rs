@@ -172,6 +172,35 @@ fn a_far_start_is_left_and_an_overflow_said() {
     assert!(error.to_string().contains("overflows from each of 3 starts"), "{error}");
 }
 
+/// Where something is missing two starts end beside each other, not in one point: the same of them
+/// must be the answer, whatever values the drive file had.
+#[test]
+fn what_the_drive_file_said_does_not_show_in_the_fit() {
+    let mut recording = noisy(bench(&truth(), 8.0, 0.001), SD, 5);
+    recording.signals.retain(|signal| signal.name == "i" || signal.name == "omega");
+    recording.signals.iter_mut().filter(|it| it.name == "i").for_each(|it| it.name = "u".into());
+    // Friction depends on the speed in another way than this drive says, which knows no Stribeck.
+    let ended = |j: f64, b_m: f64, t_c: f64| {
+        let text = format!(
+            "schema = 1\nname = \"first\"\nmotion = \"rotary\"\n[motor]\ninput = \"force\"\n\
+             K_m = 1.0\nJ = {j}\nB_m = {b_m}\n[[effect]]\nkind = \"coulomb\"\nT_c = {t_c}\n\
+             [fit]\nfixed = [\"K_m\"]\n"
+        );
+        let drive = Drive::parse(&text, "first.toml").expect("a right drive file");
+        let evidence = evidence(&drive, std::slice::from_ref(&recording), &["u", "omega"]);
+        let setting = Setting::of_fit(&drive, &evidence);
+        let options = Options { starts: 2, balanced: false, ..Options::default() };
+        let fitted = fit(&drive, &evidence, &setting, &options).expect("it converges");
+        assert!(fitted.squares.error() > 1.2, "{}", fitted.squares.error());
+        let values: Vec<f64> = fitted.parameters.iter().map(|it| it.value).collect();
+        values
+    };
+    let ends = [ended(1e-3, 1e-3, 0.2), ended(3e-3, 3e-4, 0.5), ended(4e-4, 2e-3, 0.1)];
+    for (one, other) in ends[1..].iter().flat_map(|end| end.iter().zip(&ends[0])) {
+        assert!((one / other - 1.0).abs() < 1e-9, "{one:e} and {other:e}");
+    }
+}
+
 #[test]
 fn a_constant_input_tells_little_and_that_is_said() {
     let truth = truth();

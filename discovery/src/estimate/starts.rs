@@ -22,6 +22,9 @@ const AT_THE_FLOOR: f64 = 1.05;
 const LOOKED_AT: usize = 8;
 /// Sums of squares that differ by less, relative, are of one minimum.
 const ALIKE: f64 = 1e-4;
+/// Relative gain below which the earlier of two ends stays: that of the balances does not depend on
+/// the drive's own values, and what is built on it should not either.
+const SAME: f64 = 1e-6;
 /// Further starts lie within this factor of the best values.
 const AROUND: f64 = 3.0;
 
@@ -65,7 +68,7 @@ pub(super) fn search(
         };
         let found = from(&start);
         confirmed = (found.at.sse / best.at.sse - 1.0).abs() < ALIKE;
-        if found.at.sse < best.at.sse || !best.at.sse.is_finite() {
+        if found.at.sse < (1.0 - SAME) * best.at.sse || !best.at.sse.is_finite() {
             best = found;
         }
         tried += 1;

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A repair sets values to missing that no sensor of a moving machine shows ([`repaired`]); a check
-//! only looks ([`findings`]). One file a check, and its line in [`REPAIRS`] or [`CHECKS`]. Doubts
+//! only looks ([`findings`]). One file a check, and its line in `REPAIRS` or `CHECKS`. Doubts
 //! that a file alone raises (units that contradict each other, holes, limits) are those of the
 //! reader; here the drive and what drives it are known.
 

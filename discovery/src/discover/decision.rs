@@ -1,7 +1,8 @@
 //! The rule by which an effect is named: every number of it, and why.
 //!
 //! Evidence is the logarithm of how much more probable the recordings are with a law than without,
-//! its coefficients and shapes averaged over what they may be ([`crate::likelihood`]).
+//! its coefficients and shapes averaged over what they may be ([`crate::likelihood`]): all recordings
+//! together, and those held out, given the others, must speak for the law too.
 
 /// How often a law of the library is missing, and something that no library has, before anything
 /// is known, over how often nothing is: there are some 25 laws, of which about one in two drives
@@ -18,8 +19,9 @@ pub(crate) const FURTHER_EVIDENCE: f64 = 10.0;
 pub(crate) const SIZE: f64 = 0.02;
 /// The same of a further name.
 pub(crate) const FURTHER_SIZE: f64 = 0.04;
-/// Least share of the evidence of the best free curve that a law must have: a law with less only
-/// resembles what is missing. A curve follows what any formula leaves of a real machine too.
+/// Least share of the evidence of the best free curve, in the recordings of the fit, that a law must
+/// have: a law with less only resembles what is missing. A curve follows what any formula leaves of
+/// a real machine too.
 pub(crate) const SHARE: f64 = 0.5;
 /// Laws whose evidence is that close are not told apart: 150 to 1.
 pub(crate) const CONFUSED: f64 = 5.0;

@@ -186,11 +186,13 @@ impl Measured {
 
     /// Measured values within the pieces, all outputs together.
     pub fn values(&self) -> usize {
-        let of = |channel: &Channel| {
-            let pieces = self.pieces.iter().map(|piece| &channel.values[piece.clone()]);
-            pieces.flatten().filter(|value| value.is_finite()).count()
-        };
-        self.outputs.iter().map(of).sum()
+        self.outputs.iter().map(|channel| self.values_of(channel)).sum()
+    }
+
+    /// Those of one of its channels.
+    pub(crate) fn values_of(&self, channel: &Channel) -> usize {
+        let pieces = self.pieces.iter().map(|piece| &channel.values[piece.clone()]);
+        pieces.flatten().filter(|value| value.is_finite()).count()
     }
 
     /// The samples of a range as a recording of their own.

@@ -13,6 +13,7 @@ use crate::balances::unexplained;
 use crate::case::Squares;
 use crate::estimate::Evidence;
 use crate::likelihood::Ground;
+use crate::measured::Measured;
 
 /// A law fitted in free run, with ln of its evidence over that of the base.
 pub(super) struct Foretold {
@@ -72,12 +73,11 @@ fn excludes(one: &Candidate, other: &Candidate) -> bool {
 /// without its constant.
 fn ln_probability(evidence: &Evidence, squares: &Squares) -> f64 {
     let each = evidence.recordings.iter().zip(&evidence.noise);
-    let sizes: f64 = each
-        .flat_map(|(measured, noise)| measured.outputs.iter().zip(noise))
-        .map(|(channel, sd)| {
-            channel.values.iter().filter(|it| it.is_finite()).count() as f64 * sd.ln()
-        })
-        .sum();
+    let of = |(measured, noise): (&Measured, &Vec<f64>)| -> f64 {
+        let known = measured.outputs.iter().zip(noise);
+        known.map(|(channel, sd)| measured.values_of(channel) as f64 * sd.ln()).sum()
+    };
+    let sizes: f64 = each.map(of).sum();
     let n = squares.values as f64;
     -0.5 * n * (1.0 + (squares.sum / n).ln()) - sizes
 }

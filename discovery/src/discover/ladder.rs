@@ -265,23 +265,10 @@ fn begin(
     let options = Options { starts: STARTS, balanced: false, ..Options::default() };
     let seen = |error| seen_by(watch, error);
     let model = Model::fit(drive, estimation, validation, setting, &options, &seen)?;
+    let drive = &model.fitted.drive;
     let mut found = Discovery {
-        base: model.fitted.drive.clone(),
-        drive: model.fitted.drive.clone(),
-        parameters: Vec::new(),
-        ladder: Vec::new(),
-        verdict: Verdict::None,
-        named: Vec::new(),
-        remaining: Verdict::None,
-        ranking: Vec::new(),
-        fails: Vec::new(),
-        not_judged: Vec::new(),
-        learned: None,
-        next_experiment: None,
-        second_opinion: None,
-        signals: Vec::new(),
         doubts: other_machine::doubt(&model, validation).into_iter().collect(),
-        observer: setting.observer,
+        ..Discovery::of(drive, Verdict::None, setting.observer)
     };
     found.climb(None, &model, (estimation, validation), watch);
     Ok((model, found))

@@ -161,6 +161,30 @@ pub struct Discovery {
 }
 
 impl Discovery {
+    /// That drive as it is, with nothing found yet.
+    pub(super) fn of(drive: &Drive, verdict: Verdict, observer: Observer) -> Self {
+        Self {
+            base: drive.clone(),
+            drive: drive.clone(),
+            parameters: Vec::new(),
+            ladder: Vec::new(),
+            verdict,
+            named: Vec::new(),
+            remaining: verdict,
+            ranking: Vec::new(),
+            fails: Vec::new(),
+            not_judged: Vec::new(),
+            learned: None,
+            next_experiment: None,
+            second_opinion: None,
+            signals: Vec::new(),
+            doubts: Vec::new(),
+            observer,
+        }
+    }
+}
+
+impl Discovery {
     /// What a person should know that these recordings could not show, those with the same reason
     /// together: names and reason.
     pub fn not_shown(&self) -> Vec<(Vec<&str>, &str)> {

@@ -37,24 +37,8 @@ pub(super) fn discovery(
     estimation: &Evidence,
     signals: Vec<SignalFinding>,
 ) -> Discovery {
-    Discovery {
-        base: drive.clone(),
-        drive: drive.clone(),
-        parameters: Vec::new(),
-        ladder: Vec::new(),
-        verdict: Verdict::NotJudged,
-        named: Vec::new(),
-        remaining: Verdict::NotJudged,
-        ranking: Vec::new(),
-        fails: Vec::new(),
-        not_judged: Vec::new(),
-        learned: None,
-        next_experiment: None,
-        second_opinion: None,
-        signals,
-        doubts: Vec::new(),
-        observer: Observer::choose(drive, &estimation.recordings, &estimation.noise),
-    }
+    let observer = Observer::choose(drive, &estimation.recordings, &estimation.noise);
+    Discovery { signals, ..Discovery::of(drive, Verdict::NotJudged, observer) }
 }
 
 #[cfg(test)]

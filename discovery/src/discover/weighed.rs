@@ -45,6 +45,13 @@ pub(crate) struct Weighed {
     pub(crate) by_balance: bool,
 }
 
+impl Weighed {
+    /// From ln of the evidence in the recordings of the fit and in all, not yet among others.
+    fn of(fitted: f64, all: f64, size: f64) -> Self {
+        Self { evidence: all, repeats: all - fitted, size, probability: 0.0, by_balance: false }
+    }
+}
+
 /// What the formula of a named law may leave: a part of its size over its own variables.
 #[derive(Debug, Clone)]
 pub(crate) struct Formula {
@@ -200,14 +207,8 @@ impl Round<'_> {
             if it.is_linear() && it.coefficients.iter().zip(&it.ranges).all(at_end) {
                 return None;
             }
-            let evidence = own.all - ground.base.all;
-            let weighed = Weighed {
-                evidence,
-                repeats: evidence - (own.fitted - ground.base.fitted),
-                size: own.size,
-                probability: 0.0,
-                by_balance: false,
-            };
+            let [fitted, all] = [own.fitted - ground.base.fitted, own.all - ground.base.all];
+            let weighed = Weighed::of(fitted, all, own.size);
             let mut model = self.model.clone();
             model.fitted.drive = scene.drive;
             for name in &it.frozen {
@@ -218,13 +219,7 @@ impl Round<'_> {
         let foretold = |weight: &&LawWeight| {
             let it = &self.all[weight.candidate];
             let found = self.is_of_two_masses(it).then(|| self.foretold(ground, it))??;
-            let weighed = Weighed {
-                evidence: found.all,
-                repeats: found.all - found.fitted,
-                size: found.size,
-                probability: 0.0,
-                by_balance: false,
-            };
+            let weighed = Weighed::of(found.fitted, found.all, found.size);
             Some((Judged::weighed(weight.candidate, it, found.model, &weighed), weighed))
         };
         let best = |weight: &&LawWeight| {

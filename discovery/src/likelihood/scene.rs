@@ -164,13 +164,8 @@ impl Scene {
     }
 
     /// With the values that another scene has of its parameters.
-    pub(crate) fn with_values_of(self, other: &Self) -> Self {
-        self.with_drive(&other.drive)
-    }
-
-    /// With the values that a fitted drive has of its parameters.
-    pub(crate) fn with_drive(mut self, drive: &Drive) -> Self {
-        for it in drive.parameters() {
+    pub(crate) fn with_values_of(mut self, other: &Self) -> Self {
+        for it in other.drive.parameters() {
             if self.names.contains(&it.name) {
                 self.set(&it.name, it.value);
             }

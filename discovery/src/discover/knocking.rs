@@ -6,11 +6,12 @@
 //! contact; it is that of the filter whose load is not random.
 
 use super::candidates::Candidate;
+use super::columns::Columns;
 use super::refit::{Model, refit};
 use super::round::Round;
 use super::screen::screen;
+use super::whiten::Whitener;
 use crate::balances::unexplained;
-use crate::case::Squares;
 use crate::estimate::Evidence;
 use crate::likelihood::Ground;
 use crate::measured::Measured;
@@ -51,17 +52,32 @@ impl Round<'_> {
         let left = unexplained(&base.drive, estimation)[0].map_or(0.0, |it| it.rms);
         let kept = model.fitted.squares.sum / base.squares.sum;
         let size = left * (1.0 - kept).max(0.0).sqrt() / ground.references.torque;
-        let own = ln_probability(estimation, &model.fitted.squares);
-        let others = ln_probability(validation, &model.validation.squares);
+        let [own, others] = self.ln_probabilities(&model);
         // A filter knows less of each reversal than a free run: the base is the better of both. Its
         // evidence holds the price of its parameters; Laplace's of a single one is this.
         let parameters = model.fitted.parameters.len() as f64;
         let price = 0.5 * parameters * (model.fitted.squares.values as f64).ln();
-        let before = ln_probability(estimation, &base.squares);
-        let both = before + ln_probability(validation, &self.model.validation.squares);
+        let [before, rest] = self.ln_probabilities(self.model);
+        let both = before + rest;
         let fitted = own - price - before.max(ground.base.fitted);
         let all = own + others - price - both.max(ground.base.all);
         Some(Foretold { model, fitted, all, size })
+    }
+}
+
+impl Round<'_> {
+    /// ln of the probability of the estimation data in free run, without its constant, and of those
+    /// that judge: of what the past of the errors does not foretell of them, for a random load
+    /// stays in them.
+    fn ln_probabilities(&self, model: &Model) -> [f64; 2] {
+        let own = Columns::residuals(&model.at(self.estimation));
+        let whitener = Whitener::of(&own.places, &own.residual);
+        let judging = model.validation_sight(self.validation);
+        let others = judging.columns();
+        [
+            whitener.ln_probability(&own.places, &own.residual) - ln_noise(self.estimation),
+            whitener.ln_probability(&others.places, &others.residual) - ln_noise(self.validation),
+        ]
     }
 }
 
@@ -69,15 +85,12 @@ fn excludes(one: &Candidate, other: &Candidate) -> bool {
     one.info.excludes.contains(&other.info.id)
 }
 
-/// ln of the probability of what was measured where errors are normal and of the size that they have,
-/// without its constant.
-fn ln_probability(evidence: &Evidence, squares: &Squares) -> f64 {
+/// ln of the sizes of the noise of all that was measured, summed.
+fn ln_noise(evidence: &Evidence) -> f64 {
     let each = evidence.recordings.iter().zip(&evidence.noise);
     let of = |(measured, noise): (&Measured, &Vec<f64>)| -> f64 {
         let known = measured.outputs.iter().zip(noise);
         known.map(|(channel, sd)| measured.values_of(channel) as f64 * sd.ln()).sum()
     };
-    let sizes: f64 = each.map(of).sum();
-    let n = squares.values as f64;
-    -0.5 * n * (1.0 + (squares.sum / n).ln()) - sizes
+    each.map(of).sum()
 }

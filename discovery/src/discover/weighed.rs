@@ -21,7 +21,7 @@ use crate::likelihood::{CurveWeight, Ground, LawWeight, Scene, Weights, weigh};
 const PROMISING: f64 = 2.0;
 /// Share of the best law's evidence at its null from which another one is fitted.
 const CHANCE: f64 = 0.05;
-/// The same of laws of two masses, which take long.
+/// Share of what the best fitted law explains that one of two masses must promise at its null.
 const MASSES: f64 = 0.4;
 /// Shapes from which a law without a derivative at its null is fitted.
 const BEGINS: usize = 2;
@@ -76,7 +76,7 @@ impl Round<'_> {
             self.watch.step(&Step::Doing("weighing the library"));
             let Some(weights) = self.weights(&ground) else { return Outcome::default() };
             self.watch.step(&Step::Doing("fitting the best candidates"));
-            let mut judged = self.by_evidence(&ground, &self.promising(&weights));
+            let mut judged = self.by_evidence(&ground, &weights);
             let curve = weights.curves.iter().find(|curve| curve.repeats > 0.0);
             for one in &mut judged {
                 one.refused = self.unconvincing(one, curve);
@@ -142,21 +142,17 @@ impl Round<'_> {
         )
     }
 
-    /// The promising ones, fitted: the most probable; what excludes the best of them, for only fits
+    /// Laws that are worth a fit: the most probable; what excludes the best of them, for only fits
     /// tell which it is; and laws without a derivative at their null where a curve shows something
-    /// over their variables.
+    /// over their variables. Those of two masses come by themselves ([`Round::of_two`]).
     fn promising<'w>(&self, weights: &'w Weights) -> Vec<&'w LawWeight> {
-        let told = |it: &&LawWeight| it.finite && !it.imitated && it.evidence > PROMISING;
-        let mut promising: Vec<&LawWeight> = weights.laws.iter().filter(told).collect();
         let candidate = |it: &LawWeight| &self.all[it.candidate];
+        let of_one = || weights.laws.iter().filter(|it| !self.is_of_two_masses(candidate(it)));
+        let mut promising: Vec<&LawWeight> = of_one().filter(|it| told(it)).collect();
         let best = promising.first().copied();
         let most = best.map_or(0.0, |best| best.evidence);
         promising.retain(|it| it.evidence >= CHANCE * most);
         promising.truncate(decision::REFITTED);
-        // Far from their nulls laws of two masses are told only by their fits, all of them.
-        let of_two = |it: &LawWeight| self.is_of_two_masses(candidate(it));
-        let two = promising.iter().any(|it| of_two(it) && it.evidence >= MASSES * most);
-        promising.retain(|it| two || !of_two(it));
         let instead = |it: &LawWeight| {
             best.is_some_and(|best| candidate(best).info.excludes.contains(&candidate(it).info.id))
         };
@@ -169,10 +165,8 @@ impl Round<'_> {
             let over = &self.all[it.candidate].fails_over;
             curve.is_some_and(|it| it.curve.variables().iter().any(|v| over.contains(v)))
         };
-        let beside = |it: &&LawWeight| {
-            if of_two(it) { two } else { instead(it) || (!candidate(it).is_linear() && shown(it)) }
-        };
-        let beside: Vec<&LawWeight> = weights.laws.iter().filter(beside).collect();
+        let beside = |it: &&LawWeight| instead(it) || (!candidate(it).is_linear() && shown(it));
+        let beside: Vec<&LawWeight> = of_one().filter(beside).collect();
         for one in beside {
             if promising.iter().all(|it| it.candidate != one.candidate) {
                 promising.push(one);
@@ -181,9 +175,19 @@ impl Round<'_> {
         promising
     }
 
-    /// Evidence of candidates at their best, fitted, most probable first.
-    fn by_evidence(&self, ground: &Ground, promising: &[&LawWeight]) -> Vec<Judged> {
-        let filtered = |weight: &&LawWeight| {
+    /// Laws of two masses: far from their nulls they are told only by their fits, which take long.
+    /// All of them, where one promises a part of what those that were fitted have.
+    fn of_two<'w>(&self, weights: &'w Weights, fitted: &[(Judged, Weighed)]) -> Vec<&'w LawWeight> {
+        let most = fitted.iter().fold(0.0_f64, |most, (_, one)| most.max(one.evidence));
+        let of_two = |it: &&LawWeight| self.is_of_two_masses(&self.all[it.candidate]);
+        let two = || weights.laws.iter().filter(of_two);
+        let promises = |it: &LawWeight| told(it) && it.evidence >= MASSES * most;
+        if two().any(promises) { two().collect() } else { Vec::new() }
+    }
+
+    /// Laws at their best, fitted.
+    fn at_their_best(&self, ground: &Ground, laws: &[&LawWeight]) -> Vec<(Judged, Weighed)> {
+        let filtered = |weight: &LawWeight, foretold: Option<&Model>| {
             let it = &self.all[weight.candidate];
             let begins = weight.variants.iter().take(if it.is_linear() { 1 } else { BEGINS });
             let free = it.parameters().filter(|name| !it.frozen.contains(name));
@@ -196,7 +200,9 @@ impl Round<'_> {
                 }
                 effect
             };
-            let begins: Vec<EffectData> = begins.map(at).collect();
+            let of_free_run = foretold.map(|model| &model.fitted.drive.effects);
+            let of_free_run = of_free_run.into_iter().flatten().filter(|effect| effect.id == it.id);
+            let begins: Vec<EffectData> = begins.map(at).chain(of_free_run.cloned()).collect();
             let (scene, own) = ground.with(&begins, &free, &it.coefficients)?;
             // A law whose coefficients all stay at the end of their range is none.
             let values = scene.drive.parameters();
@@ -216,17 +222,24 @@ impl Round<'_> {
             }
             Some((Judged::weighed(weight.candidate, it, model, &weighed), weighed))
         };
-        let foretold = |weight: &&LawWeight| {
-            let it = &self.all[weight.candidate];
-            let found = self.is_of_two_masses(it).then(|| self.foretold(ground, it))??;
-            let weighed = Weighed::of(found.fitted, found.all, found.size);
-            Some((Judged::weighed(weight.candidate, it, found.model, &weighed), weighed))
-        };
         let best = |weight: &&LawWeight| {
-            let both = [filtered(weight), foretold(weight)].into_iter().flatten();
+            let it = &self.all[weight.candidate];
+            let found = self.is_of_two_masses(it).then(|| self.foretold(ground, it)).flatten();
+            let by_filter = filtered(weight, found.as_ref().map(|it| &it.model));
+            let foretold = found.map(|found| {
+                let weighed = Weighed::of(found.fitted, found.all, found.size);
+                (Judged::weighed(weight.candidate, it, found.model, &weighed), weighed)
+            });
+            let both = [by_filter, foretold].into_iter().flatten();
             both.max_by(|a, b| a.1.evidence.total_cmp(&b.1.evidence))
         };
-        let mut judged: Vec<(Judged, Weighed)> = promising.par_iter().filter_map(best).collect();
+        laws.par_iter().filter_map(best).collect()
+    }
+
+    /// Evidence of the candidates that are worth a fit, most probable first.
+    fn by_evidence(&self, ground: &Ground, weights: &Weights) -> Vec<Judged> {
+        let mut judged = self.at_their_best(ground, &self.promising(weights));
+        judged.extend(self.at_their_best(ground, &self.of_two(weights, &judged)));
         judged.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
         // Counted from the greatest, whose exponential would overflow.
         let most = judged.first().map_or(0.0, |(_, best)| best.evidence.max(0.0));
@@ -356,6 +369,11 @@ impl Round<'_> {
             && curve.repeats > 0.0
             && curve.size >= size
     }
+}
+
+/// Whether the recordings tell a law from the base.
+fn told(it: &LawWeight) -> bool {
+    it.finite && !it.imitated && it.evidence > PROMISING
 }
 
 fn evidence(one: &Judged) -> f64 {

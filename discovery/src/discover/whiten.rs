@@ -132,6 +132,13 @@ impl Whitener {
         self.unforeseen
     }
 
+    /// ln of the probability of a residual, without its constant.
+    pub(crate) fn ln_probability(&self, places: &[Place], residual: &[f64]) -> f64 {
+        let innovations = self.applied(places, residual);
+        let each = places.iter().zip(innovations);
+        each.map(|(place, value)| -0.5 * value * value - self.sd[place.output].ln()).sum()
+    }
+
     /// The innovations of a residual.
     pub(crate) fn applied(&self, places: &[Place], residual: &[f64]) -> Vec<f64> {
         let columns = DMatrix::from_row_slice(1, residual.len(), residual);

@@ -3,7 +3,7 @@
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::model::{CURRENT, SPEED};
 
-use super::filter::{LOAD, SENSORS, VOLTAGE, Vector};
+use super::filter::{CYCLE, LOAD, SENSORS, VOLTAGE, Vector};
 use super::noise::Noise;
 use crate::measured::{Measured, Output};
 
@@ -46,5 +46,9 @@ pub(super) fn beginning(
     }
     variance[LOAD] = noise.load_sd.powi(2);
     variance[VOLTAGE] = noise.voltage_sd.powi(2);
+    if let Some(cycle) = noise.cycle {
+        variance[CYCLE] = cycle.sd.powi(2);
+        variance[CYCLE + 1] = cycle.sd.powi(2);
+    }
     (mean, variance)
 }

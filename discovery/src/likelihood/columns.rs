@@ -267,10 +267,8 @@ fn filter(track: &Track, tick: &Tick, shares: &[Share], errors: &mut [Rows], blo
     }
     for (error, share) in errors.iter_mut().zip(shares) {
         let mut next = share.state;
-        step.transition.add_times(error, &mut next);
-        for (state, left) in [LOAD, VOLTAGE].into_iter().zip(track.left) {
-            next[state] = error[state].map(|value| left * value);
-        }
+        step.transition.add_times(&track.wandering.whole_of(error), &mut next);
+        track.wandering.carry_columns(error, &mut next);
         *error = next;
     }
 }

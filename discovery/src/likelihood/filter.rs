@@ -18,7 +18,7 @@ use nalgebra::SVector;
 use super::beginning::beginning;
 use super::direction::Direction;
 use super::linear::{Along, Itself, Linearised, Step};
-use super::noise::Noise;
+use super::noise::{Noise, Wandering};
 use super::sparse::{NO_ROWS, Row, Rows, add};
 use crate::measured::Measured;
 
@@ -29,6 +29,9 @@ pub(crate) const OWN_STATES: usize = 3;
 /// Place of d_T / J and of d_V / L in the state.
 pub(crate) const LOAD: usize = OWN + OWN_STATES;
 pub(crate) const VOLTAGE: usize = LOAD + 1;
+/// Place of what oscillates of d_T / J, with its quadrature behind it: that of own states which few
+/// drives have.
+pub(crate) const CYCLE: usize = LOAD - 2;
 /// Sensors: of current, speed and position; those beside the motor are not filtered.
 pub(crate) const SENSORS: usize = 3;
 
@@ -73,8 +76,8 @@ pub(crate) struct Track {
     pub(crate) ticks: Vec<Tick>,
     /// Derivatives over the samples.
     pub(super) steps: Arc<Vec<Step>>,
-    /// Share of each disturbance that is left after a sample.
-    pub(super) left: [f64; 2],
+    /// What the disturbances do by themselves.
+    pub(super) wandering: Wandering,
     /// Logarithm of the likelihood, without its constant.
     pub(crate) log_likelihood: f64,
 }
@@ -82,6 +85,11 @@ pub(crate) struct Track {
 /// Own states of a drive's effects.
 pub(crate) fn own_states(drive: &Drive) -> usize {
     drive.model().states() - OWN
+}
+
+/// Whether a part of the load may oscillate: where own states stand nothing else does.
+pub(super) fn holds_a_cycle(drive: &Drive) -> bool {
+    OWN + own_states(drive) <= CYCLE
 }
 
 /// Filters a recording. Nothing where the model overflows.
@@ -117,10 +125,13 @@ fn filter(
     noise: &Noise,
     mut plant: impl Linearised,
 ) -> Option<Track> {
+    // Where own states stand nothing else does.
+    let noise =
+        &Noise { cycle: noise.cycle.filter(|_| OWN + own_states(drive) <= CYCLE), ..*noise };
     let variances = noise.sensors.map(|sd| sd * sd);
-    let (mut left, mut added) = (noise.left(measured.period_s), noise.added(measured.period_s));
+    let mut wandering = noise.wandering(measured.period_s);
     if drive.motor.input == Input::Force {
-        (left[1], added[1]) = (0.0, 0.0);
+        wandering = wandering.of_load();
     }
     let (mut ticks, mut log_likelihood) = (Vec::with_capacity(measured.len()), 0.0);
     for piece in &measured.pieces {
@@ -173,13 +184,12 @@ fn filter(
                 tick.innovation[sensor] = innovation * tick.inverse_sd[sensor];
                 log_likelihood -= 0.5 * (tick.innovation[sensor].powi(2) + variance.ln());
             }
-            tick.filtered = mean;
+            tick.filtered = wandering.whole(&mean);
             let step = plant.propagate(&mut tick);
-            covariance = carried(&carried(&covariance, step, left), step, left);
-            tick.propagated[LOAD] = left[0] * mean[LOAD];
-            tick.propagated[VOLTAGE] = left[1] * mean[VOLTAGE];
+            covariance = carried(&carried(&covariance, step, &wandering), step, &wandering);
+            wandering.carry(&mean, &mut tick.propagated);
             mean = tick.propagated;
-            covariance[LOAD][LOAD] += added[0];
+            wandering.add_to(&mut covariance);
             // Any acceleration within the sample, early or late in it.
             let (loose, period) = (direction.loose(sample).powi(2), measured.period_s);
             covariance[SPEED][SPEED] += loose;
@@ -188,7 +198,6 @@ fn filter(
             if measured.angle.is_none() {
                 covariance[POSITION][POSITION] += period * period / 3.0 * loose;
             }
-            covariance[VOLTAGE][VOLTAGE] += added[1];
             if !mean.iter().all(|value| value.is_finite()) {
                 return None;
             }
@@ -198,16 +207,15 @@ fn filter(
     log_likelihood.is_finite().then_some(Track {
         ticks,
         steps: plant.steps(),
-        left,
+        wandering,
         log_likelihood,
     })
 }
 
 /// A symmetric covariance over a sample, transposed: one half of the way.
-fn carried(covariance: &Rows, step: &Step, left: [f64; 2]) -> Rows {
+fn carried(covariance: &Rows, step: &Step, wandering: &Wandering) -> Rows {
     let mut half = NO_ROWS;
-    step.transition.add_times(covariance, &mut half);
-    add(&mut half[LOAD], left[0], &covariance[LOAD]);
-    add(&mut half[VOLTAGE], left[1], &covariance[VOLTAGE]);
+    step.transition.add_times(&wandering.whole_of(covariance), &mut half);
+    wandering.carry_columns(covariance, &mut half);
     std::array::from_fn(|row| std::array::from_fn(|column| half[column][row]))
 }

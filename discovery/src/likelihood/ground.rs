@@ -3,6 +3,7 @@
 use drivescope_plant::drive::EffectData;
 
 use super::base::Known;
+use super::filter::holds_a_cycle;
 use super::gram::References;
 use super::optimum::{Law, Optimum, optimum};
 use super::randomness::{Randomness, excerpt};
@@ -28,6 +29,8 @@ pub(crate) struct Ground {
     pub(crate) references: References,
     /// ln of the probability of the excerpt that laws are fitted to.
     probability: f64,
+    /// Both without a load that oscillates, for structures whose own states stand in its place.
+    broad: Option<(Randomness, f64)>,
     /// Evidence of the base at its best.
     pub(crate) base: Optimum,
 }
@@ -46,20 +49,29 @@ impl Ground {
 
     fn at(scene: Scene, mut randomness: Randomness, mut references: References) -> Option<Self> {
         let mut part = excerpt(&scene);
-        for _ in 0..ROUNDS {
-            let searched = randomness.searched(&part, &references, COARSE)?;
+        let mut broad = None;
+        for round in 0..ROUNDS {
+            let mut searched = randomness.searched(&part, &references, COARSE)?;
+            if round == 1 && searched.cycle.is_none() {
+                let oscillating = searched.oscillating(&part, &references)?;
+                if oscillating != searched {
+                    let refined = refined(part.clone(), &searched, &references)?;
+                    broad = Some((searched, refined.probability));
+                }
+                searched = oscillating;
+            }
             let moved = refined(part.clone(), &searched, &references)?.scene;
             let same = moved.drive == part.drive && searched == randomness;
             (part, randomness) = (moved, searched);
             references = part.references(&part.tracks(&randomness)?);
-            if same {
+            if same && round > 0 {
                 break;
             }
         }
         let scene = scene.with_values_of(&part);
         let probability = refined(part, &randomness, &references)?.probability;
         let base = at_its_best(&scene, None, &randomness, &references)?;
-        Some(Self { scene, randomness, references, probability, base })
+        Some(Self { scene, randomness, references, probability, broad, base })
     }
 
     /// The scene with one of those effects at its own best, and the evidence there: the effects are
@@ -72,16 +84,20 @@ impl Ground {
         estimated: &[String],
         coefficients: &[String],
     ) -> Option<(Scene, Optimum)> {
+        let own = (self.randomness, self.probability);
+        let with = effects.first().map(|it| self.scene.with(it, estimated.iter().cloned()));
+        let oscillates = with.is_some_and(|it| holds_a_cycle(&it.drive));
+        let (randomness, probability) = self.broad.filter(|_| !oscillates).unwrap_or(own);
         let begin = |effect: &EffectData| {
             let scene = self.scene.with(effect, estimated.iter().cloned());
-            refined(excerpt(&scene), &self.randomness, &self.references)
+            refined(excerpt(&scene), &randomness, &self.references)
         };
         let ends = effects.iter().filter_map(begin);
         let best = ends.max_by(|a, b| a.probability.total_cmp(&b.probability))?;
-        if effects.len() > 1 && best.probability < self.probability {
+        if effects.len() > 1 && best.probability < probability {
             return None;
         }
-        let randomness = self.randomness.searched(&best.scene, &self.references, FINE)?;
+        let randomness = randomness.searched(&best.scene, &self.references, FINE)?;
         let part = refined(best.scene, &randomness, &self.references)?.scene;
         let effect = part.drive.effects.last()?;
         let scene = self.scene.with(effect, estimated.iter().cloned()).with_values_of(&part);

@@ -15,6 +15,7 @@ mod averaged;
 mod base;
 mod beginning;
 mod columns;
+mod cycle;
 mod direction;
 mod exponential;
 mod filter;

@@ -1,7 +1,38 @@
-//! What is random in a recording: two disturbances, each an Ornstein-Uhlenbeck process, and the noise
-//! of the sensors.
+//! What is random in a recording: two disturbances, each an Ornstein-Uhlenbeck process, a part of the
+//! load that oscillates, and the noise of the sensors.
 
-use super::filter::SENSORS;
+use std::f64::consts::TAU;
+
+use super::filter::{CYCLE, LOAD, SENSORS, STATES, VOLTAGE, Vector};
+use super::sparse::{Rows, add};
+
+/// A load that oscillates at a frequency with an amplitude and a phase that wander (the stochastic
+/// cycle of Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, ch. 2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cycle {
+    /// Standard deviation over the inertia, rad/s^2 (m/s^2).
+    pub(crate) sd: f64,
+    /// Frequency, Hz.
+    pub(crate) hz: f64,
+    /// Time after which it forgets its amplitude and phase, s.
+    pub(crate) s: f64,
+}
+
+/// Longest time of a cycle, s: what oscillates longer is a line of any recording.
+const LONGEST_S: f64 = 10.0;
+
+impl Cycle {
+    /// With one of its numbers, in the order of the fields, moved by a factor; the frequency by what
+    /// its time tells of it.
+    pub(super) fn moved(self, number: usize, factor: f64) -> Self {
+        match number {
+            0 => Self { sd: self.sd * factor, ..self },
+            1 => Self { hz: self.hz * (factor.ln() / (TAU * self.hz * self.s)).exp(), ..self },
+            // The longer its memory the less wanders; what does stays.
+            _ => Self { s: (self.s * factor).min(LONGEST_S), ..self },
+        }
+    }
+}
 
 /// What is random in a recording: two disturbances and the sensors' noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,22 +43,97 @@ pub(crate) struct Noise {
     /// Standard deviation of the voltage over the inductance, A/s, and its correlation time, s.
     pub(crate) voltage_sd: f64,
     pub(crate) voltage_s: f64,
+    /// What oscillates of the load.
+    pub(crate) cycle: Option<Cycle>,
     /// Standard deviation of each sensor's noise, in its unit.
     pub(crate) sensors: [f64; SENSORS],
 }
 
+/// What the disturbances do over a sample by themselves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Wandering {
+    /// Share that is left of the load and of the voltage.
+    left: [f64; 2],
+    /// What is left of the cycle in phase, and what it hands to its quadrature.
+    turned: Option<[f64; 2]>,
+    /// Variances that a sample adds to the load, the voltage and the cycle.
+    added: [f64; 3],
+}
+
 impl Noise {
-    /// Share of each disturbance that is left after a sample.
-    pub(crate) fn left(&self, period_s: f64) -> [f64; 2] {
-        [self.load_s, self.voltage_s].map(|time| (-period_s / time).exp())
+    /// Over a sample.
+    pub(super) fn wandering(&self, period_s: f64) -> Wandering {
+        let left = [self.load_s, self.voltage_s].map(|time| (-period_s / time).exp());
+        let added = |sd: f64, left: f64| sd * sd * (1.0 - left * left);
+        let kept = self.cycle.map_or(0.0, |it| (-period_s / it.s).exp());
+        let turned = self.cycle.map(|it| (TAU * it.hz * period_s).sin_cos());
+        Wandering {
+            left,
+            turned: turned.map(|(sin, cos)| [kept * cos, kept * sin]),
+            added: [
+                added(self.load_sd, left[0]),
+                added(self.voltage_sd, left[1]),
+                self.cycle.map_or(0.0, |it| added(it.sd, kept)),
+            ],
+        }
+    }
+}
+
+impl Wandering {
+    /// Without a random voltage.
+    pub(super) fn of_load(self) -> Self {
+        let ([load, _], [added, _, cycle]) = (self.left, self.added);
+        Self { left: [load, 0.0], added: [added, 0.0, cycle], ..self }
     }
 
-    /// Variances that a sample adds to the disturbances.
-    pub(crate) fn added(&self, period_s: f64) -> [f64; 2] {
-        let [load, voltage] = self.left(period_s);
-        [
-            self.load_sd * self.load_sd * (1.0 - load * load),
-            self.voltage_sd * self.voltage_sd * (1.0 - voltage * voltage),
-        ]
+    /// The state as the plant sees it: with the whole load.
+    pub(super) fn whole(&self, state: &Vector) -> Vector {
+        let mut whole = *state;
+        if self.turned.is_some() {
+            whole[LOAD] += state[CYCLE];
+        }
+        whole
+    }
+
+    /// The same of columns.
+    pub(super) fn whole_of(&self, columns: &Rows) -> Rows {
+        let mut whole = *columns;
+        if self.turned.is_some() {
+            add(&mut whole[LOAD], 1.0, &columns[CYCLE]);
+        }
+        whole
+    }
+
+    /// Writes the disturbances one sample later.
+    pub(super) fn carry(&self, from: &Vector, to: &mut Vector) {
+        to[LOAD] = self.left[0] * from[LOAD];
+        to[VOLTAGE] = self.left[1] * from[VOLTAGE];
+        if let Some([cos, sin]) = self.turned {
+            to[CYCLE] = cos * from[CYCLE] + sin * from[CYCLE + 1];
+            to[CYCLE + 1] = cos * from[CYCLE + 1] - sin * from[CYCLE];
+        }
+    }
+
+    /// The same of columns.
+    pub(super) fn carry_columns(&self, from: &Rows, to: &mut Rows) {
+        for (state, left) in [LOAD, VOLTAGE].into_iter().zip(self.left) {
+            to[state] = from[state].map(|value| left * value);
+        }
+        if let Some([cos, sin]) = self.turned {
+            for lane in 0..STATES {
+                let (phase, quadrature) = (from[CYCLE][lane], from[CYCLE + 1][lane]);
+                to[CYCLE][lane] = cos * phase + sin * quadrature;
+                to[CYCLE + 1][lane] = cos * quadrature - sin * phase;
+            }
+        }
+    }
+
+    /// Adds what a sample adds to a covariance.
+    pub(super) fn add_to(&self, covariance: &mut Rows) {
+        let [load, voltage, cycle] = self.added;
+        for (state, added) in [(LOAD, load), (VOLTAGE, voltage), (CYCLE, cycle), (CYCLE + 1, cycle)]
+        {
+            covariance[state][state] += added;
+        }
     }
 }

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::base::{Known, pooled, probability};
-use super::filter::SENSORS;
+use super::filter::{SENSORS, Track};
 use super::gram::References;
-use super::noise::Noise;
+use super::noise::{Cycle, Noise};
 use super::scene::{Recorded, Scene, rms};
 use crate::measured::Output;
 use drivescope_plant::drive::Input;
@@ -32,6 +32,8 @@ pub(crate) struct Randomness {
     pub(crate) load_s: f64,
     /// Standard deviation of the voltage over the inductance, A/s.
     pub(crate) voltage_sd: f64,
+    /// What oscillates of the load.
+    pub(crate) cycle: Option<Cycle>,
     /// Factor on each sensor's noise.
     pub(crate) sensors: [f64; SENSORS],
 }
@@ -44,13 +46,15 @@ impl Randomness {
             load_s: self.load_s,
             voltage_sd: self.voltage_sd,
             voltage_s: VOLTAGE_S,
+            cycle: self.cycle,
             sensors: std::array::from_fn(|sensor| self.sensors[sensor] * noise[sensor]),
         }
     }
 
     /// With a load of another size.
     pub(crate) fn scaled(&self, load: f64) -> Self {
-        Self { load_sd: load * self.load_sd, ..*self }
+        let cycle = self.cycle.map(|it| Cycle { sd: load * it.sd, ..it });
+        Self { load_sd: load * self.load_sd, cycle, ..*self }
     }
 
     /// With a load that forgets what it was after another time, s, and does the same within a few
@@ -72,6 +76,7 @@ impl Randomness {
             load_sd,
             load_s: 0.05,
             voltage_sd: 0.01 * u / inductance(scene),
+            cycle: None,
             sensors: [1.0; SENSORS],
         }
     }
@@ -97,19 +102,17 @@ impl Randomness {
         references: &References,
         mut step: f64,
     ) -> Option<Self> {
-        let along = scene.tracks(self)?;
-        let known = Known::of(scene, &along);
-        let evidence = |tried: &Self| {
-            let tracks = scene.retraced(&along, tried)?;
-            let pooled = pooled(scene, &tracks, references, Some(&known));
-            Some(probability(scene, &tracks, &pooled, true))
-        };
+        let evidence = Judge::of(scene, references, self)?;
+        let evidence = |tried: &Self| evidence.of_randomness(tried);
         let mut best = *self;
         let mut most = evidence(&best)?;
         let has = |output| scene.recordings.iter().any(|it| it.measured.output(output).is_some());
         let mut numbers = vec![0, 1];
         if scene.drive.motor.input == Input::Voltage {
             numbers.push(2);
+        }
+        if self.cycle.is_some() {
+            numbers.extend([6, 7, 8]);
         }
         let outputs = [Output::Current, Output::Speed, Output::Position];
         numbers.extend((0..SENSORS).filter(|it| has(outputs[*it])).map(|it| 3 + it));
@@ -131,7 +134,10 @@ impl Randomness {
                             tried = tried.with_time(load_s);
                         }
                         2 => tried.voltage_sd *= factor,
-                        sensor => tried.sensors[sensor - 3] *= factor,
+                        sensor @ 3..6 => tried.sensors[sensor - 3] *= factor,
+                        of_cycle => {
+                            tried.cycle = tried.cycle.map(|it| it.moved(of_cycle - 6, factor));
+                        }
                     }
                     if tried == best {
                         continue;
@@ -149,6 +155,39 @@ impl Randomness {
             }
         }
         Some(best)
+    }
+}
+
+/// Evidence of what is random, the plant linearised once.
+pub(super) struct Judge<'a> {
+    scene: &'a Scene,
+    references: &'a References,
+    along: Vec<Track>,
+    known: Vec<Known>,
+}
+
+impl<'a> Judge<'a> {
+    /// Linearised with that randomness; nothing where the drive overflows.
+    pub(super) fn of(
+        scene: &'a Scene,
+        references: &'a References,
+        randomness: &Randomness,
+    ) -> Option<Self> {
+        let along = scene.tracks(randomness)?;
+        let known = Known::of(scene, &along);
+        Some(Self { scene, references, along, known })
+    }
+
+    /// ln of the probability of the recordings with that randomness.
+    pub(super) fn of_randomness(&self, tried: &Randomness) -> Option<f64> {
+        let tracks = self.scene.retraced(&self.along, tried)?;
+        let pooled = pooled(self.scene, &tracks, self.references, Some(&self.known));
+        Some(probability(self.scene, &tracks, &pooled, true))
+    }
+
+    /// Tracks of the recordings as the plant was linearised.
+    pub(super) fn tracks(&self) -> &[Track] {
+        &self.along
     }
 }
 

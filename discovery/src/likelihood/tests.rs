@@ -17,6 +17,7 @@ const NOISE: Noise = Noise {
     load_sd: 50.0,
     load_s: 0.1,
     voltage_sd: 10.0,
+    cycle: None,
     voltage_s: 0.02,
     sensors: [SDS[0], SDS[1], 1.0],
 };

@@ -1,0 +1,166 @@
+//! A load that oscillates: where it may, from the spectrum of what the filter takes for the load.
+
+use std::f64::consts::TAU;
+
+use super::filter::{LOAD, Track};
+use super::gram::References;
+use super::noise::Cycle;
+use super::randomness::{Judge, Randomness};
+use super::scene::Scene;
+
+/// Gain in ln of the likelihood that a cycle must bring: a thousand frequencies were to choose from,
+/// and its size and memory are known to an octave of ten.
+const WORTH: f64 = 12.0;
+/// Peaks of the spectrum that are tried.
+const PEAKS: usize = 3;
+/// Frequencies to a period of the recording's inverse length.
+const A_LINE: f64 = 2.0;
+/// Highest frequency over that of the samples.
+const HIGHEST: f64 = 0.2;
+/// Neighbours on either side among which a peak stands out.
+const NEAR: usize = 12;
+/// Memories that are tried, in periods of the oscillation.
+const PERIODS: [f64; 2] = [2.0, 20.0];
+/// Factor on the rest of the load beside the cycle.
+const REST: [f64; 2] = [1.0, 0.3];
+/// Factor of the search from the best of these.
+const FINE: f64 = 1.8;
+
+impl Randomness {
+    /// With a cycle where one makes the recordings that much more probable; itself otherwise.
+    pub(super) fn oscillating(&self, scene: &Scene, references: &References) -> Option<Self> {
+        let judge = Judge::of(scene, references, self)?;
+        let before = judge.of_randomness(self)?;
+        let mut best = (before, *self);
+        for (hz, sd) in peaks(scene, judge.tracks()) {
+            for (periods, rest) in PERIODS.into_iter().flat_map(|it| REST.map(|rest| (it, rest))) {
+                let cycle = Some(Cycle { sd, hz, s: periods / hz });
+                let tried = Self { cycle, load_sd: rest * self.load_sd, ..*self };
+                let evidence = judge.of_randomness(&tried).unwrap_or(f64::NEG_INFINITY);
+                if evidence > best.0 {
+                    best = (evidence, tried);
+                }
+            }
+        }
+        if best.1 == *self {
+            return Some(*self);
+        }
+        let searched = best.1.searched(scene, references, FINE)?;
+        let worth = judge.of_randomness(&searched)? > before + WORTH;
+        Some(if worth { searched } else { *self })
+    }
+}
+
+/// Frequencies that stand out of the load's spectrum most, Hz, with the standard deviation of what
+/// stands there.
+fn peaks(scene: &Scene, tracks: &[Track]) -> Vec<(f64, f64)> {
+    let period_s = scene.recordings.iter().map(|it| it.measured.period_s).fold(0.0, f64::max);
+    let longest_s = tracks
+        .iter()
+        .zip(&scene.recordings)
+        .map(|(track, it)| track.ticks.len() as f64 * it.measured.period_s)
+        .fold(0.0, f64::max);
+    let apart = 1.0 / (A_LINE * longest_s);
+    let count = (HIGHEST / period_s / apart) as usize;
+    let frequencies: Vec<f64> = (2..count).map(|k| k as f64 * apart).collect();
+    let samples: usize = tracks.iter().map(|track| track.ticks.len()).sum();
+    let power = |hz: &f64| -> f64 {
+        let of = |(track, it): (&Track, &super::scene::Recorded)| {
+            let step = (TAU * hz * it.measured.period_s).sin_cos();
+            let (mut turn, mut sum) = ((0.0, 1.0), (0.0, 0.0));
+            for tick in &track.ticks {
+                let load = tick.filtered[LOAD];
+                sum = (sum.0 + load * turn.0, sum.1 + load * turn.1);
+                turn = (turn.0 * step.1 + turn.1 * step.0, turn.1 * step.1 - turn.0 * step.0);
+            }
+            // The mean square of a sinus is half of that of its amplitude.
+            2.0 * (sum.0 * sum.0 + sum.1 * sum.1) / track.ticks.len().max(1) as f64
+        };
+        tracks.iter().zip(&scene.recordings).map(of).sum::<f64>() / samples.max(1) as f64
+    };
+    let powers: Vec<f64> = frequencies.iter().map(power).collect();
+    let out = |k: usize| {
+        let mut near: Vec<f64> =
+            powers[k.saturating_sub(NEAR)..(k + NEAR + 1).min(powers.len())].to_vec();
+        near.sort_by(f64::total_cmp);
+        powers[k] / near[near.len() / 2].max(f64::MIN_POSITIVE)
+    };
+    let is_peak = |k: &usize| {
+        (*k == 0 || powers[*k] >= powers[*k - 1])
+            && powers.get(*k + 1).is_none_or(|next| powers[*k] > *next)
+    };
+    let mut found: Vec<(f64, usize)> =
+        (0..powers.len()).filter(is_peak).map(|k| (out(k), k)).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.truncate(PEAKS);
+    found.into_iter().map(|(_, k)| (frequencies[k], powers[k].sqrt())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::direction::Direction;
+    use super::super::filter::SENSORS;
+    use super::super::scene::{Recorded, longest};
+    use super::*;
+    use crate::measured::Measured;
+    use crate::testing::{dr300, gaussian, loaded, noisy};
+
+    const SDS: [f64; SENSORS] = [0.01, 0.3, 1.0];
+    const PERIOD_S: f64 = 0.002;
+    /// Standard deviation of the load that is not recorded, N m.
+    const LOAD: f64 = 0.01;
+
+    /// What is found of the drive under that load besides a random one, in one direction.
+    fn found(load: impl Fn(usize) -> f64) -> Option<Cycle> {
+        let drive = dr300();
+        let samples = 4000;
+        let u = (0..samples).map(|k| 12.0 + 4.0 * (0.005 * k as f64).sin()).collect();
+        let load: Vec<f64> = (0..samples).map(load).collect();
+        let [i, omega, _] = SDS;
+        let recording = noisy(loaded(&drive, u, &load, PERIOD_S), [i, omega], 3);
+        let measured = Measured::new(&drive, &recording).expect("it can be used");
+        let recorded = Recorded {
+            drive: drive.clone(),
+            own: Vec::new(),
+            direction: Arc::new(Direction::of(&drive, &measured, &SDS)),
+            measured: Arc::new(measured),
+            noise: SDS,
+            held_out: false,
+        };
+        let names = ["R", "K_m", "J", "B_m"].map(str::to_owned).to_vec();
+        let longest_s = longest(&drive);
+        let scene = Scene { drive, names, recordings: vec![recorded], longest_s };
+        let (begin, references) = Randomness::begin(&scene).expect("it does not overflow");
+        let searched = begin.searched(&scene, &references, 3.0).expect("the same");
+        searched.oscillating(&scene, &references).expect("the same").cycle
+    }
+
+    fn wandering(left: f64, seed: u64) -> Vec<f64> {
+        let mut value = 0.0;
+        let one = |noise: f64| {
+            value = left * value + LOAD * (1.0 - left * left).sqrt() * noise;
+            value
+        };
+        gaussian(4000, seed).into_iter().map(one).collect()
+    }
+
+    #[test]
+    fn a_load_that_oscillates_is_found_with_its_frequency() {
+        let slow = wandering(0.99, 4);
+        let hz = 6.0;
+        let cycle = found(|k| slow[k] + LOAD * (TAU * hz * k as f64 * PERIOD_S).sin());
+        let cycle = cycle.expect("it oscillates");
+        assert!((cycle.hz - hz).abs() < 0.5, "{cycle:?}");
+        assert!(cycle.s > 3.0 / hz, "{cycle:?}");
+    }
+
+    #[test]
+    fn a_random_load_does_not_oscillate() {
+        for seed in 5..9 {
+            let load = wandering(0.98, seed);
+            assert_eq!(found(|k| load[k]), None, "seed {seed}");
+        }
+    }
+}

@@ -48,7 +48,7 @@ pub(crate) struct Scene {
 }
 
 /// Least noise of a sensor in a recording over that in the noisiest of its recordings.
-const QUIET: f64 = 0.05;
+const QUIET: f64 = 0.3;
 
 /// The longest sub-step that resolves a drive, s.
 pub(crate) fn longest(drive: &Drive) -> f64 {

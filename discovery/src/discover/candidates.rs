@@ -319,6 +319,19 @@ impl Candidate {
         self.variants[0].effect.parameters.iter().map(|(name, _)| name.as_str())
     }
 
+    /// Whether it has states of its own.
+    pub(crate) fn has_states(&self) -> bool {
+        Entry::find(self.info.id).is_some_and(|entry| !entry.states.is_empty())
+    }
+
+    /// An effect of its kind with coefficients times a factor.
+    pub(crate) fn scaled(&self, effect: &EffectData, factor: f64) -> EffectData {
+        let mut scaled = effect.clone();
+        let own = scaled.parameters.iter_mut().filter(|(it, _)| self.coefficients.contains(it));
+        own.for_each(|(_, value)| *value *= factor);
+        scaled
+    }
+
     /// Whether it has a derivative at its null.
     pub(crate) fn is_linear(&self) -> bool {
         !self.coefficients.is_empty()

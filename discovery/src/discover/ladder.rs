@@ -41,9 +41,9 @@ const STARTS: usize = 2;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rule {
     /// Gains in BIC, tests and shapes, each with its threshold.
-    #[default]
     Gates,
     /// The evidence of one model with a random load in it.
+    #[default]
     Evidence,
 }
 

@@ -25,6 +25,9 @@ const CHANCE: f64 = 0.05;
 const MASSES: f64 = 0.4;
 /// Shapes from which a law without a derivative at its null is fitted.
 const BEGINS: usize = 2;
+/// Factors on the coefficients at its null from which a law with own states is fitted besides: what it
+/// does is not in proportion to them.
+const FARTHER: [f64; 2] = [5.0, 25.0];
 /// Disturbances locked to the position that recordings may have besides.
 const DISTURBANCES: usize = 3;
 /// Share of the error on the validation data that must at least be left out, so that it falls.
@@ -202,7 +205,10 @@ impl Round<'_> {
             };
             let of_free_run = foretold.map(|model| &model.fitted.drive.effects);
             let of_free_run = of_free_run.into_iter().flatten().filter(|effect| effect.id == it.id);
-            let begins: Vec<EffectData> = begins.map(at).chain(of_free_run.cloned()).collect();
+            let mut begins: Vec<EffectData> = begins.map(at).chain(of_free_run.cloned()).collect();
+            if it.is_linear() && it.has_states() {
+                begins.extend(FARTHER.map(|factor| it.scaled(&begins[0], factor)));
+            }
             let (scene, own) = ground.with(&begins, &free, &it.coefficients)?;
             // A law whose coefficients all stay at the end of their range is none.
             let values = scene.drive.parameters();

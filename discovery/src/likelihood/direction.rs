@@ -4,6 +4,8 @@
 //! little too large would hold a shaft that in truth moves, and the likelihood would jump with
 //! every such event; with the sign of what was measured it is smooth in all parameters.
 
+use std::ops::Range;
+
 use drivescope_plant::drive::Drive;
 
 use super::filter::SENSORS;
@@ -43,12 +45,24 @@ impl Direction {
             return forward();
         }
         let shown = |output| measured.output(output).map(|channel| &channel.values);
-        let (speeds, sd) = match (shown(Output::Speed), shown(Output::Position)) {
-            (Some(speed), _) => means(measured, speed, noise[Output::Speed as usize]),
-            (None, Some(x)) => slopes(measured, x, noise[Output::Position as usize]),
-            (None, None) => return forward(),
-        };
-        let level = (STANDS * sd).max(SLOW * fastest(&speeds));
+        match (shown(Output::Speed), shown(Output::Position)) {
+            (Some(speed), _) => Self::of_speeds(measured, speed, noise[Output::Speed as usize]),
+            (None, Some(x)) => {
+                let (speeds, sd) = slopes(measured, x, noise[Output::Position as usize]);
+                Self::of_smooth(measured, &speeds, sd)
+            }
+            (None, None) => forward(),
+        }
+    }
+
+    /// Of speeds with that standard deviation.
+    pub(super) fn of_speeds(measured: &Measured, speeds: &[f64], sd: f64) -> Self {
+        let (speeds, sd) = means(measured, speeds, sd);
+        Self::of_smooth(measured, &speeds, sd)
+    }
+
+    fn of_smooth(measured: &Measured, speeds: &[f64], sd: f64) -> Self {
+        let level = (STANDS * sd).max(SLOW * fastest(speeds));
         let (mut signs, mut loose) = (vec![1.0; speeds.len()], vec![0.0; speeds.len()]);
         for piece in &measured.pieces {
             for k in piece.clone() {
@@ -65,6 +79,11 @@ impl Direction {
             }
         }
         Self { signs, loose }
+    }
+
+    /// In those samples alone.
+    pub(super) fn part(&self, range: Range<usize>) -> Self {
+        Self { signs: self.signs[range.clone()].to_vec(), loose: self.loose[range].to_vec() }
     }
 
     pub(super) fn at(&self, sample: usize) -> f64 {

@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use drivescope_plant::drive::{Drive, Input};
-use drivescope_plant::model::{OWN, POSITION, SPEED};
+use drivescope_plant::model::{CURRENT, OWN, POSITION, SPEED};
 use nalgebra::SVector;
 
 use super::beginning::beginning;
@@ -76,6 +76,9 @@ pub(crate) struct Track {
     pub(crate) ticks: Vec<Tick>,
     /// Derivatives over the samples.
     pub(super) steps: Arc<Vec<Step>>,
+    /// What a torque does to the state over a sample in which the shaft slips, over what it does to
+    /// the speed.
+    pub(super) slipping: Vector,
     /// What the disturbances do by themselves.
     pub(super) wandering: Wandering,
     /// Logarithm of the likelihood, without its constant.
@@ -134,6 +137,8 @@ fn filter(
         wandering = wandering.of_load();
     }
     let (mut ticks, mut log_likelihood) = (Vec::with_capacity(measured.len()), 0.0);
+    plant.begin();
+    let slipping = plant.slipping(measured.pieces.first().map_or(0, |piece| piece.start));
     for piece in &measured.pieces {
         plant.begin();
         let (mut mean, variance) = beginning(drive, measured, piece.start, noise);
@@ -190,13 +195,9 @@ fn filter(
             wandering.carry(&mean, &mut tick.propagated);
             mean = tick.propagated;
             wandering.add_to(&mut covariance);
-            // Any acceleration within the sample, early or late in it.
-            let (loose, period) = (direction.loose(sample).powi(2), measured.period_s);
-            covariance[SPEED][SPEED] += loose;
-            covariance[SPEED][POSITION] += 0.5 * period * loose;
-            covariance[POSITION][SPEED] += 0.5 * period * loose;
-            if measured.angle.is_none() {
-                covariance[POSITION][POSITION] += period * period / 3.0 * loose;
+            let loose = direction.loose(sample).powi(2);
+            if loose > 0.0 {
+                add_loose(&mut covariance, loose, &slipping, measured);
             }
             if !mean.iter().all(|value| value.is_finite()) {
                 return None;
@@ -207,9 +208,26 @@ fn filter(
     log_likelihood.is_finite().then_some(Track {
         ticks,
         steps: plant.steps(),
+        slipping,
         wandering,
         log_likelihood,
     })
+}
+
+/// Adds what any acceleration within a sample does, early or late in it, whose change of the speed has
+/// that variance; own states follow as they do where the shaft slips.
+fn add_loose(covariance: &mut Rows, loose: f64, slipping: &Vector, measured: &Measured) {
+    let period = measured.period_s;
+    let known = measured.angle.is_some();
+    let mut moved = *slipping;
+    (moved[CURRENT], moved[SPEED]) = (0.0, 1.0);
+    moved[POSITION] = if known { 0.0 } else { 0.5 * period };
+    for (row, factor) in covariance.iter_mut().zip(&moved) {
+        add(row, loose * factor, &moved.data.0[0]);
+    }
+    if !known {
+        covariance[POSITION][POSITION] += period * period * loose / 12.0;
+    }
 }
 
 /// A symmetric covariance over a sample, transposed: one half of the way.

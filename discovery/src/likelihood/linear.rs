@@ -7,10 +7,11 @@ use drivescope_numerics::Dual;
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::Variable;
 use drivescope_plant::effects::registry::Entry;
+use drivescope_plant::model::SPEED;
 
 use super::direction::Direction;
 use super::exponential::Exponential;
-use super::filter::{SENSORS, STATES, Tick, Track, Vector, own_states};
+use super::filter::{LOAD, SENSORS, STATES, Tick, Track, Vector, own_states};
 use super::plant::Plant;
 use super::sparse::{NO_ROWS, Rows, Sparse, add, product, times};
 use crate::measured::Measured;
@@ -40,6 +41,9 @@ pub(super) trait Linearised {
     fn shown(&mut self, tick: &mut Tick) -> [Vector; SENSORS];
     /// The filtered state one sample later, disturbances left out; returns the derivatives.
     fn propagate(&mut self, tick: &mut Tick) -> &Step;
+    /// What a torque does to the state over a sample in which the shaft slips, over what it does to
+    /// the speed.
+    fn slipping(&mut self, sample: usize) -> Vector;
     /// The derivatives along the whole track.
     fn steps(self) -> Arc<Vec<Step>>;
 }
@@ -131,6 +135,19 @@ impl Linearised for Itself<'_> {
         &self.steps[tick.step]
     }
 
+    fn slipping(&mut self, sample: usize) -> Vector {
+        self.plant.enter(sample);
+        self.plant.rates(&Vector::zeros(), 1.0, Number::parameter);
+        let mut rates = NO_ROWS;
+        for (row, [rate]) in rates.iter_mut().zip(&self.plant.rate).take(self.plant.imposed) {
+            *row = rate.d;
+        }
+        self.exponential.set(&rates, self.part_s);
+        let whole = &self.exponential.whole;
+        let moved = Vector::from_fn(|state, _| whole[state][LOAD] / whole[SPEED][LOAD]);
+        if moved.iter().all(|it| it.is_finite()) { moved } else { Vector::zeros() }
+    }
+
     fn steps(self) -> Arc<Vec<Step>> {
         Arc::new(self.steps)
     }
@@ -187,6 +204,10 @@ impl Linearised for Along<'_> {
         tick.mean = now.mean + 0.5 * (apart + tick.propagated - now.propagated);
         tick.step = now.step;
         step
+    }
+
+    fn slipping(&mut self, _: usize) -> Vector {
+        self.track.slipping
     }
 
     fn steps(self) -> Arc<Vec<Step>> {

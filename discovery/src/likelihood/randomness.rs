@@ -1,7 +1,5 @@
 //! How random the load, the voltage and the sensors are: what makes the recordings most probable.
 
-use std::sync::Arc;
-
 use super::base::{Known, pooled, probability};
 use super::filter::{SENSORS, Track};
 use super::gram::References;
@@ -64,7 +62,7 @@ impl Randomness {
     }
 
     /// A first guess, from what drives.
-    fn guess(scene: &Scene) -> Self {
+    pub(super) fn guess(scene: &Scene) -> Self {
         let u = rms(scene.recordings.iter().flat_map(|it| it.measured.u.iter().copied()));
         let current = match scene.drive.motor.input {
             Input::Force => u,
@@ -209,17 +207,18 @@ pub(super) fn excerpt(scene: &Scene) -> Scene {
     let all: usize = fitted.iter().map(|(_, it)| it.measured.len()).sum();
     let share = ENOUGH as f64 / all as f64;
     let cut = |(number, it): &(usize, &Recorded)| {
-        let (number, measured) = (*number, it.measured.clone());
-        let n = measured.len();
+        let (number, n) = (*number, it.measured.len());
         let length = (share * n as f64 / STRETCHES as f64) as usize;
         let stretch = move |k: usize| {
             let from = (k as f64 / STRETCHES as f64 * n as f64) as usize;
             from..(from + length).min(n)
         };
-        let one =
-            move |k: usize| measured.part(stretch(k)).ok().map(|part| (number, Arc::new(part)));
-        (0..STRETCHES).filter_map(one).collect::<Vec<_>>()
+        (0..STRETCHES).map(|k| (number, stretch(k))).collect::<Vec<_>>()
     };
+    if share >= 1.0 {
+        return scene.fitted();
+    }
     let parts: Vec<_> = fitted.iter().flat_map(cut).collect();
-    if share < 1.0 && !parts.is_empty() { scene.along(&parts) } else { scene.fitted() }
+    let excerpt = scene.along(&parts);
+    if excerpt.recordings.is_empty() { scene.fitted() } else { excerpt }
 }

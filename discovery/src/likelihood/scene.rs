@@ -1,8 +1,10 @@
 //! A fitted drive at recordings: those it was fitted to, and those held out to judge by.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use drivescope_plant::drive::{Drive, EffectData, Input};
+use drivescope_plant::model::SPEED;
 use rayon::prelude::*;
 
 use super::averaged::averaged;
@@ -13,7 +15,7 @@ use super::randomness::Randomness;
 use crate::case::Setting;
 use crate::discover::Model;
 use crate::estimate::{Evidence, with_own};
-use crate::measured::Measured;
+use crate::measured::{Measured, Output};
 use crate::observer::Observer;
 
 /// One recording with the drive as it was there.
@@ -49,6 +51,9 @@ pub(crate) struct Scene {
 
 /// Least noise of a sensor in a recording over that in the noisiest of its recordings.
 const QUIET: f64 = 0.3;
+
+/// Factor on a first guess of the load that makes it whatever the sensors say.
+const ANY: f64 = 20.0;
 
 /// The longest sub-step that resolves a drive, s.
 pub(crate) fn longest(drive: &Drive) -> f64 {
@@ -92,7 +97,8 @@ impl Scene {
         };
         let mut recordings = recorded(estimation, &model.fitted.recordings, false);
         recordings.extend(recorded(validation, &model.validation.recordings, true));
-        Self { drive: drive.clone(), names: model.names(), recordings, longest_s: longest(drive) }
+        let (names, longest_s) = (model.names(), longest(drive));
+        Self { drive: drive.clone(), names, recordings, longest_s }.looked_through()
     }
 
     /// Whether it sees means of the samples of those recordings.
@@ -110,13 +116,34 @@ impl Scene {
     }
 
     /// The same along parts of its recordings, each with the number of its recording.
-    pub(crate) fn along(&self, parts: &[(usize, Arc<Measured>)]) -> Self {
-        let one = |(number, measured): &(usize, Arc<Measured>)| {
+    pub(crate) fn along(&self, parts: &[(usize, Range<usize>)]) -> Self {
+        let one = |(number, range): &(usize, Range<usize>)| {
             let it = &self.recordings[*number];
-            let direction = Arc::new(Direction::of(&it.drive, measured, &it.noise));
-            Recorded { measured: measured.clone(), direction, ..it.clone() }
+            let measured = Arc::new(it.measured.part(range.clone()).ok()?);
+            let direction = Arc::new(it.direction.part(range.clone()));
+            Some(Recorded { measured, direction, ..it.clone() })
         };
-        Self { recordings: parts.iter().map(one).collect(), ..self.clone() }
+        Self { recordings: parts.iter().filter_map(one).collect(), ..self.clone() }
+    }
+
+    /// With the directions of the speed itself, where a sensor shows it late.
+    fn looked_through(mut self) -> Self {
+        let own = |it: &Recorded| it.drive.model().shows_state();
+        if self.recordings.iter().all(own) {
+            return self;
+        }
+        // So random that what was measured tells the speed, and not the friction that is not known.
+        if let Some(tracks) = self.tracks(&Randomness::guess(&self).scaled(ANY)) {
+            for (it, track) in self.recordings.iter_mut().zip(tracks) {
+                let mut speeds = vec![0.0; it.measured.len()];
+                for tick in &track.ticks {
+                    speeds[tick.sample] = tick.filtered[SPEED];
+                }
+                let sd = it.noise[Output::Speed as usize];
+                it.direction = Arc::new(Direction::of_speeds(&it.measured, &speeds, sd));
+            }
+        }
+        self
     }
 
     /// With an effect in the drive, of which those parameters are estimated too.
@@ -132,7 +159,7 @@ impl Scene {
             it.drive.effects.push(effect.clone());
         }
         with.longest_s = longest(&with.drive).min(self.longest_s);
-        with
+        with.looked_through()
     }
 
     /// With a law in every recording whose coefficients belong to the recording: what does not repeat

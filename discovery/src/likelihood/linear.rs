@@ -144,7 +144,10 @@ impl Linearised for Itself<'_> {
         }
         self.exponential.set(&rates, self.part_s);
         let whole = &self.exponential.whole;
-        let moved = Vector::from_fn(|state, _| whole[state][LOAD] / whole[SPEED][LOAD]);
+        let mut moved = Vector::zeros();
+        for state in 0..self.plant.imposed {
+            moved[state] = whole[state][LOAD] / whole[SPEED][LOAD];
+        }
         if moved.iter().all(|it| it.is_finite()) { moved } else { Vector::zeros() }
     }
 

@@ -299,6 +299,6 @@ pub(crate) mod tests {
         // The validation begins warm.
         assert!(with.error < 1.1 && with.validation_error < 1.1, "{with:?}");
         let found = discover(&cold, &estimation, &validation, &Unwatched).expect("it can be run");
-        assert_eq!(found.named, ["winding_heating"]);
+        assert_eq!(found.named, ["winding_heating"], "{:?}", found.ranking);
     }
 }

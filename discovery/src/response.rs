@@ -10,7 +10,6 @@
 //! matrix product a sample.
 
 use drivescope_numerics::Dual;
-use nalgebra::DMatrix;
 
 use crate::case::Case;
 use crate::measured::OUTPUTS;
@@ -106,7 +105,7 @@ impl Linearised {
         visit: &mut impl FnMut(Response<'_>),
     ) {
         let n = self.states;
-        let (mut place, mut value) = (0, 0);
+        let mut place = 0;
         for piece in &case.measured.pieces {
             // States, then torque and voltage.
             let mut x = [[0.0; TOGETHER]; SEEDS];
@@ -122,8 +121,7 @@ impl Linearised {
                         let mut shown = along(&map.shown[channel.output as usize], &x, n + 2);
                         shown.iter_mut().for_each(|shown| *shown /= case.noise[output]);
                         let of = &shown[..series.len()];
-                        visit(Response { value, sample, output, first, of });
-                        value += 1;
+                        visit(Response { sample, output, first, of });
                     }
                 }
                 let mut next = x;
@@ -150,8 +148,6 @@ fn along(row: &[f64; SEEDS], x: &[[f64; TOGETHER]; SEEDS], used: usize) -> [f64;
 
 /// What some series do to a measured value, in units of the noise.
 pub(crate) struct Response<'a> {
-    /// Number of the measured value.
-    pub(crate) value: usize,
     /// Its sample.
     pub(crate) sample: usize,
     /// Its output, by its place in [`crate::Measured::outputs`].
@@ -181,40 +177,43 @@ pub(crate) fn respond(
             belongs.push(number);
         }
     }
-    let (mut value, mut of) = (0, vec![0.0; series.len()]);
+    let mut of = vec![0.0; series.len()];
     case.blocks(&directions, |rows| {
         for (row, (sample, output)) in rows.sample.iter().zip(&rows.output).enumerate() {
             of.fill(0.0);
             for (column, number) in rows.columns.column(row).iter().zip(&belongs) {
                 of[*number] += column;
             }
-            visit(Response { value, sample: *sample, output: *output, first: 0, of: &of });
-            value += 1;
+            visit(Response { sample: *sample, output: *output, first: 0, of: &of });
         }
     });
 }
 
-/// The same as a matrix: one row a series, one column a measured value.
-pub(crate) fn responses(
-    linearised: Option<&Linearised>,
-    case: &Case<'_>,
-    series: &[Forcing],
-) -> DMatrix<f64> {
-    let mut columns = DMatrix::zeros(series.len(), case.measured.values());
-    respond(linearised, case, series, |Response { value, first, of, .. }| {
-        columns.view_mut((first, value), (of.len(), 1)).copy_from_slice(of);
-    });
-    columns
-}
-
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::*;
     use crate::rig::Rig;
     use crate::testing::{bench, dr300, gaussian};
 
     /// Both are exact derivatives of the same run: what is left are sums in another order.
     const ROUNDING: f64 = 1e-9;
+
+    /// Of the first series to the last, sample by sample.
+    fn responses(
+        linearised: Option<&Linearised>,
+        case: &Case<'_>,
+        series: &[Forcing],
+    ) -> DMatrix<f64> {
+        let outputs = case.measured.outputs.len();
+        let mut columns = DMatrix::zeros(series.len(), outputs * case.measured.len());
+        respond(linearised, case, series, |Response { sample, output, first, of }| {
+            let value = sample * outputs + output;
+            columns.view_mut((first, value), (of.len(), 1)).copy_from_slice(of);
+        });
+        columns
+    }
 
     #[test]
     fn responses_are_those_of_runs_over_duals() {

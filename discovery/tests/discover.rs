@@ -4,8 +4,8 @@
 mod testing;
 
 use drivescope_discovery::{
-    Discovery, Error, Evidence, Measured, Ranked, Rule, SecondOpinion, Step, Unwatched, Verdict,
-    Watch, add, bic_of, discover, discover_by,
+    Balance, Discovery, Error, Evidence, Measured, Step, Unwatched, Verdict, Watch, add, bic_of,
+    discover,
 };
 use drivescope_plant::drive::{Drive, EffectData, LawData};
 use drivescope_plant::effects::custom::Target;
@@ -75,45 +75,21 @@ fn a_hidden_effect_is_named_and_its_absence_too() {
     // The same without what was hidden: nothing is named.
     let answer = found(&base(), false, 1);
     assert_eq!((answer.verdict, answer.named.len()), (Verdict::None, 0), "{:?}", answer.ranking);
-    // Noise alone is no second opinion.
-    assert_eq!(answer.second_opinion, None);
 }
 
 #[test]
-fn the_rule_of_evidence_names_the_same_with_a_probability_and_knows_a_load() {
-    let by_evidence = |truth: &Drive, load: bool| {
-        let [estimation, validation] = recorded(truth, load, 3);
-        let rule = Rule::Evidence;
-        let found = discover_by(rule, &base(), &estimation, &validation, &Unwatched);
-        found.expect("the base can be fitted")
-    };
+fn what_is_named_has_a_probability_and_a_size_under_a_random_load_too() {
     for load in [false, true] {
-        let answer = by_evidence(&with("unbalance", &[0.003, 0.002]), load);
+        let answer = found(&with("unbalance", &[0.003, 0.002]), load, 3);
         assert_eq!(answer.named, ["unbalance"], "{:?}", answer.ranking);
         let named = &answer.ranking[0];
-        assert!(named.probability.is_some_and(|it| it > 0.99 && it <= 1.0), "{named:?}");
+        assert!(named.probability > 0.99 && named.probability <= 1.0, "{named:?}");
         // 3.6 mN m over a resistance to motion of some 20 mN m.
-        assert!(named.size.is_some_and(|it| (0.05..0.5).contains(&it)), "{named:?}");
-        let answer = by_evidence(&base(), load);
-        assert_eq!(
-            (answer.verdict, answer.named.len()),
-            (Verdict::None, 0),
-            "{:?}",
-            answer.ranking
-        );
+        assert!((0.05..0.5).contains(&named.size), "{named:?}");
+        let answer = found(&base(), load, 3);
+        let said = (answer.verdict, answer.named.len());
+        assert_eq!(said, (Verdict::None, 0), "{:?}", answer.ranking);
     }
-}
-
-#[test]
-fn the_inverse_form_is_a_second_opinion_where_an_effect_is_large() {
-    let answer = found(&with("brush_drop", &[0.8, 0.1]), false, 4);
-    assert_eq!(answer.named, ["brush_drop"]);
-    let second = answer.second_opinion.expect("the error is many times the noise");
-    assert_eq!((second.best.as_deref(), second.agrees), (Some("brush_drop"), true), "{second:?}");
-    assert!(second.noise_share < 0.1 && second.delta_bic > Some(10.0), "{second:?}");
-    assert!(second.words().ends_with("agrees: brush_drop explains most there too"));
-    let other = SecondOpinion { agrees: false, ..second };
-    assert!(other.words().ends_with("disagrees: there brush_drop explains most"));
 }
 
 #[test]
@@ -219,20 +195,25 @@ fn a_typed_law_at_its_null_is_ranked_among_the_library() {
 }
 
 #[test]
-fn a_law_that_only_resembles_what_is_missing_is_taken_back() {
+fn what_nobody_knows_stays_beside_what_is_named() {
     // A brush drop beside a contact whose resistance grows with the current, which no law of the
     // library has.
     let mut truth = with("brush_drop", &[0.6, 0.1]);
     truth.effects.push(contact(0.2));
     let [estimation, validation] = recorded(&truth, false, 5);
     let answer = discover(&base(), &estimation, &validation, &Unwatched).expect("it can be fitted");
-    assert_eq!((answer.verdict, answer.named.len()), (Verdict::Unknown, 0), "{answer:?}");
+    assert_eq!(answer.named, ["brush_drop"], "{:?}", answer.ranking);
+    assert_eq!(answer.remaining, Verdict::Unknown, "{:?}", answer.ranking);
+    // Without the brush drop nothing is named, and the curve tells what is missing.
+    let mut truth = base();
+    truth.effects.push(contact(0.2));
+    let [estimation, validation] = recorded(&truth, false, 5);
+    let answer = discover(&base(), &estimation, &validation, &Unwatched).expect("it can be fitted");
+    assert_eq!((answer.verdict, answer.named.len()), (Verdict::Unknown, 0), "{:?}", answer.ranking);
     assert_eq!(answer.ladder.len(), 1, "{:?}", answer.ladder);
-    let taken_back = |it: &Ranked| {
-        it.refused.as_deref().is_some_and(|why| why.ends_with("no known effect is the rest"))
-    };
-    assert!(answer.ranking.iter().any(taken_back), "{:?}", answer.ranking);
-    assert!(answer.learned.is_some_and(|learned| learned.excess_removed > 0.9));
+    let learned = answer.learned.expect("there is a curve");
+    assert_eq!((learned.balance, learned.over), (Balance::Voltage, "i"));
+    assert!(learned.excess_removed > 0.9, "{learned:?}");
 }
 
 #[test]

@@ -13,7 +13,6 @@ mod fit;
 mod fmu;
 mod init;
 mod recording_options;
-mod rule;
 mod schema;
 mod serve;
 mod shell;

@@ -53,6 +53,15 @@ pub(crate) fn given(value: f64) -> String {
     }
 }
 
+/// A probability, short of certainty.
+pub(crate) fn probability(p: f64) -> String {
+    match p {
+        p if p > 0.9999 => "> 0.9999".to_owned(),
+        p if p < 1e-4 => "< 0.0001".to_owned(),
+        p => format!("{p:.4}"),
+    }
+}
+
 /// A p value; one that is zero in floating point is only known to be small.
 pub(crate) fn p_value(p: f64) -> String {
     if p.is_nan() {

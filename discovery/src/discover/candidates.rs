@@ -304,11 +304,6 @@ fn periods(motion: Motion, least: usize, scales: &Scales) -> Vec<f64> {
 }
 
 impl Candidate {
-    /// Whether it is one of the ripples, whose variants are many and cheap.
-    pub(crate) fn is_ripple(&self) -> bool {
-        !self.is_typed() && self.parameters().any(|name| name == "N")
-    }
-
     /// Whether the user typed it.
     pub(crate) fn is_typed(&self) -> bool {
         self.variants[0].effect.law.is_some()
@@ -317,11 +312,6 @@ impl Candidate {
     /// Its parameters.
     pub(crate) fn parameters(&self) -> impl ExactSizeIterator<Item = &str> {
         self.variants[0].effect.parameters.iter().map(|(name, _)| name.as_str())
-    }
-
-    /// Whether it has states of its own.
-    pub(crate) fn has_states(&self) -> bool {
-        Entry::find(self.info.id).is_some_and(|entry| !entry.states.is_empty())
     }
 
     /// An effect of its kind with coefficients times a factor.

@@ -6,11 +6,9 @@
 use drivescope_plant::drive::Drive;
 use nalgebra::DMatrix;
 
-use super::ripple::Trajectory;
 use crate::case::{Case, Setting};
 use crate::estimate::{Evidence, Fit, with_own};
 use crate::measured::Measured;
-use crate::response::{Forcing, responses};
 use crate::sensitivity::{Direction, Rows};
 
 /// Where a value was measured.
@@ -38,61 +36,20 @@ pub(crate) struct At<'a> {
 }
 
 impl<'a> At<'a> {
-    /// One recording's case, handed to the function.
-    pub(crate) fn with_case<T>(&self, recording: usize, then: impl FnOnce(&Case<'_>) -> T) -> T {
-        self.with_changed(recording, &Drive::clone, self.setting, then)
-    }
-
-    /// The same with something added to the drive, in a setting that resolves it.
-    pub(crate) fn with_changed<T>(
-        &self,
-        recording: usize,
-        change: &dyn Fn(&Drive) -> Drive,
-        setting: &Setting,
-        then: impl FnOnce(&Case<'_>) -> T,
-    ) -> T {
-        let fit = &self.fits[recording];
-        then(&Case {
-            drive: &change(&with_own(self.drive, fit)),
-            measured: &self.evidence.recordings[recording],
-            noise: &self.evidence.noise[recording],
-            starts: &fit.starts,
-            setting,
-        })
-    }
-
-    /// Responses of all recordings to the same number of series in each.
-    pub(crate) fn responses(
-        &self,
-        runs: &[Trajectory],
-        series: impl Fn(usize) -> Vec<Forcing>,
-    ) -> DMatrix<f64> {
-        let of = |recording: usize| {
-            let linearised = runs[recording].linearised.as_ref();
-            self.with_case(recording, |case| responses(linearised, case, &series(recording)))
-        };
-        let each: Vec<DMatrix<f64>> = (0..self.fits.len()).map(of).collect();
-        let values = each.iter().map(DMatrix::ncols).sum();
-        let mut all = DMatrix::zeros(each.first().map_or(0, DMatrix::nrows), values);
-        let mut from = 0;
-        for one in each {
-            all.columns_mut(from, one.ncols()).copy_from(&one);
-            from += one.ncols();
-        }
-        all
-    }
-
-    /// Rows of every recording for those directions; `change` may add to the drive.
-    pub(crate) fn rows(
-        &self,
-        change: &dyn Fn(&Drive) -> Drive,
-        setting: &Setting,
-        directions: impl Fn(usize) -> Vec<Owned>,
-    ) -> Vec<Rows> {
+    /// Rows of every recording for those directions.
+    fn rows(&self, directions: impl Fn(usize) -> Vec<Owned>) -> Vec<Rows> {
         let of = |recording: usize| {
             let owned = directions(recording);
             let borrowed: Vec<Direction<'_>> = owned.iter().map(Owned::direction).collect();
-            self.with_changed(recording, change, setting, |case| case.sensitivities(&borrowed))
+            let fit = &self.fits[recording];
+            let case = Case {
+                drive: &with_own(self.drive, fit),
+                measured: &self.evidence.recordings[recording],
+                noise: &self.evidence.noise[recording],
+                starts: &fit.starts,
+                setting: self.setting,
+            };
+            case.sensitivities(&borrowed)
         };
         (0..self.fits.len()).map(of).collect()
     }
@@ -142,7 +99,7 @@ impl Columns {
 
     /// The residuals alone.
     pub(crate) fn residuals(at: &At<'_>) -> Self {
-        let rows = at.rows(&Drive::clone, at.setting, |_| Vec::new());
+        let rows = at.rows(|_| Vec::new());
         Self::shared(at.evidence, &rows)
     }
 
@@ -159,7 +116,7 @@ impl Columns {
             names.chain(starts).collect()
         };
         let counts: Vec<usize> = (0..at.fits.len()).map(|r| own(r).len()).collect();
-        let rows = at.rows(&Drive::clone, at.setting, |recording| {
+        let rows = at.rows(|recording| {
             let names = shared.iter().cloned().map(Owned::Parameter);
             names.chain(own(recording)).collect()
         });

@@ -10,10 +10,7 @@ use std::f64::consts::TAU;
 
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::effects::law::Variable;
-use nalgebra::DMatrix;
 
-use super::columns::At;
-use super::ripple::Trajectory;
 use super::scales::Scales;
 use crate::measured::Measured;
 use crate::response::Forcing;
@@ -22,6 +19,19 @@ use crate::response::Forcing;
 const SIGNED: usize = 17;
 const MAGNITUDE: usize = 8;
 const AROUND: usize = 12;
+
+/// The variables along one recording.
+#[derive(Debug, Clone)]
+pub(crate) struct Trajectory {
+    /// Current, A (the commanded signal where force-driven).
+    pub(crate) current: Vec<f64>,
+    /// Speed, rad/s (m/s).
+    pub(crate) speed: Vec<f64>,
+    /// Position, rad (m): measured where it is.
+    pub(crate) position: Vec<f64>,
+    /// Acceleration, rad/s^2 (m/s^2).
+    pub(crate) acceleration: Vec<f64>,
+}
 
 /// Where a curve stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -76,11 +86,6 @@ impl Curve {
             (Over::Time, _) => &[Variable::Time, Variable::Temperature],
             (Over::Acceleration, _) => &[Variable::Acceleration],
         }
-    }
-
-    /// Whether it goes over time, which is another in every recording.
-    pub(crate) fn is_over_time(&self) -> bool {
-        self.over == Over::Time
     }
 
     /// What it adds to the balances of one recording, a hat at a time.
@@ -197,13 +202,6 @@ pub(crate) fn curves(drive: &Drive, scales: &Scales, runs: &[Trajectory]) -> Vec
         add(Flux, Over::CurrentMagnitude, One, magnitude(current), None);
     }
     all
-}
-
-/// Responses to the hats of a curve.
-pub(crate) fn response(at: &At<'_>, runs: &[Trajectory], curve: &Curve) -> DMatrix<f64> {
-    at.responses(runs, |recording| {
-        curve.forcings(at.drive, &at.evidence.recordings[recording], &runs[recording])
-    })
 }
 
 #[cfg(test)]

@@ -32,3 +32,8 @@ pub(crate) const NESTED: f64 = 0.03;
 pub(crate) const FORMULA: f64 = 0.1;
 /// Laws that are fitted in a round: how far one looks, not how one judges.
 pub(crate) const REFITTED: usize = 5;
+/// Rounds at most, each of which adds one effect.
+pub(crate) const ROUNDS: usize = 4;
+/// Least share of the best curve's evidence that one must have which the effect `learned` can hold, to
+/// be shown in its place.
+pub(crate) const ADDABLE: f64 = 0.8;

@@ -11,8 +11,8 @@ use drivescope_recording::{Clock, NoiseGain};
 use serde::Serialize;
 
 use super::columns::{At, Columns};
-use super::projection::Projection;
-use super::refit::{Model, squared};
+use super::projection::beside;
+use super::refit::Model;
 use super::scales::Scales;
 use crate::case::Setting;
 use crate::driving::Driving;
@@ -94,6 +94,10 @@ pub(crate) fn next(
     })
 }
 
+fn squared(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum()
+}
+
 fn worst_pair(
     base: &Model,
     models: &[(String, &Model)],
@@ -123,8 +127,7 @@ fn worst_pair(
             // Residuals against zero: their difference is that of the outputs.
             let change: Vec<f64> =
                 plain.residual.iter().zip(&with.residual).map(|(a, b)| a - b).collect();
-            let projection = Projection::new(plain.columns.clone(), &change);
-            projection.residual().as_slice().to_vec()
+            beside(&plain.columns, &change)
         })
         .collect();
     let mut worst = f64::INFINITY;

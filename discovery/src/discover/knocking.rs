@@ -5,16 +5,17 @@
 //! drive) foretells of a sample from those before is a probability too, with the exact moments of
 //! contact; it is that of the filter whose load is not random.
 
+use drivescope_plant::effects::registry::{Entry, REGISTRY};
+
 use super::candidates::Candidate;
 use super::columns::Columns;
 use super::refit::{Model, refit};
 use super::round::Round;
-use super::screen::screen;
 use super::whiten::Whitener;
 use crate::balances::unexplained;
 use crate::estimate::Evidence;
 use crate::likelihood::Ground;
-use crate::measured::Measured;
+use crate::measured::{Measured, Output};
 
 /// A law fitted in free run, with ln of its evidence over that of the base.
 pub(super) struct Foretold {
@@ -28,24 +29,37 @@ pub(super) struct Foretold {
 }
 
 impl Round<'_> {
-    /// Whether a law knocks, or is excluded by one that does: only its fit in free run can be
-    /// compared with that one's.
-    pub(super) fn is_of_two_masses(&self, it: &Candidate) -> bool {
-        let knocks = |other: &Candidate| other.info.knocks && excludes(other, it);
-        it.info.knocks || self.all.iter().any(knocks)
+    /// Whether only its fit in free run tells a law: one that knocks, or is excluded by one that does,
+    /// and one with states of its own where sensors beside the motor show them.
+    pub(super) fn is_foretold(&self, it: &Candidate) -> bool {
+        let knocks = |entry: &Entry| entry.info.knocks && entry.info.excludes.contains(&it.info.id);
+        let has_states = || Entry::find(it.info.id).is_some_and(|entry| !entry.states.is_empty());
+        it.info.knocks
+            || REGISTRY.iter().any(|entry| knocks(entry))
+            || (self.looks_beside() && has_states())
+    }
+
+    /// Whether sensors beside the motor were recorded, which the filter does not look at.
+    pub(super) fn looks_beside(&self) -> bool {
+        let of_motor = [Output::Current, Output::Speed, Output::Position];
+        let mut outputs = self.estimation.recordings.iter().flat_map(|it| &it.outputs);
+        outputs.any(|channel| !of_motor.contains(&channel.output))
     }
 
     /// Nothing where no fit ends, or the filter sees means of the samples, which are not foretold.
-    pub(super) fn foretold(&self, ground: &Ground, it: &Candidate) -> Option<Foretold> {
+    /// `variants` are shapes of the law, the most promising first.
+    pub(super) fn foretold(
+        &self,
+        ground: &Ground,
+        it: &Candidate,
+        variants: &[usize],
+    ) -> Option<Foretold> {
         if ground.scene.is_averaged(self.estimation, self.validation) {
             return None;
         }
-        let may = |other: &Candidate| other.id == it.id;
-        let screened = screen(&self.sight, self.all, &may, &|| self.watch.stopped()).plain;
-        let screened = screened.into_iter().next()?;
         let (estimation, validation) = (self.estimation, self.validation);
         let seen = |_| self.watch.stopped();
-        let model = refit(self.model, it, &screened, estimation, validation, &seen).ok()?;
+        let model = refit(self.model, it, variants, estimation, validation, &seen).ok()?;
         let base = &self.model.fitted;
         // No inverse is told of what has a mass behind teeth: of the torque that the base leaves
         // unexplained it has as much as of the error.
@@ -53,14 +67,16 @@ impl Round<'_> {
         let kept = model.fitted.squares.sum / base.squares.sum;
         let size = left * (1.0 - kept).max(0.0).sqrt() / ground.references.torque;
         let [own, others] = self.ln_probabilities(&model);
-        // A filter knows less of each reversal than a free run: the base is the better of both. Its
+        // A filter knows less of each reversal than a free run, and nothing of what stands beside the
+        // motor: the base is the better of both where they speak of the same. Its
         // evidence holds the price of its parameters; Laplace's of a single one is this.
         let parameters = model.fitted.parameters.len() as f64;
         let price = 0.5 * parameters * (model.fitted.squares.values as f64).ln();
         let [before, rest] = self.ln_probabilities(self.model);
         let both = before + rest;
-        let fitted = own - price - before.max(ground.base.fitted);
-        let all = own + others - price - both.max(ground.base.all);
+        let by_filter = |evidence: f64| if self.looks_beside() { f64::MIN } else { evidence };
+        let fitted = own - price - before.max(by_filter(ground.base.fitted));
+        let all = own + others - price - both.max(by_filter(ground.base.all));
         Some(Foretold { model, fitted, all, size })
     }
 }
@@ -72,17 +88,12 @@ impl Round<'_> {
     fn ln_probabilities(&self, model: &Model) -> [f64; 2] {
         let own = Columns::residuals(&model.at(self.estimation));
         let whitener = Whitener::of(&own.places, &own.residual);
-        let judging = model.validation_sight(self.validation);
-        let others = judging.columns();
+        let others = Columns::residuals(&model.at_others(self.validation));
         [
             whitener.ln_probability(&own.places, &own.residual) - ln_noise(self.estimation),
             whitener.ln_probability(&others.places, &others.residual) - ln_noise(self.validation),
         ]
     }
-}
-
-fn excludes(one: &Candidate, other: &Candidate) -> bool {
-    one.info.excludes.contains(&other.info.id)
 }
 
 /// ln of the sizes of the noise of all that was measured, summed.

@@ -1,23 +1,20 @@
-//! The loop: screen, refit, judge, add, until nothing is left or nobody knows.
+//! The loop: weigh, fit, decide, add, until nothing is left or nobody knows.
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::registry::Entry;
 
 use super::candidates::{Candidate, NotJudged, candidate, candidates};
+use super::decision;
 use super::experiment;
-use super::gates;
-use super::judge::Judged;
-use super::learned::{LearnedCurve, effect};
-use super::left::Left;
+use super::judged::Judged;
+use super::learned::LearnedCurve;
 use super::other_machine;
-use super::refit::{Model, refit, with_learned};
+use super::refit::Model;
 use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
-use super::round::{Outcome, Round};
+use super::round::{Formula, Outcome, Round};
 use super::scales::Scales;
-use super::screen::screen;
 use super::typed;
 use super::unusable;
-use super::weighed::Formula;
 use crate::balances::unexplained;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
@@ -34,38 +31,18 @@ const UNKNOWN: &str = "the library has no effect of that name";
 /// Why a typed law is not added whose coefficients are not at their null.
 const HAS_IT: &str = "the drive has it already, with coefficients that are not 0: `fit` estimates \
                       them";
+/// Why an effect is not added with which nothing can be computed.
+const OVERFLOWS: &str = "the model overflows with it";
+/// Why an effect is not added with which no fit ends.
+const NO_FIT: &str = "no fit with it ends";
 /// Starts of the base fit: the file's values may be far off.
 const STARTS: usize = 2;
-
-/// By which rule an effect is named.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Rule {
-    /// Gains in BIC, tests and shapes, each with its threshold.
-    Gates,
-    /// The evidence of one model with a random load in it.
-    #[default]
-    Evidence,
-}
-
-/// Finds what the drive's model lacks, by the usual rule.
-///
-/// # Errors
-/// Those of a fit of the base drive.
-pub fn discover(
-    drive: &Drive,
-    estimation: &Evidence,
-    validation: &Evidence,
-    watch: &dyn Watch,
-) -> Result<Discovery, Error> {
-    discover_by(Rule::default(), drive, estimation, validation, watch)
-}
 
 /// Finds what the drive's model lacks.
 ///
 /// # Errors
 /// Those of a fit of the base drive.
-pub fn discover_by(
-    rule: Rule,
+pub fn discover(
     drive: &Drive,
     estimation: &Evidence,
     validation: &Evidence,
@@ -79,13 +56,10 @@ pub fn discover_by(
     let (drive, typed) = &typed::apart(of_user);
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
     found.signals = wrong;
-    let mut base: Option<Model> = None;
     let mut formulas: Vec<Formula> = Vec::new();
     let seen = |error| seen_by(watch, error);
-    let first = model.fitted.squares.sum;
-    let (floor, validation_floor) =
-        (floor(estimation, found.observer), floor(validation, found.observer));
-    for round in 0..gates::ROUNDS {
+    let floor = floor(estimation, found.observer);
+    for round in 0..decision::ROUNDS {
         if watch.stopped() {
             break;
         }
@@ -93,29 +67,21 @@ pub fn discover_by(
         let (all, not) = candidates(&model.fitted.drive, estimation, &scales, typed);
         let turn = Round {
             model: &model,
-            sight: model.sight(estimation),
-            validation_sight: model.validation_sight(validation),
-            first,
             all: &all,
             scales: &scales,
             estimation,
             validation,
             watch,
             floor,
-            validation_floor,
             named: &found.named.clone(),
             formulas: &formulas,
         };
-        let run = || match rule {
-            Rule::Gates => turn.run(),
-            Rule::Evidence => turn.weighed(),
-        };
         let outcome = if round == 0 && watch.compares() {
-            let (outcome, fails) = rayon::join(run, || fails(&model, estimation));
+            let (outcome, fails) = rayon::join(|| turn.run(), || fails(&model, estimation));
             found.fails = fails;
             outcome
         } else {
-            run()
+            turn.run()
         };
         if round == 0 {
             found.not_judged = not;
@@ -124,42 +90,38 @@ pub fn discover_by(
         }
         let passed = outcome.judged.iter().position(|one| one.refused.is_none());
         note(&turn, &outcome, passed, &mut found);
-        let Outcome { mut judged, left, misshapen, .. } = outcome;
+        let Outcome { mut judged, unknown, .. } = outcome;
         let Some(best) = passed else {
-            let curve = |left| LearnedCurve::of_left(left, misshapen, floor, drive);
-            found.learned = left.as_ref().and_then(curve);
-            let unknown = found.learned.is_some() || misshapen;
-            found.remaining = if unknown { Verdict::Unknown } else { Verdict::None };
+            let missing = unknown.is_some();
+            found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
+            found.learned = unknown.map(|curve| {
+                watch.step(&Step::Doing("drawing what nobody knows"));
+                let with = turn.with_curve(&curve);
+                let removed = with.map_or(0.0, |with| turn.removed(&with));
+                LearnedCurve::of(&curve, removed, &model.fitted.drive)
+            });
             break;
         };
         let kind = all[judged[best].candidate].name.clone();
         if !found.named.contains(&kind) && !turn.refines(&all[judged[best].candidate]) {
             found.named.push(kind.clone());
         }
-        let best = judged.swap_remove(best);
-        let formula = best.weighed.map(|it| Formula::of(&all[best.candidate], it.size));
-        let weighed = best.weighed;
-        let named = best.model;
-        let named = if weighed.is_some_and(|it| it.by_balance) {
+        let Judged { candidate, model: named, weighed, .. } = judged.swap_remove(best);
+        formulas.push(Formula::of(&all[candidate], weighed.size));
+        let named = if weighed.by_balance {
             named
         } else {
             named.polished(estimation, validation, &seen).unwrap_or(named)
         };
         found.climb(Some(kind), &named, (estimation, validation), watch);
-        let before = std::mem::replace(&mut model, named);
-        base.get_or_insert(before);
-        formulas.extend(formula);
-    }
-    if let (Some(base), Some(shape)) = (base, found.half_shape()) {
-        found.take_back(&base, shape, floor, estimation, validation, watch);
-        model = base;
+        model = named;
     }
     found.end(model.fitted.drive, of_user);
     found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };
     Ok(found)
 }
 
-/// Adds one effect that the user chose, whatever its gates would say; `learned` is the curve that
+/// Adds one effect that the user chose, whatever speaks for it; `learned` is the curve that
 /// describes best what the drive lacks.
 ///
 /// # Errors
@@ -177,38 +139,51 @@ pub fn add(
     let (model, mut found) = begin(drive, estimation, validation, watch)?;
     let seen = |error| seen_by(watch, error);
     let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
-    let floor = floor(estimation, found.observer);
     let scales = Scales::of(&model.fitted.drive, estimation);
-    let sight = model.sight(estimation);
-    let added = if kind == "learned" {
-        let left =
-            Left::of(&sight, &model.validation_sight(validation), &scales, &|| watch.stopped());
-        let best =
-            left.addable(floor).and_then(|best| Some((best, effect(&model.fitted.drive, best)?)));
-        let (best, effect) = best.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
-        found.learned = Some(LearnedCurve::of(best, left.excess(floor), drive));
-        with_learned(&model, effect, estimation, validation, &seen)?
-    } else {
-        let chosen = match typed.iter().find(|effect| effect.id == kind) {
-            Some(effect) => [typed::candidate(effect)],
-            None => {
-                let has = drive.effects.iter().any(|effect| effect.id == kind);
-                let why = if has { HAS_IT } else { UNKNOWN };
-                let entry = Entry::find(kind).ok_or_else(|| cannot(why.to_owned()))?;
-                if let Some(refusal) = model.fitted.drive.refuses(entry) {
-                    return Err(cannot(refusal.to_string()));
-                }
-                [candidate(entry, &model.fitted.drive, &scales)]
+    let chosen: Vec<Candidate> = match typed.iter().find(|effect| effect.id == kind) {
+        _ if kind == "learned" => Vec::new(),
+        Some(effect) => vec![typed::candidate(effect)],
+        None => {
+            let has = drive.effects.iter().any(|effect| effect.id == kind);
+            let why = if has { HAS_IT } else { UNKNOWN };
+            let entry = Entry::find(kind).ok_or_else(|| cannot(why.to_owned()))?;
+            if let Some(refusal) = model.fitted.drive.refuses(entry) {
+                return Err(cannot(refusal.to_string()));
             }
-        };
-        let screened = screen(&sight, &chosen, &|_| true, &|| watch.stopped());
-        let Some(best) = screened.plain.first() else {
-            return Err(cannot("the model overflows with it".to_owned()));
-        };
-        if best.is_imitated() {
+            vec![candidate(entry, &model.fitted.drive, &scales)]
+        }
+    };
+    let floor = floor(estimation, found.observer);
+    let turn = Round {
+        model: &model,
+        all: &chosen,
+        scales: &scales,
+        estimation,
+        validation,
+        watch,
+        floor,
+        named: &[],
+        formulas: &[],
+    };
+    let ground = turn.ground().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
+    let weights = turn.weights(&ground).ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
+    let added = if kind == "learned" {
+        let mut addable =
+            weights.curves.iter().filter(|it| it.curve.is_addable() && it.repeats > 0.0);
+        let curve = addable.next().ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
+        let with = turn.with_curve(curve).ok_or_else(|| cannot(NO_FIT.to_owned()))?;
+        found.learned = Some(LearnedCurve::of(curve, turn.removed(&with), drive));
+        with
+    } else {
+        let law = weights.laws.first().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
+        if !law.finite {
+            return Err(cannot(OVERFLOWS.to_owned()));
+        }
+        if law.imitated {
             return Err(cannot(imitated(&chosen[0]).reason));
         }
-        refit(&model, &chosen[0], best, estimation, validation, &seen)?
+        turn.added(&ground, law)
+            .ok_or_else(|| cannot(NO_FIT.to_owned()))?
             .polished(estimation, validation, &seen)?
     };
     found.named.push(kind.to_owned());
@@ -218,8 +193,9 @@ pub fn add(
     Ok(found)
 }
 
-/// Gain in BIC of one effect over the base, fitted, as the loop counts it: what a case is worth
-/// whose truth is known. Nothing gained where no fit with it ends.
+/// Twice the logarithm of the evidence of one effect over the base, fitted, as the loop counts it:
+/// what a case is worth whose truth is known, read as a gain in BIC. Nothing gained where no fit with
+/// it ends.
 ///
 /// # Errors
 /// [`Error::CannotAdd`] for an effect that the library does not have, and those of a fit of the
@@ -237,20 +213,22 @@ pub fn bic_of(
     let all = [candidate(entry, &model.fitted.drive, &scales)];
     let turn = Round {
         model: &model,
-        sight: model.sight(estimation),
-        validation_sight: model.validation_sight(validation),
-        first: model.fitted.squares.sum,
         all: &all,
         scales: &scales,
         estimation,
         validation,
         watch: &Unwatched,
         floor: floor(estimation, found.observer),
-        validation_floor: floor(validation, found.observer),
         named: &[],
         formulas: &[],
     };
-    Ok(turn.gain_of_best())
+    let evidence = || {
+        let ground = turn.ground()?;
+        let weights = turn.weights(&ground)?;
+        let laws: Vec<_> = weights.laws.iter().collect();
+        turn.at_their_best(&ground, &laws).first().map(|one| 2.0 * one.weighed.evidence)
+    };
+    Ok(evidence().unwrap_or(0.0))
 }
 
 /// The base, fitted, with the first rung of its ladder.
@@ -293,9 +271,6 @@ fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut 
     let first = found.ladder.len() == 1;
     if first {
         found.ranking = outcome.judged.iter().map(ranked).collect();
-        let by_gates = outcome.judged.iter().all(|one| one.weighed.is_none());
-        let second = by_gates.then(|| turn.second_opinion(outcome, passed));
-        found.second_opinion = second.flatten();
     } else {
         found.ranking.extend(passed.map(|best| ranked(&outcome.judged[best])));
     }

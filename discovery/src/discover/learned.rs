@@ -4,10 +4,12 @@ use drivescope_plant::drive::{Drive, EffectData, Input, LawData};
 use drivescope_plant::effects::custom::Target;
 use drivescope_plant::effects::learned::Over as Variable;
 use drivescope_plant::units::for_motion;
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::curves::{Balance, Curve, Factor, Over};
-use super::left::{Left, Rest};
+use super::projection::beside;
+use crate::likelihood::CurveWeight;
 
 /// Shares of the largest argument over which a rounded step is tried.
 const WIDTHS: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7];
@@ -43,20 +45,9 @@ pub struct LearnedCurve {
 }
 
 impl LearnedCurve {
-    /// What describes that something is left, if it is. Where a law was refused for its shape, the
-    /// curve that is not of that shape tells what is missing, however few blocks there are to test
-    /// it.
-    pub(super) fn of_left(left: &Left, misshapen: bool, floor: f64, drive: &Drive) -> Option<Self> {
-        let rest = match left.unknown(floor) {
-            None if misshapen => left.addable(floor),
-            rest => rest,
-        };
-        rest.map(|rest| Self::of(rest, left.excess(floor), drive))
-    }
-
-    /// Of what curves could remove.
-    pub(crate) fn of(rest: &Rest, excess: f64, drive: &Drive) -> Self {
-        let curve = &rest.curve;
+    /// Of a curve that removes that share of the error above the noise floor.
+    pub(crate) fn of(weight: &CurveWeight, excess_removed: f64, drive: &Drive) -> Self {
+        let curve = &weight.curve;
         let times = match curve.factor {
             Factor::One => None,
             Factor::Direction => Some("sign(omega)"),
@@ -69,9 +60,9 @@ impl LearnedCurve {
             knots: curve.knots.clone(),
             over_unit: unit(curve.over, drive),
             unit: balance_unit(curve.balance, drive),
-            values: rest.values.clone(),
-            formula: formula(curve, &rest.values),
-            excess_removed: (rest.removed / excess).clamp(0.0, 1.0),
+            values: beside_parameters(curve, &weight.values),
+            formula: formula(curve, &weight.values),
+            excess_removed,
         }
     }
 }
@@ -135,17 +126,18 @@ impl Curve {
 
 /// The curve as an effect of a drive, if the effect `learned` can hold it, with the names of the
 /// values that these recordings do not tell.
-pub(crate) fn effect(drive: &Drive, rest: &Rest) -> Option<(EffectData, Vec<String>)> {
-    let (target, over) = rest.curve.as_effect()?;
+pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData, Vec<String>)> {
+    let (target, over) = weight.curve.as_effect()?;
     let id = (1..)
         .map(|k| if k == 1 { "learned".to_owned() } else { format!("learned_{k}") })
         .find(|id| !drive.effects.iter().any(|effect| effect.id == *id))?;
     // A curve is what is lost; the effect adds.
-    let values = rest.values.iter().enumerate();
+    let values = beside_parameters(&weight.curve, &weight.values);
+    let values = values.iter().enumerate();
     let parameters = values.map(|(k, value)| (LawData::value_name(k), -value)).collect();
-    let untold = rest.told.iter().enumerate().filter(|(_, told)| !**told);
+    let untold = weight.told.iter().enumerate().filter(|(_, told)| !**told);
     let kept = untold.map(|(k, _)| format!("{id}.{}", LawData::value_name(k))).collect();
-    let law = LawData::Learned { target, over, knots: rest.curve.knots.clone() };
+    let law = LawData::Learned { target, over, knots: weight.curve.knots.clone() };
     Some((EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) }, kept))
 }
 
@@ -201,6 +193,24 @@ fn formula(curve: &Curve, values: &[f64]) -> Option<String> {
     });
     let best = held.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 >= HOLDS).then(|| format!("-({})", best.2(best.1)))
+}
+
+/// Values of a curve less what parameters of the base do over its variable: a resistance, viscous and
+/// dry friction. How much of that stands in the curve no recording tells.
+fn beside_parameters(curve: &Curve, values: &[f64]) -> Vec<f64> {
+    let sign = |z: f64| if z == 0.0 { 0.0 } else { z.signum() };
+    let of_base: fn(f64) -> [f64; 2] = match (curve.balance, curve.over, curve.factor) {
+        (Balance::Voltage, Over::Current, Factor::One) => |z| [z, 0.0],
+        (Balance::Torque, Over::Speed, Factor::One) => |z| [z, 1.0],
+        _ => return values.to_vec(),
+    };
+    let columns = curve.knots.iter().map(|z| {
+        let [slope, dry] = of_base(*z);
+        [slope, dry * sign(*z)]
+    });
+    let columns: Vec<[f64; 2]> = columns.collect();
+    let rows = DMatrix::from_fn(2, columns.len(), |row, k| columns[k][row]);
+    beside(&rows, values)
 }
 
 /// Values less what constants, slopes and signs explain of them.

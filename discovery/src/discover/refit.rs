@@ -1,14 +1,10 @@
 //! A candidate in the drive, everything fitted again, and what this proves.
 
 use drivescope_plant::drive::{Drive, EffectData};
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
-use super::columns::{At, Place};
-use super::projection::wald;
-use super::screen::{Screened, finer};
-use super::sight::Sight;
+use super::columns::At;
 use crate::case::Setting;
 use crate::error::Error;
 use crate::estimate::{Evaluated, Evidence, Fitted, Options, Seen, evaluate, fit_seen};
@@ -56,16 +52,10 @@ impl Model {
         At { drive, fits, evidence: estimation, setting: &self.setting }
     }
 
-    /// Seen at the recordings it was fitted to.
-    pub(crate) fn sight<'a>(&'a self, estimation: &'a Evidence) -> Sight<'a> {
-        Sight::new(self.at(estimation), self.names())
-    }
-
-    /// Seen at the validation recordings.
-    pub(crate) fn validation_sight<'a>(&'a self, validation: &'a Evidence) -> Sight<'a> {
+    /// At the validation recordings.
+    pub(crate) fn at_others<'a>(&'a self, validation: &'a Evidence) -> At<'a> {
         let (drive, fits) = (&self.fitted.drive, &self.validation.recordings);
-        let at = At { drive, fits, evidence: validation, setting: &self.setting };
-        Sight::new(at, self.names())
+        At { drive, fits, evidence: validation, setting: &self.setting }
     }
 
     /// Its parameters that were estimated.
@@ -75,49 +65,38 @@ impl Model {
 }
 
 /// Squared error, in units of the noise, by which a fit of a candidate may miss its minimum: far
-/// below what the gates ask for ([`super::gates::DELTA_BIC`]).
+/// below the evidence that a name needs ([`super::decision::EVIDENCE`]).
 pub(super) const NEAR_ENOUGH: f64 = 1.0;
 
+/// Shapes from which a fit begins.
+const BEGINS: usize = 5;
 /// Steps after which the begins of a law are compared.
 const FIRST_STEPS: usize = 6;
 /// Begins that are followed to their ends: the best after the first steps may lead into a valley.
 const FOLLOWED: usize = 2;
 
-/// The drive with the screened candidate, fitted again from where the screen points, as closely as
-/// judging it needs. Of several begins the most promising after a few steps are followed, and the
-/// best end counts.
+/// The drive with a law whose null is infinite, fitted again from shapes of it, the most promising
+/// first, as closely as judging it needs. The best after a few steps are followed, and the best end
+/// counts.
 pub(crate) fn refit(
     base: &Model,
     candidate: &Candidate,
-    screened: &Screened,
+    variants: &[usize],
     estimation: &Evidence,
     validation: &Evidence,
     seen: Seen<'_>,
 ) -> Result<Model, Error> {
-    let begin = |variant: usize| {
-        let mut drive = candidate.added(&base.fitted.drive, &candidate.variants[variant]);
-        for (name, value) in candidate.coefficients.iter().zip(&screened.coefficients) {
-            // A value outside its range stays at the null.
-            let _ = drive.set(&format!("{}.{name}", candidate.id), *value);
-        }
-        drive
-    };
     let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
     let finish = |drive: &Drive| {
         let setting = finer(&base.setting, drive);
         Model::fit(drive, estimation, validation, setting, &options, seen)
     };
-    if screened.others.is_empty() {
-        return finish(&begin(screened.variant));
-    }
     let first_steps = |variant: &usize| {
-        let drive = begin(*variant);
+        let drive = candidate.added(&base.fitted.drive, &candidate.variants[*variant]);
         let options = Options { steps: FIRST_STEPS, ..options };
         fit_seen(&drive, estimation, &finer(&base.setting, &drive), &options, seen)
     };
-    let variants: Vec<usize> =
-        std::iter::once(screened.variant).chain(screened.others.iter().copied()).collect();
-    let begun: Vec<_> = variants.par_iter().map(first_steps).collect();
+    let begun: Vec<_> = variants.par_iter().take(BEGINS).map(first_steps).collect();
     let mut begun = some_of(begun)?;
     begun.sort_by(|one, other| one.squares.sum.total_cmp(&other.squares.sum));
     begun.truncate(FOLLOWED);
@@ -154,24 +133,8 @@ pub(crate) fn with_learned(
     Ok(model)
 }
 
-/// p value of the hypothesis that the change from one model to the next, of `k` parameters,
-/// is none: with d the change of the innovations, the Wald test of its factor over blocks.
-pub(crate) fn p_value(
-    places: &[Place],
-    before: &[f64],
-    after: &[f64],
-    k: usize,
-    block: impl Fn(&Place) -> usize,
-) -> f64 {
-    let change = DMatrix::from_fn(1, before.len(), |_, value| before[value] - after[value]);
-    let information = &change * change.transpose();
-    if information[(0, 0)] == 0.0 {
-        return 1.0;
-    }
-    let after = DVector::from_column_slice(after);
-    wald(&change, &after, &information, &DVector::from_element(1, 1.0), k, places, block)
-}
-
-pub(crate) fn squared(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum()
+/// The setting with sub-steps that resolve the drive's fastest effect too.
+pub(crate) fn finer(setting: &Setting, drive: &Drive) -> Setting {
+    let own = Setting::new(drive, setting.observer);
+    Setting { longest_s: setting.longest_s.min(own.longest_s), ..*setting }
 }

@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
-use super::inverse::SecondOpinion;
 use super::learned::LearnedCurve;
 use crate::balances::BothUnexplained;
 use crate::compare::Finding;
@@ -82,28 +81,23 @@ pub struct Ranked {
     pub effect: String,
     /// What these recordings do not tell from it.
     pub confusion_set: Vec<String>,
-    /// Gain in BIC over the model without it, in innovations (values that remember each other
-    /// count as fewer).
+    /// Twice the logarithm of its evidence over that of the model without it, in all recordings: as
+    /// a gain in BIC is read.
     pub delta_bic: f64,
-    /// p value of the block-robust test, hypotheses counted.
+    /// Greatest probability of so much evidence where it is not missing.
     pub p_value: f64,
-    /// Share of the error above the noise floor that it removes.
+    /// Share of the error above the noise floor that it removes in free run; 0 where it was not
+    /// fitted so.
     pub excess_removed: f64,
-    /// Squared innovations that go on the validation data: positive is better.
+    /// The part of `delta_bic` that recordings bring to which nothing was fitted: positive is better.
     pub validation_gain: f64,
-    /// Its share in what it and the best curve over its own variables remove.
-    pub shape: Option<f64>,
-    /// Its parameters.
-    pub parameters: BTreeMap<String, Coefficient>,
-    /// That it is what is missing, among the candidates and nothing, 0 to 1; by the rule of
-    /// evidence.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub probability: Option<f64>,
+    /// That it is what is missing, among the candidates and nothing, 0 to 1.
+    pub probability: f64,
     /// Root of the mean square of what it does, as a share of what the balance holds (the torque
-    /// that is not inertia's, the voltage over the resistance, a tenth of a sensor's signal); by
-    /// the rule of evidence.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub size: Option<f64>,
+    /// that is not inertia's, the voltage over the resistance, a tenth of a sensor's signal).
+    pub size: f64,
+    /// Its parameters; a standard error is a number where it was fitted in free run.
+    pub parameters: BTreeMap<String, Coefficient>,
     /// Why it was not named.
     pub refused: Option<String>,
 }
@@ -150,8 +144,6 @@ pub struct Discovery {
     pub learned: Option<LearnedCurve>,
     /// What to record to tell apart what these recordings do not.
     pub next_experiment: Option<NextExperiment>,
-    /// What the inverse form says of the first round; nothing where noise covers it.
-    pub second_opinion: Option<SecondOpinion>,
     /// What is wrong with the signals of the recordings, the gravest first.
     pub signals: Vec<SignalFinding>,
     /// Doubts about the recordings that only the fit raises.
@@ -176,7 +168,6 @@ impl Discovery {
             not_judged: Vec::new(),
             learned: None,
             next_experiment: None,
-            second_opinion: None,
             signals: Vec::new(),
             doubts: Vec::new(),
             observer,

@@ -1,15 +1,12 @@
 //! Innovations: what of a residual its own past does not foretell.
 //!
-//! A random load makes the residual remember, and what remembers counts as fewer values than it
-//! has. The residual of every output is foretold from exponential averages of the past of all
-//! outputs, over 1 to [`LONGEST`] samples (white noise on top of a slow disturbance needs a long
-//! memory, which a few averages hold as well as hundreds of lags). The same linear filter is
-//! applied to residuals and columns, so that what they explain of each other is unchanged, and
-//! the innovations are scaled to unit variance. Weighted least squares with that filter is what
-//! a Kalman filter with a load state would do, with the state taken from the data.
+//! A random load makes the residual of a free run remember. The residual of every output is foretold
+//! from exponential averages of the past of all outputs, over 1 to [`LONGEST`] samples (white noise
+//! on top of a slow disturbance needs a long memory, which a few averages hold as well as hundreds of
+//! lags), and the innovations are scaled to unit variance: what a filter with a load state would
+//! leave, with that state taken from the data.
 
 use drivescope_numerics::Regression;
-use nalgebra::DMatrix;
 
 use super::columns::Place;
 use crate::measured::OUTPUTS;
@@ -25,36 +22,20 @@ pub(crate) struct Whitener {
     weights: [Vec<f64>; OUTPUTS],
     /// Standard deviation of the innovations of each output.
     sd: [f64; OUTPUTS],
-    /// Least share of an output's variance that is left.
-    unforeseen: f64,
 }
 
-/// Signals that are filtered together.
-const TOGETHER: usize = 8;
-type Lanes = [f64; TOGETHER];
-
-/// Averages of the past of a few signals, each with several outputs; time constants vary fastest.
-struct Past([Lanes; OUTPUTS * AVERAGES]);
+/// Averages of the past of the outputs; time constants vary fastest.
+struct Past([f64; OUTPUTS * AVERAGES]);
 
 impl Past {
-    const NONE: Self = Self([[0.0; TOGETHER]; OUTPUTS * AVERAGES]);
+    const NONE: Self = Self([0.0; OUTPUTS * AVERAGES]);
 
     #[inline]
-    fn see(&mut self, output: usize, values: &Lanes) {
+    fn see(&mut self, output: usize, value: f64) {
         for (j, average) in self.0[output * AVERAGES..][..AVERAGES].iter_mut().enumerate() {
-            let share = 1.0 / (1usize << j) as f64;
-            for (average, value) in average.iter_mut().zip(values) {
-                *average += share * (value - *average);
-            }
+            *average += (value - *average) / (1usize << j) as f64;
         }
     }
-}
-
-/// The first of a few values, the others 0.
-fn lanes(values: &[f64]) -> Lanes {
-    let mut lanes = [0.0; TOGETHER];
-    lanes[..values.len()].copy_from_slice(values);
-    lanes
 }
 
 /// Visits the values of each sample together.
@@ -91,11 +72,11 @@ impl Whitener {
                 past = Past::NONE;
             }
             for k in range.clone() {
-                let averages = past.0[..width].iter().map(|one| one[0]);
+                let averages = past.0[..width].iter().copied();
                 regressions[places[k].output].push(averages, residual[k]);
             }
             for k in range {
-                past.see(places[k].output, &lanes(&residual[k..=k]));
+                past.see(places[k].output, residual[k]);
             }
         });
         let mut weights: [Vec<f64>; OUTPUTS] = Default::default();
@@ -108,7 +89,7 @@ impl Whitener {
                 }
             }
         }
-        let mut filter = Self { weights, sd: [1.0; OUTPUTS], unforeseen: 1.0 };
+        let mut filter = Self { weights, sd: [1.0; OUTPUTS] };
         let innovations = filter.applied(places, residual);
         for output in 0..OUTPUTS {
             let power = |values: &[f64]| {
@@ -121,15 +102,9 @@ impl Whitener {
             let left = power(&innovations);
             if left > 0.0 {
                 filter.sd[output] = left.sqrt();
-                filter.unforeseen = filter.unforeseen.min(left / power(residual));
             }
         }
         filter
-    }
-
-    /// Least share of an output's variance that its past does not foretell.
-    pub(crate) fn unforeseen(&self) -> f64 {
-        self.unforeseen
     }
 
     /// ln of the probability of a residual, without its constant.
@@ -140,42 +115,24 @@ impl Whitener {
     }
 
     /// The innovations of a residual.
-    pub(crate) fn applied(&self, places: &[Place], residual: &[f64]) -> Vec<f64> {
-        let columns = DMatrix::from_row_slice(1, residual.len(), residual);
-        self.filtered(places, &columns).as_slice().to_vec()
-    }
-
-    /// The filter applied to columns, one row a direction.
-    pub(crate) fn filtered(&self, places: &[Place], columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut filtered = columns.clone();
-        for first in (0..columns.nrows()).step_by(TOGETHER) {
-            let rows = first..columns.nrows().min(first + TOGETHER);
-            let mut past = Past::NONE;
-            samples(places, |range, begins| {
-                if begins {
-                    past = Past::NONE;
-                }
-                let of = |k: usize| lanes(&columns.column(k).as_slice()[rows.clone()]);
-                for k in range.clone() {
-                    let output = places[k].output;
-                    let mut left = of(k);
-                    for (average, weight) in past.0.iter().zip(&self.weights[output]) {
-                        if *weight != 0.0 {
-                            for (value, average) in left.iter_mut().zip(average) {
-                                *value -= weight * average;
-                            }
-                        }
-                    }
-                    left.iter_mut().for_each(|value| *value *= 1.0 / self.sd[output]);
-                    let mut column = filtered.column_mut(k);
-                    column.as_mut_slice()[rows.clone()].copy_from_slice(&left[..rows.len()]);
-                }
-                for k in range {
-                    past.see(places[k].output, &of(k));
-                }
-            });
-        }
-        filtered
+    fn applied(&self, places: &[Place], residual: &[f64]) -> Vec<f64> {
+        let mut innovations = residual.to_vec();
+        let mut past = Past::NONE;
+        samples(places, |range, begins| {
+            if begins {
+                past = Past::NONE;
+            }
+            for k in range.clone() {
+                let output = places[k].output;
+                let foretold = past.0.iter().zip(&self.weights[output]);
+                let foretold: f64 = foretold.map(|(average, weight)| weight * average).sum();
+                innovations[k] = (residual[k] - foretold) / self.sd[output];
+            }
+            for k in range {
+                past.see(places[k].output, residual[k]);
+            }
+        });
+        innovations
     }
 }
 
@@ -230,10 +187,9 @@ mod tests {
         let (places, residual) = (places(), disturbed());
         let whitener = Whitener::of(&places, &residual);
         let twice: Vec<f64> = residual.iter().map(|value| 2.0 * value).collect();
-        let both = DMatrix::from_fn(2, residual.len(), |row, k| [&residual, &twice][row][k]);
-        let filtered = whitener.filtered(&places, &both);
-        for k in 0..residual.len() {
-            assert!((filtered[(1, k)] - 2.0 * filtered[(0, k)]).abs() < 1e-9);
+        let [once, doubled] = [&residual, &twice].map(|it| whitener.applied(&places, it));
+        for (once, doubled) in once.iter().zip(doubled) {
+            assert!((doubled - 2.0 * once).abs() < 1e-9);
         }
         let mut apart = places.clone();
         apart[8000..].iter_mut().for_each(|place| place.recording = 1);

@@ -15,6 +15,9 @@ const WORTH: f64 = 12.0;
 const PEAKS: usize = 3;
 /// Frequencies to a period of the recording's inverse length.
 const A_LINE: f64 = 2.0;
+/// Periods in a recording from which on something oscillates: what comes again a few times may be
+/// what the drive was made to do.
+const OFTEN: f64 = 8.0;
 /// Highest frequency over that of the samples.
 const HIGHEST: f64 = 0.2;
 /// Neighbours on either side among which a peak stands out.
@@ -62,7 +65,8 @@ fn peaks(scene: &Scene, tracks: &[Track]) -> Vec<(f64, f64)> {
         .fold(0.0, f64::max);
     let apart = 1.0 / (A_LINE * longest_s);
     let count = (HIGHEST / period_s / apart) as usize;
-    let frequencies: Vec<f64> = (2..count).map(|k| k as f64 * apart).collect();
+    let frequencies: Vec<f64> =
+        ((OFTEN * A_LINE) as usize..count).map(|k| k as f64 * apart).collect();
     let samples: usize = tracks.iter().map(|track| track.ticks.len()).sum();
     let power = |hz: &f64| -> f64 {
         let of = |(track, it): (&Track, &super::scene::Recorded)| {

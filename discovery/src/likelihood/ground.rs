@@ -42,9 +42,17 @@ impl Ground {
         Self::at(scene, randomness, references)
     }
 
+    /// Randomnesses of the base: its own, and that without a load that oscillates.
+    pub(crate) fn randomnesses(&self) -> Vec<Randomness> {
+        let broad = self.broad.iter().map(|(randomness, _)| *randomness);
+        std::iter::once(self.randomness).chain(broad).collect()
+    }
+
     /// The same where every recording has a disturbance of its own of that law.
     pub(crate) fn beside(&self, law: &EffectData, coefficients: &[String]) -> Option<Self> {
-        Self::at(self.scene.disturbed(law, coefficients), self.randomness, self.references)
+        // What oscillated of the load may have been that.
+        let randomness = self.broad.map_or(self.randomness, |(randomness, _)| randomness);
+        Self::at(self.scene.disturbed(law, coefficients), randomness, self.references)
     }
 
     fn at(scene: Scene, mut randomness: Randomness, mut references: References) -> Option<Self> {
@@ -76,25 +84,40 @@ impl Ground {
 
     /// The scene with one of those effects at its own best, and the evidence there: the effects are
     /// begins of the same law, of which the best is followed. `estimated` are the parameters of the
-    /// effect that are free, `coefficients` those that are 0 where it vanishes. Nothing where none
-    /// of several is more probable than the base.
+    /// effect that are free, `coefficients` those that are 0 where it vanishes. Nothing where a
+    /// law whose null is infinite is less probable than the base.
     pub(crate) fn with(
         &self,
         effects: &[EffectData],
         estimated: &[String],
         coefficients: &[String],
     ) -> Option<(Scene, Optimum)> {
-        let own = (self.randomness, self.probability);
         let with = effects.first().map(|it| self.scene.with(it, estimated.iter().cloned()));
         let oscillates = with.is_some_and(|it| holds_a_cycle(&it.drive));
-        let (randomness, probability) = self.broad.filter(|_| !oscillates).unwrap_or(own);
+        let own = Some((self.randomness, self.probability))
+            .filter(|(it, _)| oscillates || it.cycle.is_none() || self.broad.is_none());
+        // What oscillates may be what the law explains.
+        let all = own.into_iter().chain(self.broad);
+        let ends = all.filter_map(|from| self.with_from(from, effects, estimated, coefficients));
+        ends.max_by(|a, b| a.1.all.total_cmp(&b.1.all))
+    }
+
+    /// The same where the search begins with that randomness, beside the probability of the base
+    /// with it.
+    fn with_from(
+        &self,
+        (randomness, probability): (Randomness, f64),
+        effects: &[EffectData],
+        estimated: &[String],
+        coefficients: &[String],
+    ) -> Option<(Scene, Optimum)> {
         let begin = |effect: &EffectData| {
             let scene = self.scene.with(effect, estimated.iter().cloned());
             refined(excerpt(&scene), &randomness, &self.references)
         };
         let ends = effects.iter().filter_map(begin);
         let best = ends.max_by(|a, b| a.probability.total_cmp(&b.probability))?;
-        if effects.len() > 1 && best.probability < probability {
+        if coefficients.is_empty() && best.probability < probability {
             return None;
         }
         let randomness = randomness.searched(&best.scene, &self.references, FINE)?;

@@ -39,6 +39,16 @@ pub(crate) fn coefficients(products: &Products, terms: &Terms) -> Option<DVector
     Some(h.cholesky()?.solve(&b))
 }
 
+/// The same with their standard deviations.
+pub(crate) fn coefficients_with_sd(
+    products: &Products,
+    terms: &Terms,
+) -> Option<(DVector<f64>, DVector<f64>)> {
+    let (h, b) = system(products, terms);
+    let cholesky = h.cholesky()?;
+    Some((cholesky.solve(&b), cholesky.inverse().diagonal().map(f64::sqrt)))
+}
+
 /// Share of the amplitude of a column that those of the terms do not imitate.
 pub(crate) fn standing_out(products: &Products, terms: &Terms, column: usize) -> f64 {
     let (h, _) = system(products, terms);

@@ -20,17 +20,20 @@ pub(crate) struct Cycle {
 
 /// Longest time of a cycle, s: what oscillates longer is a line of any recording.
 const LONGEST_S: f64 = 10.0;
+/// Periods that it remembers at least: what forgets sooner does not oscillate.
+const PERIODS: f64 = 2.0;
 
 impl Cycle {
     /// With one of its numbers, in the order of the fields, moved by a factor; the frequency by what
     /// its time tells of it.
     pub(super) fn moved(self, number: usize, factor: f64) -> Self {
-        match number {
+        let moved = match number {
             0 => Self { sd: self.sd * factor, ..self },
             1 => Self { hz: self.hz * (factor.ln() / (TAU * self.hz * self.s)).exp(), ..self },
-            // The longer its memory the less wanders; what does stays.
-            _ => Self { s: (self.s * factor).min(LONGEST_S), ..self },
-        }
+            _ => Self { s: self.s * factor, ..self },
+        };
+        let shortest_s = PERIODS / moved.hz;
+        Self { s: moved.s.clamp(shortest_s, shortest_s.max(LONGEST_S)), ..moved }
     }
 }
 

@@ -128,7 +128,9 @@ impl Scene {
 
     /// With the directions of the speed itself, where a sensor shows it late.
     fn looked_through(mut self) -> Self {
-        let own = |it: &Recorded| it.drive.model().shows_state();
+        let own = |it: &Recorded| {
+            it.drive.model().shows_state() || it.measured.output(Output::Speed).is_none()
+        };
         if self.recordings.iter().all(own) {
             return self;
         }

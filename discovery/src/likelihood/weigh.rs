@@ -9,7 +9,9 @@ use super::base::{Further, Pooled, grams, parameters, passes, terms};
 use super::columns::{A_PASS, Series, Source};
 use super::filter::{Track, own_states};
 use super::gram::{Gram, Products, References};
-use super::marginal::{Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
+use super::marginal::{
+    Terms, coefficients, coefficients_with_sd, ln_mean_exp, log_evidence, standing_out,
+};
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene, longest};
 use super::stepper::{Stepped, stepped};
@@ -54,6 +56,9 @@ pub(crate) struct CurveWeight {
     pub(crate) repeats: f64,
     /// Root of its mean square, of the balance's size.
     pub(crate) size: f64,
+    /// Its values at the knots, and which of them the recordings of the fit tell.
+    pub(crate) values: Vec<f64>,
+    pub(crate) told: Vec<bool>,
 }
 
 /// The weights of everything.
@@ -66,6 +71,19 @@ pub(crate) struct Weights {
     pub(crate) laws: Vec<LawWeight>,
     /// Most probable first.
     pub(crate) curves: Vec<CurveWeight>,
+}
+
+/// Standard deviation of a curve's value, over its largest, from which on it is not told, and over that
+/// of its prior.
+const TOLD: f64 = 0.5;
+const VISITED: f64 = 0.9;
+
+/// Values of a curve.
+#[derive(Debug, Clone, Default)]
+struct Hats {
+    size: f64,
+    values: Vec<f64>,
+    told: Vec<bool>,
 }
 
 /// Share of a column's amplitude beside the base below which the base imitates it.
@@ -86,7 +104,6 @@ fn trajectory(it: &Recorded, track: &Track) -> Trajectory {
         speed: of(&|tick| tick.filtered[1]),
         position: of(&|tick| tick.filtered[2]),
         acceleration: of(&|tick| tick.acceleration(it.measured.period_s)),
-        linearised: None,
     }
 }
 
@@ -159,21 +176,24 @@ struct Made {
 const SMALLER: f64 = 0.2;
 const SHORTER: f64 = 0.2;
 
-/// Weighs the candidates and the curves beside the scene's drive.
+/// Weighs the candidates and the curves beside the scene's drive, with each of those randomnesses, of
+/// which the first is its own.
 ///
 /// `tolerated` names curves that stand in the background with a standard deviation: what the
 /// formula of a named law may leave.
 pub(crate) fn weigh(
     scene: &Scene,
-    randomness: &Randomness,
+    randomnesses: &[Randomness],
     references: &References,
     candidates: &[Candidate],
     scales: &Scales,
     tolerated: impl Fn(&Curve) -> Option<f64> + Sync,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Option<Weights> {
+    let (randomness, others) = randomnesses.split_first()?;
     let along = scene.tracks(randomness)?;
-    let others = [randomness.scaled(SMALLER), randomness.with_time(SHORTER * randomness.load_s)];
+    let own = [randomness.scaled(SMALLER), randomness.with_time(SHORTER * randomness.load_s)];
+    let others: Vec<Randomness> = own.into_iter().chain(others.iter().copied()).collect();
     let at = |other: &Randomness| scene.retraced(&along, other);
     let others: Vec<Vec<Track>> = others.iter().filter_map(at).collect();
     let mut filters = vec![along.as_slice()];
@@ -430,6 +450,25 @@ impl Weighing<'_> {
         columns.iter().all(|column| out(column) < IMITATED)
     }
 
+    /// The most probable values of hats drawn with that standard deviation: root of their mean square,
+    /// each of them in its own unit, and which are told.
+    fn hats(&self, columns: &[usize], sd: f64) -> Hats {
+        let terms = self.background.with(columns, sd * sd);
+        let from = self.background.columns.len();
+        let Some((mean, spread)) = coefficients_with_sd(&self.fitted, &terms) else {
+            return Hats::default();
+        };
+        let own = mean.rows(from, columns.len());
+        let largest = own.amax();
+        // A hat that was hardly visited keeps the spread of its prior.
+        let told = |k: usize| spread[from + k] < (TOLD * largest).min(VISITED * sd);
+        Hats {
+            size: own.norm(),
+            values: (0..columns.len()).map(|k| own[k] * self.scale[columns[k]]).collect(),
+            told: (0..columns.len()).map(told).collect(),
+        }
+    }
+
     fn curves(&self, curves: Vec<(Curve, Vec<usize>)>) -> Vec<CurveWeight> {
         let bases =
             [&self.fitted, &self.all].map(|products| log_evidence(products, &self.background));
@@ -439,12 +478,14 @@ impl Weighing<'_> {
                 let [fitted, all] = [&self.fitted, &self.all]
                     .map(|products| self.of(products, &columns, &CURVE_SIZES));
                 let evidence = fitted - bases[0];
-                // Coefficients of hats, each of which is not 0 over a part of the samples only.
-                let terms = self.background.with(&columns, 0.1);
-                let size = coefficients(&self.fitted, &terms).map_or(0.0, |mean| {
-                    mean.rows(self.background.columns.len(), columns.len()).norm()
+                let size = CURVE_SIZES.into_iter().max_by(|a, b| {
+                    let of = |size: f64| self.of(&self.fitted, &columns, &[size]);
+                    of(*a).total_cmp(&of(*b))
                 });
-                CurveWeight { curve, evidence, repeats: all - bases[1] - evidence, size }
+                let hats = self.hats(&columns, size.unwrap_or(CURVE_SIZES[0]));
+                let repeats = all - bases[1] - evidence;
+                let Hats { size, values, told } = hats;
+                CurveWeight { curve, evidence, repeats, size, values, told }
             })
             .collect();
         found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));

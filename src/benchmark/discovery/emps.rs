@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use drivescope_discovery::{Rule, Rung, Unwatched, discover_by};
+use drivescope_discovery::{Rung, Unwatched, discover};
 use drivescope_recording::{ReadOptions, read};
 use serde::Serialize;
 
@@ -46,15 +46,14 @@ impl Emps {
     ///
     /// # Errors
     /// The files cannot be read, or the base drive cannot be fitted to them.
-    pub(super) fn of(folder: &Path, rule: Rule) -> miette::Result<Self> {
+    pub(super) fn of(folder: &Path) -> miette::Result<Self> {
         let drive = drive_source::drive("emps")?;
         let [estimation, validation] = ["emps_estimation.csv", "emps_validation.csv"].map(|name| {
             let (recording, _) = read(folder.join(name), &ReadOptions::default()).map_err(told)?;
             let record = Record { recording, noise: Vec::new() };
             evidence(&drive, &record, false).map_err(told)
         });
-        let found =
-            discover_by(rule, &drive, &estimation?, &validation?, &Unwatched).map_err(told)?;
+        let found = discover(&drive, &estimation?, &validation?, &Unwatched).map_err(told)?;
         let all = found.drive.parameters();
         let value = |name: &str| all.iter().find(|it| it.name == name).map(|it| it.value);
         let error = |rung: Option<&Rung>| rung.map_or(f64::NAN, |it| it.validation_error);

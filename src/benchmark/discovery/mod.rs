@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use drivescope_discovery::{
-    Error, Evidence, Measured, Rule, Unwatched, Verdict, add, bic_of, discover_by, noise,
+    Error, Evidence, Measured, Unwatched, Verdict, add, bic_of, discover, noise,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
@@ -154,7 +154,6 @@ pub(crate) struct Found {
 pub(crate) fn run(
     cases: usize,
     seed: u64,
-    rule: Rule,
     python: &foreign::Python,
     advance: &(dyn Fn() + Sync),
 ) -> miette::Result<Found> {
@@ -163,7 +162,7 @@ pub(crate) fn run(
     all.extend(own::cases(cases - all.len(), seed));
     let judged = all.par_iter().enumerate().map(|(number, case)| {
         interrupt::check()?;
-        let outcome = judge(case, gives_noise(number), rule);
+        let outcome = judge(case, gives_noise(number));
         advance();
         Ok(outcome)
     });
@@ -174,11 +173,11 @@ pub(crate) fn run(
         interrupt::check()?;
         let start = Instant::now();
         // One that ends in an error takes its time too.
-        let _ = answer(&all[number], gives_noise(number), rule);
+        let _ = answer(&all[number], gives_noise(number));
         outcomes[number].alone_s = Some(start.elapsed().as_secs_f64());
         advance();
     }
-    let emps = emps::folder().map(|folder| emps::Emps::of(&folder, rule)).transpose()?;
+    let emps = emps::folder().map(|folder| emps::Emps::of(&folder)).transpose()?;
     Ok(Found { outcomes, emps })
 }
 
@@ -200,14 +199,14 @@ fn evidence(drive: &Drive, record: &Record, given: bool) -> Result<Evidence, Err
     Ok(Evidence { recordings: vec![measured], noise: vec![sds] })
 }
 
-fn judge(case: &Case, noise_given: bool, rule: Rule) -> Outcome {
+fn judge(case: &Case, noise_given: bool) -> Outcome {
     let detectable = match case.group {
         Group::Null | Group::NullLoaded | Group::NullZeroSpeed | Group::Outside => None,
         Group::Hidden | Group::HiddenLoaded | Group::Pair | Group::Graded => {
             Some(detectable(case, noise_given))
         }
     };
-    let answer = answer(case, noise_given, rule);
+    let answer = answer(case, noise_given);
     let (hidden, grade) = (case.hidden.clone(), case.grade);
     let (group, foreign) = (case.group, case.foreign);
     Outcome { group, foreign, grade, noise_given, hidden, detectable, answer, alone_s: None }
@@ -229,12 +228,11 @@ fn detectable(case: &Case, noise_given: bool) -> bool {
 }
 
 /// What the discovery answers; why it does not.
-fn answer(case: &Case, noise_given: bool, rule: Rule) -> Result<Answer, String> {
+fn answer(case: &Case, noise_given: bool) -> Result<Answer, String> {
     let said = |error: Error| error.to_string();
     let estimation = evidence(&case.drive, &case.estimation, noise_given).map_err(said)?;
     let validation = evidence(&case.drive, &case.validation, noise_given).map_err(said)?;
-    let found =
-        discover_by(rule, &case.drive, &estimation, &validation, &Unwatched).map_err(said)?;
+    let found = discover(&case.drive, &estimation, &validation, &Unwatched).map_err(said)?;
     let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
         let wrong: Vec<String> = found.signals.iter().map(ToString::to_string).collect();
         return Err(format!("not judged: {}", wrong.join("; ")));

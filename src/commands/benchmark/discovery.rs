@@ -6,7 +6,6 @@ use clap::Args;
 
 use crate::benchmark::discovery::{Table, python, run, timed};
 use crate::commands::Run;
-use crate::commands::rule::RuleName;
 use crate::failure::{Ending, Failure};
 use crate::next::Next;
 use crate::session::Session;
@@ -24,9 +23,6 @@ pub(super) struct OfDiscovery {
     /// Cases to draw; 1000 hold more than 300 without a hidden effect.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     cases: usize,
-    /// By which rule an effect is named.
-    #[arg(long, value_enum, default_value = "gates")]
-    rule: RuleName,
 }
 
 impl Run for OfDiscovery {
@@ -43,7 +39,7 @@ impl Run for OfDiscovery {
         let seed = session.given_seed.unwrap_or_else(fresh);
         let bar = session.progress((self.cases + timed(self.cases)) as u64, "discovering");
         let advance = || bar.inc(1);
-        let found = run(self.cases, seed, self.rule.into(), &python(), &advance)?;
+        let found = run(self.cases, seed, &python(), &advance)?;
         bar.finish_and_clear();
         let table = Table::new(seed, found);
         session.say(&table.text(), &table, &Next::new("benchmark detection"))?;

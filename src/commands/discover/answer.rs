@@ -8,7 +8,7 @@ use drivescope_discovery::compare::Finding;
 use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
     BothUnexplained, Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung,
-    SecondOpinion, Verdict,
+    Verdict,
 };
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::watch::line;
 use crate::evidence::Gathered;
 use crate::read_evidence::unusable;
-use crate::report::words::{p_value, significant};
+use crate::report::words::{probability, significant};
 
 /// Errors of a drive.
 #[derive(Debug, Clone, Serialize)]
@@ -68,7 +68,6 @@ pub(super) struct Answer {
     not_judged: Vec<NotJudged>,
     learned: Option<LearnedCurve>,
     next_experiment: Option<NextExperiment>,
-    second_opinion: Option<SecondOpinion>,
     observer_hz: f64,
     split: String,
     doubts: Vec<String>,
@@ -117,7 +116,6 @@ impl Answer {
             not_shown: found.not_shown().into_iter().map(not_shown).collect(),
             learned: found.learned.clone(),
             next_experiment: found.next_experiment.clone(),
-            second_opinion: found.second_opinion.clone(),
             observer_hz: found.observer.hz,
             split: gathered.split.clone(),
             doubts: gathered.doubts.iter().chain(&new_doubts).cloned().collect(),
@@ -174,9 +172,6 @@ impl Answer {
                 next.separates.join(" and "),
                 next.description
             );
-        }
-        if let Some(second) = &self.second_opinion {
-            let _ = writeln!(text, "{}", second.words());
         }
         if let Some(path) = &self.output {
             let _ = writeln!(text, "written: {}", path.display());
@@ -242,10 +237,10 @@ fn not_shown((effects, reason): (Vec<&str>, &str)) -> String {
 fn ranked(one: &Ranked) -> String {
     let why = one.refused.as_deref().map_or(String::new(), |why| format!("   not named: {why}"));
     format!(
-        "{:<20} BIC {:>11.1}   p {:<8} removes {:>5.1} %{why}",
+        "{:<20} probability {:<8} {:>5.1} % of the balance   removes {:>5.1} %{why}",
         one.effect,
-        one.delta_bic,
-        p_value(one.p_value),
+        probability(one.probability),
+        100.0 * one.size,
         100.0 * one.excess_removed
     )
 }

@@ -8,11 +8,10 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Discovery, Error, Evidence, Purpose, Verdict, Watch, discover_by};
+use drivescope_discovery::{Discovery, Error, Evidence, Purpose, Verdict, Watch, discover};
 use drivescope_plant::drive::Drive;
 
 use super::Run;
-use super::rule::RuleName;
 use crate::drive_source;
 use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
@@ -37,9 +36,6 @@ pub(crate) struct Discover {
     /// Report to write (.html): what is missing, the ladder, parameters, and what is left.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// By which rule an effect is named.
-    #[arg(long, value_enum, default_value = "gates")]
-    rule: RuleName,
     #[command(flatten)]
     evidence: EvidenceOptions,
 }
@@ -54,10 +50,7 @@ impl Run for Discover {
             report: self.out.as_ref(),
             evidence: &self.evidence,
         };
-        let rule = self.rule.into();
-        search.run(session, |drive, estimation, validation, watch| {
-            discover_by(rule, drive, estimation, validation, watch)
-        })
+        search.run(session, discover)
     }
 }
 

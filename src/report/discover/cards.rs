@@ -10,7 +10,7 @@ use super::Missing;
 use crate::report::compare::pictures;
 use crate::report::page::minus;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel};
-use crate::report::words::{capital, number, p_is, percent};
+use crate::report::words::{number, percent, probability};
 
 /// Width and height of a card's picture, pixels.
 const WIDTH: f64 = 400.0;
@@ -24,7 +24,6 @@ pub(crate) fn cards(
 ) -> Markup {
     html! {
         p.verdict { (words(missing)) }
-        @if let Some(second) = &missing.second_opinion { p.second { (capital(&second.words())) "." } }
         div.cards {
             @if missing.verdict == Verdict::None { (nothing()) }
             @if let Some(learned) = &missing.learned { (unknown(learned, action)) }
@@ -140,7 +139,7 @@ fn card(
             aria-label=(name(&one.effect)) {
             h3 { span.rank { (place + 1) } " " (name(&one.effect)) }
             @match &one.refused {
-                None => p.mark.good { "passes every test" },
+                None => p.mark.good { "named" },
                 Some(why) => p.mark { "not named: " (why) },
             }
             @if let Some(info) = info {
@@ -155,10 +154,10 @@ fn card(
                 p.note { (pictures::caption(curve)) }
             }
             dl.facts {
-                div { dt { "Share of the error" } dd { (percent(one.excess_removed, 1)) " % of what is above the noise" } }
-                div { dt { "By chance" } dd { (minus(&p_is(one.p_value))) ", BIC gain " (minus(&number(one.delta_bic))) } }
-                @if let Some(shape) = one.shape {
-                    div { dt { "Shape" } dd { (percent(shape, 0)) " % of what any curve removes" } }
+                div { dt { "Probability" } dd { (probability(one.probability)) ", evidence " (minus(&number(0.5 * one.delta_bic))) } }
+                div { dt { "Size" } dd { (percent(one.size, 1)) " % of what the balance holds" } }
+                @if one.excess_removed > 0.0 {
+                    div { dt { "Share of the error" } dd { (percent(one.excess_removed, 1)) " % of what is above the noise" } }
                 }
                 @for (parameter, value) in &one.parameters {
                     div {

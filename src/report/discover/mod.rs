@@ -6,9 +6,7 @@ mod ladder;
 mod parameters;
 
 use drivescope_discovery::compare::Comparison;
-use drivescope_discovery::{
-    Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, SecondOpinion, Verdict,
-};
+use drivescope_discovery::{Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, Verdict};
 use drivescope_plant::drive::{EffectData, LawData, Motion};
 use drivescope_plant::effects::info::Variable;
 use drivescope_plant::file::target_key;
@@ -34,8 +32,6 @@ pub(crate) struct Missing {
     pub(crate) learned: Option<LearnedCurve>,
     /// What to record to tell apart what these recordings do not.
     pub(crate) next: Option<NextExperiment>,
-    /// What the inverse form says of it.
-    pub(crate) second_opinion: Option<SecondOpinion>,
     /// The laws that the user typed.
     pub(crate) typed: Vec<OwnLaw>,
     /// What these recordings could not show, and why.
@@ -79,7 +75,6 @@ impl Missing {
             ranking,
             learned: found.learned.clone(),
             next: found.next_experiment.clone(),
-            second_opinion: found.second_opinion.clone(),
             typed: effects.filter_map(|effect| OwnLaw::of(effect, found.drive.motion)).collect(),
             not_shown: unusable.chain(found.not_shown().into_iter().map(not_shown)).collect(),
         }

@@ -1,0 +1,185 @@
+//! Which candidates are worth a fit, and these at their best.
+
+use drivescope_plant::drive::EffectData;
+use rayon::prelude::*;
+
+use super::decision;
+use super::judged::{Judged, Weighed};
+use super::refit::Model;
+use super::round::Round;
+use crate::likelihood::{Ground, LawWeight, Weights};
+
+/// ln of the evidence at its null from which on a law is fitted.
+const PROMISING: f64 = 2.0;
+/// Share of the best law's evidence at its null from which another one is fitted.
+const CHANCE: f64 = 0.05;
+/// Share of what the best fitted law explains that one of two masses must promise at its null.
+const MASSES: f64 = 0.4;
+/// Shapes from which a law without a derivative at its null is fitted.
+const BEGINS: usize = 2;
+/// Factors on the coefficients at its null from which a law with fast states is fitted besides: what it
+/// does is not in proportion to them.
+const FARTHER: [f64; 2] = [5.0, 25.0];
+
+impl Round<'_> {
+    /// Laws that are worth a fit: the most probable; what excludes the best of them, for only fits
+    /// tell which it is; and laws without a derivative at their null where a curve shows something
+    /// over their variables. Those of two masses come by themselves ([`Round::of_two`]).
+    fn promising<'w>(&self, weights: &'w Weights) -> Vec<&'w LawWeight> {
+        let candidate = |it: &LawWeight| &self.all[it.candidate];
+        let of_one = || weights.laws.iter().filter(|it| !self.is_foretold(candidate(it)));
+        let mut promising: Vec<&LawWeight> = of_one().filter(|it| told(it)).collect();
+        let best = promising.first().copied();
+        let most = best.map_or(0.0, |best| best.evidence);
+        promising.retain(|it| it.evidence >= CHANCE * most);
+        promising.truncate(decision::REFITTED);
+        let instead = |it: &LawWeight| {
+            best.is_some_and(|best| candidate(best).info.excludes.contains(&candidate(it).info.id))
+        };
+        let law = weights.laws.first().map_or(0.0, |it| it.evidence);
+        let curve = weights
+            .curves
+            .first()
+            .filter(|it| it.evidence > decision::EVIDENCE && decision::SHARE * it.evidence > law);
+        let shown = |it: &LawWeight| {
+            let over = &self.all[it.candidate].fails_over;
+            curve.is_some_and(|it| it.curve.variables().iter().any(|v| over.contains(v)))
+        };
+        let beside = |it: &&LawWeight| instead(it) || (!candidate(it).is_linear() && shown(it));
+        let beside: Vec<&LawWeight> = of_one().filter(beside).collect();
+        for one in beside {
+            if promising.iter().all(|it| it.candidate != one.candidate) {
+                promising.push(one);
+            }
+        }
+        promising
+    }
+
+    /// Further laws, where none of those that promised most convinces.
+    fn others<'w>(&self, weights: &'w Weights, fitted: &[Judged]) -> Vec<&'w LawWeight> {
+        let is_in = |it: &LawWeight| fitted.iter().any(|one| one.candidate == it.candidate);
+        let of_one = |it: &LawWeight| !self.is_foretold(&self.all[it.candidate]);
+        let others = weights.laws.iter().filter(|it| told(it) && of_one(it) && !is_in(it));
+        others.take(decision::REFITTED).collect()
+    }
+
+    /// Laws of two masses: far from their nulls they are told only by their fits, which take long.
+    /// All of them, where one promises a part of what those that convince have.
+    fn of_two<'w>(&self, weights: &'w Weights, fitted: &[Judged]) -> Vec<&'w LawWeight> {
+        let convince = fitted.iter().filter(|one| one.refused.is_none());
+        let most = convince.fold(0.0_f64, |most, one| most.max(one.weighed.evidence));
+        let of_two = |it: &&LawWeight| self.is_foretold(&self.all[it.candidate]);
+        let two = || weights.laws.iter().filter(of_two);
+        let promises =
+            |it: &LawWeight| self.looks_beside() || (told(it) && it.evidence >= MASSES * most);
+        if two().any(promises) { two().collect() } else { Vec::new() }
+    }
+
+    /// Laws at their best, fitted.
+    pub(crate) fn at_their_best(&self, ground: &Ground, laws: &[&LawWeight]) -> Vec<Judged> {
+        let filtered = |weight: &LawWeight, foretold: Option<&Model>| {
+            let it = &self.all[weight.candidate];
+            let begins = weight.variants.iter().take(if it.is_linear() { 1 } else { BEGINS });
+            let free = it.parameters().filter(|name| !it.frozen.contains(name));
+            let free: Vec<String> = free.map(|name| format!("{}.{name}", it.id)).collect();
+            let at = |variant: &usize| {
+                let mut effect = it.variants[*variant].effect.clone();
+                for (name, value) in it.coefficients.iter().zip(&weight.coefficients) {
+                    let own = effect.parameters.iter_mut().find(|(own, _)| own == name);
+                    own.into_iter().for_each(|(_, own)| *own = *value);
+                }
+                effect
+            };
+            let of_free_run = foretold.map(|model| &model.fitted.drive.effects);
+            let of_free_run = of_free_run.into_iter().flatten().filter(|effect| effect.id == it.id);
+            let mut begins: Vec<EffectData> = begins.map(at).chain(of_free_run.cloned()).collect();
+            if it.is_linear() && it.info.stiff {
+                begins.extend(FARTHER.map(|factor| it.scaled(&begins[0], factor)));
+            }
+            let (scene, own) = ground.with(&begins, &free, &it.coefficients)?;
+            // A law whose coefficients all stay at the end of their range is none.
+            let values = scene.drive.parameters();
+            let at_end = |(name, range): (&String, &(f64, f64))| {
+                let name = format!("{}.{name}", it.id);
+                values.iter().any(|it| it.name == name && it.value == range.0)
+            };
+            if it.is_linear() && it.coefficients.iter().zip(&it.ranges).all(at_end) {
+                return None;
+            }
+            let [fitted, all] = [own.fitted - ground.base.fitted, own.all - ground.base.all];
+            let weighed = Weighed::of(fitted, all, own.size);
+            let mut model = self.model.clone();
+            model.fitted.drive = scene.drive;
+            for name in &it.frozen {
+                model.fitted.drive.fixed.push(format!("{}.{name}", it.id));
+            }
+            Some(Judged { candidate: weight.candidate, model, weighed, refused: None })
+        };
+        let best = |weight: &&LawWeight| {
+            let it = &self.all[weight.candidate];
+            let found =
+                self.is_foretold(it).then(|| self.foretold(ground, it, &weight.variants)).flatten();
+            let by_filter = filtered(weight, found.as_ref().map(|it| &it.model));
+            let foretold = found.map(|found| {
+                let weighed = Weighed::of(found.fitted, found.all, found.size);
+                let model = found.model;
+                Judged { candidate: weight.candidate, model, weighed, refused: None }
+            });
+            let both = [by_filter, foretold].into_iter().flatten();
+            both.max_by(|a, b| a.weighed.evidence.total_cmp(&b.weighed.evidence))
+        };
+        laws.par_iter().filter_map(best).collect()
+    }
+
+    /// The candidates of one mass that are worth a fit, with what speaks against each, most probable
+    /// first.
+    pub(super) fn of_one_mass(&self, ground: &Ground, weights: &Weights) -> Vec<Judged> {
+        let mut judged = ordered(self.convincing(ground, weights, &self.promising(weights)));
+        let nothing = judged.iter().all(|one| one.refused.is_some());
+        if nothing && !judged.first().is_some_and(|best| self.is_disturbance(best)) {
+            judged.extend(self.convincing(ground, weights, &self.others(weights, &judged)));
+        }
+        ordered(judged)
+    }
+
+    /// The same with those of two masses, where one promises a part of what the named one has.
+    pub(super) fn of_two_masses(
+        &self,
+        ground: &Ground,
+        weights: &Weights,
+        judged: &mut Vec<Judged>,
+    ) -> bool {
+        let two = self.of_two(weights, judged);
+        let mut all = std::mem::take(judged);
+        all.extend(self.convincing(ground, weights, &two));
+        *judged = ordered(all);
+        !two.is_empty()
+    }
+
+    fn convincing(&self, ground: &Ground, weights: &Weights, laws: &[&LawWeight]) -> Vec<Judged> {
+        let curve = weights.curves.iter().find(|curve| curve.repeats > 0.0);
+        let mut fitted = self.at_their_best(ground, laws);
+        for one in &mut fitted {
+            one.refused = self.unconvincing(one, curve);
+        }
+        fitted
+    }
+}
+
+/// Most probable first, with their probabilities.
+fn ordered(mut judged: Vec<Judged>) -> Vec<Judged> {
+    judged.sort_by(|a, b| b.weighed.evidence.total_cmp(&a.weighed.evidence));
+    // Counted from the greatest, whose exponential would overflow.
+    let most = judged.first().map_or(0.0, |best| best.weighed.evidence.max(0.0));
+    let odds = |one: &Judged| decision::LAW_ODDS * (one.weighed.evidence - most).exp();
+    let all: f64 = (-most).exp() + judged.iter().map(odds).sum::<f64>();
+    for one in &mut judged {
+        one.weighed.probability = odds(one) / all;
+    }
+    judged
+}
+
+/// Whether the recordings tell a law from the base.
+fn told(it: &LawWeight) -> bool {
+    it.finite && !it.imitated && it.evidence > PROMISING
+}

@@ -1,0 +1,120 @@
+//! The last word on a candidate: whether the error on the validation data falls with it.
+
+use drivescope_plant::drive::Drive;
+use rayon::prelude::*;
+
+use super::decision;
+use super::judged::Judged;
+use super::learned::effect;
+use super::refit::{Model, NEAR_ENOUGH, finer, refit, with_learned};
+use super::round::Round;
+use crate::balances::unexplained;
+use crate::estimate::Options;
+use crate::likelihood::{CurveWeight, Ground, LawWeight};
+
+/// Share of the error on the validation data that must at least be left out, so that it falls.
+const FALLS: f64 = 1e-3;
+
+impl Round<'_> {
+    /// Fits the candidates that are not refused in free run, the first first, until one makes less
+    /// of the validation data unexplained: the last word is that of the error. Where the motion
+    /// hides what drives it, in a closed loop, that is the error of the torque.
+    pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
+        let seen = |_| self.watch.stopped();
+        let (estimation, validation) = (self.estimation, self.validation);
+        let left = |drive: &Drive| unexplained(drive, validation)[0].map(|it| it.rms);
+        let before = left(&ground.scene.drive);
+        // What is far less probable than one that does not lower the error is no name for it.
+        let mut least = f64::NEG_INFINITY;
+        for one in judged.iter_mut().filter(|one| one.refused.is_none()) {
+            if one.weighed.evidence < least {
+                one.refused = Some("a better one does not lower the error".to_owned());
+                continue;
+            }
+            let drive = one.model.fitted.drive.clone();
+            let setting = finer(&self.model.setting, &drive);
+            let as_it_is = Options { steps: 0, ..Options::NEAR };
+            let unfitted = || Model::fit(&drive, estimation, validation, setting, &as_it_is, &seen);
+            let Some(model) = self.in_free_run(one) else {
+                one.refused = Some("no fit with it ends".to_owned());
+                continue;
+            };
+            let error = |model: &Model| model.validation.squares.error();
+            let (was, is) = (error(self.model), error(&model));
+            one.model = model;
+            if is <= (1.0 - FALLS) * was {
+                break;
+            }
+            let falls = before
+                .zip(left(&drive))
+                .is_some_and(|(before, after)| after < (1.0 - FALLS) * before);
+            let unfitted = falls.then(unfitted).and_then(Result::ok);
+            if let Some(model) = unfitted.filter(|model| error(model) <= was) {
+                one.model = model;
+                one.weighed.by_balance = true;
+                break;
+            }
+            one.refused = Some("the error on the validation data does not fall".to_owned());
+            // Of what stands for dry friction the filter knows too little at each reversal.
+            if !self.all[one.candidate].info.replaces_dry {
+                least = least.max(decision::SHARE * one.weighed.evidence);
+            }
+        }
+    }
+
+    /// Fitted in free run; nothing where no fit ends.
+    pub(crate) fn in_free_run(&self, one: &Judged) -> Option<Model> {
+        let drive = &one.model.fitted.drive;
+        let setting = finer(&self.model.setting, drive);
+        let seen = |_| self.watch.stopped();
+        let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
+        let (estimation, validation) = (self.estimation, self.validation);
+        let fit = |drive: &Drive| {
+            Model::fit(drive, estimation, validation, setting, &options, &seen).ok()
+        };
+        // The minimum of the free run may lie on the side of the base's own values.
+        let beside = self.beside(one);
+        let fitted = self.all[one.candidate].info.knocks;
+        let begins = if fitted { vec![drive] } else { vec![drive, &beside] };
+        let ends = begins.into_par_iter().filter_map(fit);
+        let sum = |model: &Model| model.fitted.squares.sum;
+        ends.min_by(|a, b| sum(a).total_cmp(&sum(b)))
+    }
+
+    /// The drive of the round with the candidate as it was fitted.
+    fn beside(&self, one: &Judged) -> Drive {
+        let id = &self.all[one.candidate].id;
+        let with = &one.model.fitted.drive;
+        let mut beside = self.model.fitted.drive.clone();
+        beside.effects.extend(with.effects.iter().filter(|effect| effect.id == *id).cloned());
+        beside.fixed.clone_from(&with.fixed);
+        beside
+    }
+
+    /// With a law that the user chose, fitted from where its evidence is best, or from its shapes
+    /// where the filter finds no way; nothing where no fit ends.
+    pub(crate) fn added(&self, ground: &Ground, law: &LawWeight) -> Option<Model> {
+        let seen = |_| self.watch.stopped();
+        let best = self.at_their_best(ground, &[law]).into_iter().next();
+        let by_filter = best.and_then(|one| self.in_free_run(&one));
+        by_filter.or_else(|| {
+            let (it, variants) = (&self.all[law.candidate], &law.variants);
+            refit(self.model, it, variants, self.estimation, self.validation, &seen).ok()
+        })
+    }
+
+    /// With a curve in the drive, fitted; nothing where the effect `learned` cannot hold it, or no
+    /// fit ends.
+    pub(crate) fn with_curve(&self, curve: &CurveWeight) -> Option<Model> {
+        let seen = |_| self.watch.stopped();
+        let effect = effect(&self.model.fitted.drive, curve)?;
+        with_learned(self.model, effect, self.estimation, self.validation, &seen).ok()
+    }
+
+    /// Share of the error above the noise floor that goes with that model.
+    pub(crate) fn removed(&self, with: &Model) -> f64 {
+        let excess = (self.model.fitted.squares.sum - self.floor).max(f64::MIN_POSITIVE);
+        let removed = self.model.fitted.squares.sum - with.fitted.squares.sum;
+        (removed / excess).clamp(0.0, 1.0)
+    }
+}

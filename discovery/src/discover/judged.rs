@@ -1,0 +1,38 @@
+//! A candidate that was fitted, with the evidence for it.
+
+use super::refit::Model;
+
+/// A fitted candidate.
+pub(crate) struct Judged {
+    /// Its number in the list of candidates.
+    pub(crate) candidate: usize,
+    /// The drive with it.
+    pub(crate) model: Model,
+    pub(crate) weighed: Weighed,
+    /// Why it is not named.
+    pub(crate) refused: Option<String>,
+}
+
+/// The evidence of a fitted candidate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Weighed {
+    /// ln of it over that of the base, of all recordings.
+    pub(crate) evidence: f64,
+    /// The part of those held out, given the others.
+    pub(crate) repeats: f64,
+    /// Root of the mean square of what it does, of what the balance holds.
+    pub(crate) size: f64,
+    /// That it is what is missing, among the candidates and nothing.
+    pub(crate) probability: f64,
+    /// Whether the error of the torque speaks for it, and not that of the motion.
+    pub(crate) by_balance: bool,
+}
+
+impl Weighed {
+    /// From ln of the evidence in the recordings of the fit and in all, not yet among others. What the
+    /// recordings of the fit deny no others make good.
+    pub(crate) fn of(fitted: f64, all: f64, size: f64) -> Self {
+        let (evidence, repeats) = (if fitted > 0.0 { all } else { all.min(fitted) }, all - fitted);
+        Self { evidence, repeats, size, probability: 0.0, by_balance: false }
+    }
+}

@@ -1,0 +1,116 @@
+//! Which of the fitted candidates is named, by the numbers of [`super::decision`].
+
+use super::candidates::Candidate;
+use super::decision;
+use super::judged::Judged;
+use super::round::{Outcome, Round};
+use crate::likelihood::CurveWeight;
+
+impl Round<'_> {
+    /// Whether its kind was named: a harmonic of what was named is no other effect.
+    fn is_named(&self, candidate: &Candidate) -> bool {
+        self.named.contains(&candidate.name)
+    }
+
+    /// Whether it is another formula for what was named: together they may hold a law that
+    /// neither is. It is added, and it is no other cause.
+    pub(crate) fn refines(&self, candidate: &Candidate) -> bool {
+        !self.is_named(candidate)
+            && self.named.iter().any(|named| candidate.info.aliases.contains(&named.as_str()))
+    }
+
+    /// Whether something was named before of another kind.
+    fn is_further(&self, one: &Judged) -> bool {
+        let candidate = &self.all[one.candidate];
+        !self.named.is_empty() && !self.is_named(candidate) && !self.refines(candidate)
+    }
+
+    /// Evidence and size that are asked for.
+    fn asked(&self, further: bool) -> (f64, f64) {
+        if further {
+            (decision::FURTHER_EVIDENCE, decision::FURTHER_SIZE)
+        } else {
+            (decision::EVIDENCE, decision::SIZE)
+        }
+    }
+
+    /// Why the candidate is not named; `curve` is the best of those that repeat.
+    pub(super) fn unconvincing(&self, one: &Judged, curve: Option<&CurveWeight>) -> Option<String> {
+        let it = one.weighed;
+        let (evidence, size) = self.asked(self.is_further(one));
+        let share = curve.map_or(1.0, |curve| {
+            (it.evidence - it.repeats) / curve.evidence.max(f64::MIN_POSITIVE)
+        });
+        if it.evidence + decision::LAW_ODDS.ln() <= evidence {
+            Some(format!("its evidence is {:.1} only, and {evidence} is asked for", it.evidence))
+        } else if self.is_disturbance(one) {
+            Some(
+                "its phase changes from recording to recording: it does not belong to the machine"
+                    .to_owned(),
+            )
+        } else if it.repeats <= 0.0 {
+            Some("the validation data do not speak for it".to_owned())
+        } else if it.size < size {
+            let (is, asked) = (100.0 * it.size, 100.0 * size);
+            Some(format!("it makes {is:.1} % of the balance only, and {asked} % are asked for"))
+        } else if share < decision::SHARE {
+            let share = 100.0 * share.max(0.0);
+            Some(format!("it has {share:.0} % of the evidence of a free curve"))
+        } else {
+            None
+        }
+    }
+
+    /// Whether it is locked to the position in each recording and has no phase that they share: no
+    /// part of the machine, and better known than left in the way of what is.
+    pub(super) fn is_disturbance(&self, one: &Judged) -> bool {
+        let it = one.weighed;
+        let locked = self.all[one.candidate].coefficients == ["a", "b"];
+        locked && it.evidence - it.repeats > decision::EVIDENCE && it.repeats <= 0.0
+    }
+
+    /// Whether a curve shows that something is missing.
+    pub(super) fn stands(&self, curve: &CurveWeight) -> bool {
+        let (evidence, size) = self.asked(!self.named.is_empty());
+        curve.evidence + decision::CURVE_ODDS.ln() > evidence
+            && curve.repeats > 0.0
+            && curve.size >= size
+    }
+
+    /// Puts the simplest of those that pass and are not told from the best of them before it.
+    pub(super) fn simplest_of_equal(&self, judged: &mut [Judged]) {
+        let Some(best) = judged.iter().position(|one| one.refused.is_none()) else { return };
+        let parameters = |one: &Judged| self.all[one.candidate].parameters().len();
+        let info = |one: &Judged| self.all[one.candidate].info;
+        let evidence = |one: &Judged| one.weighed.evidence;
+        let close = |one: &Judged| {
+            let less = evidence(&judged[best]) - evidence(one);
+            let instead = info(&judged[best]).excludes.contains(&info(one).id);
+            let nested = if instead { decision::NESTED * evidence(&judged[best]) } else { 0.0 };
+            one.refused.is_none() && less < decision::CONFUSED.max(nested)
+        };
+        let simplest = (best..judged.len())
+            .filter(|k| close(&judged[*k]))
+            .min_by_key(|k| parameters(&judged[*k]));
+        if let Some(simplest) = simplest {
+            judged[best..=simplest].rotate_right(1);
+        }
+    }
+
+    /// What the recordings do not tell from it: laws with as much evidence, and one that has more and
+    /// excludes it, for only one of them can stand in the drive.
+    pub(crate) fn confusion_set(&self, one: &Judged, outcome: &Outcome) -> Vec<String> {
+        let Candidate { info, name, .. } = &self.all[one.candidate];
+        let alike = |other: &&Judged| {
+            let id = self.all[other.candidate].name.as_str();
+            let more = other.weighed.evidence - one.weighed.evidence;
+            let instead = info.excludes.contains(&id) && more > 0.0;
+            let speaks = other.weighed.evidence > decision::CONFUSED;
+            id != name && speaks && (more.abs() < decision::CONFUSED || instead)
+        };
+        let name = |other: &Judged| self.all[other.candidate].name.clone();
+        let mut set: Vec<String> = outcome.judged.iter().filter(alike).map(name).collect();
+        set.dedup();
+        set
+    }
+}

@@ -35,7 +35,7 @@ impl Round<'_> {
         let knocks = |entry: &Entry| entry.info.knocks && entry.info.excludes.contains(&it.info.id);
         let has_states = || Entry::find(it.info.id).is_some_and(|entry| !entry.states.is_empty());
         it.info.knocks
-            || REGISTRY.iter().any(|entry| knocks(entry))
+            || REGISTRY.iter().any(knocks)
             || (self.looks_beside() && has_states())
     }
 

@@ -19,6 +19,9 @@ pub(crate) const FURTHER_EVIDENCE: f64 = 10.0;
 pub(crate) const SIZE: f64 = 0.02;
 /// The same of a further name.
 pub(crate) const FURTHER_SIZE: f64 = 0.04;
+/// Share of the error above its floor that may stay with a smaller one, in all recordings: with what
+/// the base's formulas leave in the way, more would.
+pub(crate) const LEFT: f64 = 0.1;
 /// Least share of the evidence of the best free curve, in the recordings of the fit, that a law must
 /// have: a law with less only resembles what is missing. A curve follows what any formula leaves of
 /// a real machine too.

@@ -5,11 +5,12 @@ use rayon::prelude::*;
 
 use super::decision;
 use super::judged::Judged;
+use super::ladder::floor;
 use super::learned::effect;
 use super::refit::{Model, NEAR_ENOUGH, finer, refit, with_learned};
 use super::round::Round;
 use crate::balances::unexplained;
-use crate::estimate::Options;
+use crate::estimate::{Evidence, Options};
 use crate::likelihood::{CurveWeight, Ground, LawWeight};
 
 /// Share of the error on the validation data that must at least be left out, so that it falls.
@@ -59,6 +60,29 @@ impl Round<'_> {
             if !self.all[one.candidate].info.replaces_dry {
                 least = least.max(decision::SHARE * one.weighed.evidence);
             }
+        }
+    }
+
+    /// Names one that is small where the error falls to its floor with it: what the formulas of the
+    /// base leave would stay.
+    pub(super) fn fit_small(&self, judged: &mut [Judged]) {
+        if judged.iter().any(|one| one.refused.is_none()) {
+            return;
+        }
+        let Some(one) = judged.iter_mut().find(|one| one.weighed.small) else { return };
+        let Some(model) = self.in_free_run(one) else { return };
+        let floor = |evidence: &Evidence| floor(evidence, self.model.setting.observer);
+        let both = [
+            (&self.model.fitted.squares, &model.fitted.squares, self.estimation),
+            (&self.model.validation.squares, &model.validation.squares, self.validation),
+        ];
+        let explained = both.iter().all(|(was, is, evidence)| {
+            let floor = floor(evidence);
+            is.sum - floor <= decision::LEFT * (was.sum - floor)
+        });
+        if explained {
+            one.model = model;
+            one.refused = None;
         }
     }
 

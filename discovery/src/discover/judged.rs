@@ -24,6 +24,8 @@ pub(crate) struct Weighed {
     pub(crate) size: f64,
     /// That it is what is missing, among the candidates and nothing.
     pub(crate) probability: f64,
+    /// Whether nothing but its size speaks against it.
+    pub(crate) small: bool,
     /// Whether the error of the torque speaks for it, and not that of the motion.
     pub(crate) by_balance: bool,
 }
@@ -33,6 +35,6 @@ impl Weighed {
     /// recordings of the fit deny no others make good.
     pub(crate) fn of(fitted: f64, all: f64, size: f64) -> Self {
         let (evidence, repeats) = (if fitted > 0.0 { all } else { all.min(fitted) }, all - fitted);
-        Self { evidence, repeats, size, probability: 0.0, by_balance: false }
+        Self { evidence, repeats, size, probability: 0.0, small: false, by_balance: false }
     }
 }

@@ -34,9 +34,7 @@ impl Round<'_> {
     pub(super) fn is_foretold(&self, it: &Candidate) -> bool {
         let knocks = |entry: &Entry| entry.info.knocks && entry.info.excludes.contains(&it.info.id);
         let has_states = || Entry::find(it.info.id).is_some_and(|entry| !entry.states.is_empty());
-        it.info.knocks
-            || REGISTRY.iter().any(knocks)
-            || (self.looks_beside() && has_states())
+        it.info.knocks || REGISTRY.iter().any(knocks) || (self.looks_beside() && has_states())
     }
 
     /// Whether sensors beside the motor were recorded, which the filter does not look at.

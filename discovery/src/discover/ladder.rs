@@ -348,7 +348,7 @@ impl Discovery {
 }
 
 /// Squared error of a perfect model, over the values.
-fn floor(evidence: &Evidence, observer: Observer) -> f64 {
+pub(super) fn floor(evidence: &Evidence, observer: Observer) -> f64 {
     let of = |measured: &crate::measured::Measured| {
         measured.values() as f64 * observer.floor(measured).powi(2)
     };

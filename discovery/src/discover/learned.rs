@@ -60,8 +60,8 @@ impl LearnedCurve {
             knots: curve.knots.clone(),
             over_unit: unit(curve.over, drive),
             unit: balance_unit(curve.balance, drive),
-            values: beside_parameters(curve, &weight.values),
-            formula: formula(curve, &weight.values),
+            values: beside_parameters(weight),
+            formula: formula(curve, &beside_parameters(weight)),
             excess_removed,
         }
     }
@@ -132,7 +132,7 @@ pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData,
         .map(|k| if k == 1 { "learned".to_owned() } else { format!("learned_{k}") })
         .find(|id| !drive.effects.iter().any(|effect| effect.id == *id))?;
     // A curve is what is lost; the effect adds.
-    let values = beside_parameters(&weight.curve, &weight.values);
+    let values = beside_parameters(weight);
     let values = values.iter().enumerate();
     let parameters = values.map(|(k, value)| (LawData::value_name(k), -value)).collect();
     let untold = weight.told.iter().enumerate().filter(|(_, told)| !**told);
@@ -196,21 +196,25 @@ fn formula(curve: &Curve, values: &[f64]) -> Option<String> {
 }
 
 /// Values of a curve less what parameters of the base do over its variable: a resistance, viscous and
-/// dry friction. How much of that stands in the curve no recording tells.
-fn beside_parameters(curve: &Curve, values: &[f64]) -> Vec<f64> {
+/// dry friction. How much of that stands in the curve no recording tells. What was not visited goes on
+/// as the nearest value that was.
+fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
+    let CurveWeight { curve, values, visited, .. } = weight;
     let sign = |z: f64| if z == 0.0 { 0.0 } else { z.signum() };
-    let of_base: fn(f64) -> [f64; 2] = match (curve.balance, curve.over, curve.factor) {
-        (Balance::Voltage, Over::Current, Factor::One) => |z| [z, 0.0],
-        (Balance::Torque, Over::Speed, Factor::One) => |z| [z, 1.0],
-        _ => return values.to_vec(),
+    let dry = match (curve.balance, curve.over, curve.factor) {
+        (Balance::Voltage, Over::Current, Factor::One) => 0.0,
+        (Balance::Torque, Over::Speed, Factor::One) => 1.0,
+        _ => return values.clone(),
     };
-    let columns = curve.knots.iter().map(|z| {
-        let [slope, dry] = of_base(*z);
-        [slope, dry * sign(*z)]
-    });
-    let columns: Vec<[f64; 2]> = columns.collect();
-    let rows = DMatrix::from_fn(2, columns.len(), |row, k| columns[k][row]);
-    beside(&rows, values)
+    let known: Vec<usize> = (0..values.len()).filter(|k| visited[*k]).collect();
+    let of_base = |row: usize, k: usize| {
+        let z = curve.knots[known[k]];
+        if row == 0 { z } else { dry * sign(z) }
+    };
+    let rows = DMatrix::from_fn(2, known.len(), of_base);
+    let left = beside(&rows, &known.iter().map(|k| values[*k]).collect::<Vec<_>>());
+    let nearest = |k: usize| (0..known.len()).min_by_key(|place| known[*place].abs_diff(k));
+    (0..values.len()).map(|k| nearest(k).map_or(0.0, |place| left[place])).collect()
 }
 
 /// Values less what constants, slopes and signs explain of them.

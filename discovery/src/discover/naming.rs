@@ -35,7 +35,11 @@ impl Round<'_> {
     }
 
     /// Why the candidate is not named; `curve` is the best of those that repeat.
-    pub(super) fn unconvincing(&self, one: &Judged, curve: Option<&CurveWeight>) -> Option<String> {
+    pub(super) fn unconvincing(
+        &self,
+        one: &mut Judged,
+        curve: Option<&CurveWeight>,
+    ) -> Option<String> {
         let it = one.weighed;
         let (evidence, size) = self.asked(self.is_further(one));
         let share = curve.map_or(1.0, |curve| {
@@ -50,12 +54,13 @@ impl Round<'_> {
             )
         } else if it.repeats <= 0.0 {
             Some("the validation data do not speak for it".to_owned())
-        } else if it.size < size {
-            let (is, asked) = (100.0 * it.size, 100.0 * size);
-            Some(format!("it makes {is:.1} % of the balance only, and {asked} % are asked for"))
         } else if share < decision::SHARE {
             let share = 100.0 * share.max(0.0);
             Some(format!("it has {share:.0} % of the evidence of a free curve"))
+        } else if it.size < size {
+            one.weighed.small = true;
+            let (is, asked) = (100.0 * it.size, 100.0 * size);
+            Some(format!("it makes {is:.1} % of the balance only, and {asked} % are asked for"))
         } else {
             None
         }

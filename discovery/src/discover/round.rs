@@ -129,6 +129,7 @@ impl Round<'_> {
             self.simplest_of_equal(&mut judged);
             self.fit_first(ground, &mut judged);
         }
+        self.fit_small(&mut judged);
         judged
     }
 

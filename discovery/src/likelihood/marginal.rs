@@ -39,14 +39,18 @@ pub(crate) fn coefficients(products: &Products, terms: &Terms) -> Option<DVector
     Some(h.cholesky()?.solve(&b))
 }
 
-/// The same with their standard deviations.
-pub(crate) fn coefficients_with_sd(
+/// What the data tell of the coefficients of further columns, those of the terms integrated out.
+pub(crate) fn information_beside(
     products: &Products,
     terms: &Terms,
-) -> Option<(DVector<f64>, DVector<f64>)> {
-    let (h, b) = system(products, terms);
-    let cholesky = h.cholesky()?;
-    Some((cholesky.solve(&b), cholesky.inverse().diagonal().map(f64::sqrt)))
+    columns: &[usize],
+) -> Option<DMatrix<f64>> {
+    let (h, _) = system(products, terms);
+    let set = &terms.columns;
+    let cross = DMatrix::from_fn(set.len(), columns.len(), |a, b| products.of(set[a], columns[b]));
+    let own =
+        DMatrix::from_fn(columns.len(), columns.len(), |a, b| products.of(columns[a], columns[b]));
+    Some(own - cross.tr_mul(&h.cholesky()?.solve(&cross)))
 }
 
 /// Share of the amplitude of a column that those of the terms do not imitate.

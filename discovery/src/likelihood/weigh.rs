@@ -4,13 +4,14 @@
 //! them is one small decomposition.
 
 use drivescope_plant::drive::{Drive, Input};
+use nalgebra::DMatrix;
 
 use super::base::{Further, Pooled, grams, parameters, passes, terms};
 use super::columns::{A_PASS, Series, Source};
 use super::filter::{Track, own_states};
 use super::gram::{Gram, Products, References};
 use super::marginal::{
-    Terms, coefficients, coefficients_with_sd, ln_mean_exp, log_evidence, standing_out,
+    Terms, coefficients, information_beside, ln_mean_exp, log_evidence, standing_out,
 };
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene, longest};
@@ -56,8 +57,10 @@ pub(crate) struct CurveWeight {
     pub(crate) repeats: f64,
     /// Root of its mean square, of the balance's size.
     pub(crate) size: f64,
-    /// Its values at the knots, and which of them the recordings of the fit tell.
+    /// Its values at the knots, which of them were visited, and which the recordings of the fit tell
+    /// beside the parameters of the base.
     pub(crate) values: Vec<f64>,
+    pub(crate) visited: Vec<bool>,
     pub(crate) told: Vec<bool>,
 }
 
@@ -73,16 +76,37 @@ pub(crate) struct Weights {
     pub(crate) curves: Vec<CurveWeight>,
 }
 
-/// Standard deviation of a curve's value, over its largest, from which on it is not told, and over that
-/// of its prior.
-const TOLD: f64 = 0.5;
-const VISITED: f64 = 0.9;
+/// Standard deviation of a curve's value, over its largest, from which on it is not told, and the share
+/// of its information that must be new beside those that are.
+const TOLD: f64 = 0.1;
+const NEW: f64 = 1e-3;
+
+/// Which values are told by that information, given the others: the rest is better kept.
+fn told_of(mut left: DMatrix<f64>, enough: f64) -> Vec<bool> {
+    let whole = left.diagonal();
+    let mut told = vec![false; whole.len()];
+    loop {
+        let open = (0..told.len()).filter(|k| !told[*k]);
+        let Some(best) = open.max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)])) else {
+            return told;
+        };
+        let pivot = left[(best, best)];
+        // Not so, too, where the size is 0 and nothing is known.
+        if !(pivot > enough.max(NEW * whole[best]) && pivot.is_finite()) {
+            return told;
+        }
+        told[best] = true;
+        let column = left.column(best).into_owned();
+        left.ger(-1.0 / pivot, &column, &column, 1.0);
+    }
+}
 
 /// Values of a curve.
 #[derive(Debug, Clone, Default)]
 struct Hats {
     size: f64,
     values: Vec<f64>,
+    visited: Vec<bool>,
     told: Vec<bool>,
 }
 
@@ -455,17 +479,16 @@ impl Weighing<'_> {
     fn hats(&self, columns: &[usize], sd: f64) -> Hats {
         let terms = self.background.with(columns, sd * sd);
         let from = self.background.columns.len();
-        let Some((mean, spread)) = coefficients_with_sd(&self.fitted, &terms) else {
-            return Hats::default();
-        };
+        let Some(mean) = coefficients(&self.fitted, &terms) else { return Hats::default() };
         let own = mean.rows(from, columns.len());
-        let largest = own.amax();
-        // A hat that was hardly visited keeps the spread of its prior.
-        let told = |k: usize| spread[from + k] < (TOLD * largest).min(VISITED * sd);
+        let enough = 1.0 / (TOLD * own.amax()).powi(2);
+        let visited = columns.iter().map(|it| self.fitted.of(*it, *it) > enough).collect();
+        let told = information_beside(&self.fitted, &self.background, columns);
         Hats {
             size: own.norm(),
             values: (0..columns.len()).map(|k| own[k] * self.scale[columns[k]]).collect(),
-            told: (0..columns.len()).map(told).collect(),
+            visited,
+            told: told.map_or_else(|| vec![false; columns.len()], |it| told_of(it, enough)),
         }
     }
 
@@ -484,8 +507,8 @@ impl Weighing<'_> {
                 });
                 let hats = self.hats(&columns, size.unwrap_or(CURVE_SIZES[0]));
                 let repeats = all - bases[1] - evidence;
-                let Hats { size, values, told } = hats;
-                CurveWeight { curve, evidence, repeats, size, values, told }
+                let Hats { size, values, visited, told } = hats;
+                CurveWeight { curve, evidence, repeats, size, values, visited, told }
             })
             .collect();
         found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));

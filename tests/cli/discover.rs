@@ -146,6 +146,30 @@ fn nothing_hidden_is_none_and_something_strange_is_unknown() {
 }
 
 #[test]
+fn a_load_that_oscillates_is_no_effect_and_is_said_with_its_frequency() {
+    let here = folder();
+    let here = here.path();
+    truth(here, "");
+    for (name, input, seed) in [("one.csv", INPUT, "3"), ("two.csv", OTHER, "4")] {
+        let run = ["simulate", "truth.toml", "--input", input, "-o", name, "--seed", seed];
+        let load = ["--load", "0.004 * sin(38 * t)", "--period", "0.001", "--duration", "5"];
+        done(here, &[&run[..], &load].concat());
+        // What loads the shaft was not recorded.
+        let text = std::fs::read_to_string(here.join(name)).expect("it was written");
+        let columns = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",");
+        put(here, name, text.lines().map(|line| columns(line) + "\n").collect::<String>());
+    }
+    let run = ["discover", "base.toml", "one.csv", "--validate", "two.csv", "--json", "-"];
+    let answer = done(here, &run).json();
+    assert_eq!(answer["verdict"], "none", "{answer}");
+    let load = &answer["load"];
+    assert!(number(&load["sd"]) > 0.0 && number(&load["time"]) > 0.0, "{load}");
+    let (hz, sd) = (number(&load["oscillation"]["hz"]), number(&load["oscillation"]["sd"]));
+    assert!((hz - 38.0 / std::f64::consts::TAU).abs() < 0.1, "{hz} Hz");
+    assert!((sd / (0.004 / 2.0_f64.sqrt()) - 1.0).abs() < 0.2, "{sd} N m");
+}
+
+#[test]
 fn a_typed_law_is_ranked_and_only_what_is_named_gets_a_value() {
     let law = |c: &str| {
         format!(

@@ -163,7 +163,7 @@ fn needless(entry: &Entry, drive: &Drive) -> Option<&'static str> {
         );
     }
     if entry.parameters.is_empty() || info.nulls.is_empty() {
-        return Some("it has no null from which it could be screened");
+        return Some("it has no null from which it could be weighed");
     }
     if info.id == "presliding" && !drive.effects.iter().any(dry) {
         return Some("bends the dry friction, and the drive has none: add coulomb first");

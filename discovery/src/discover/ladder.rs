@@ -88,6 +88,7 @@ pub fn discover(
             found.not_judged.extend(outcome.imitated.iter().map(|it| imitated(&all[*it])));
             found.not_judged.extend(outcome.overflowing.iter().map(|it| overflowing(&all[*it])));
         }
+        found.load = outcome.load.or(found.load);
         let passed = outcome.judged.iter().position(|one| one.refused.is_none());
         note(&turn, &outcome, passed, &mut found);
         let Outcome { mut judged, unknown, .. } = outcome;

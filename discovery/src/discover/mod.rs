@@ -36,7 +36,9 @@ pub use curves::Balance;
 pub use experiment::NextExperiment;
 pub use ladder::{add, bic_of, discover};
 pub use learned::LearnedCurve;
-pub use report::{Coefficient, Discovery, Ranked, Rung, Step, Unwatched, Verdict, Watch};
+pub use report::{
+    Coefficient, Discovery, Oscillation, RandomLoad, Ranked, Rung, Step, Unwatched, Verdict, Watch,
+};
 
 pub(crate) use candidates::Candidate;
 pub(crate) use curves::{Curve, Trajectory, curves};

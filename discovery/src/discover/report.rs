@@ -102,6 +102,29 @@ pub struct Ranked {
     pub refused: Option<String>,
 }
 
+/// What is random in the load torque (force) beside what the model explains.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RandomLoad {
+    /// Its standard deviation, N m (N).
+    pub sd: f64,
+    /// Time after which it forgets what it was, s.
+    pub time: f64,
+    /// What of it oscillates, if it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub oscillation: Option<Oscillation>,
+}
+
+/// A load that oscillates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Oscillation {
+    /// Root of its mean square in the recordings, N m (N).
+    pub sd: f64,
+    /// Frequency, Hz.
+    pub hz: f64,
+    /// Time after which it forgets its phase, s.
+    pub time: f64,
+}
+
 /// What the loop answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -140,6 +163,8 @@ pub struct Discovery {
     pub fails: Vec<Finding>,
     /// What could not be judged.
     pub not_judged: Vec<NotJudged>,
+    /// The random load that the recordings show beside the drive at the end.
+    pub load: Option<RandomLoad>,
     /// The curve that describes what nobody knows.
     pub learned: Option<LearnedCurve>,
     /// What to record to tell apart what these recordings do not.
@@ -166,6 +191,7 @@ impl Discovery {
             ranking: Vec::new(),
             fails: Vec::new(),
             not_judged: Vec::new(),
+            load: None,
             learned: None,
             next_experiment: None,
             signals: Vec::new(),

@@ -8,7 +8,7 @@ use super::curves::Curve;
 use super::decision;
 use super::judged::Judged;
 use super::refit::Model;
-use super::report::{Coefficient, Ranked, Step, Watch};
+use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
 use super::scales::Scales;
 use crate::estimate::Evidence;
 use crate::likelihood::{CurveWeight, Ground, LawWeight, Scene, Weights, weigh};
@@ -54,6 +54,8 @@ pub(crate) struct Outcome {
     pub(crate) imitated: Vec<usize>,
     /// Candidates with which the model has no finite run or derivative.
     pub(crate) overflowing: Vec<usize>,
+    /// What is random in the load.
+    pub(crate) load: Option<RandomLoad>,
     /// What nobody knows, where nothing is named and a curve shows that something is missing.
     pub(crate) unknown: Option<CurveWeight>,
 }
@@ -89,7 +91,8 @@ impl Round<'_> {
         judged.extend(disturbances);
         let nothing = judged.iter().all(|one| one.refused.is_some());
         let unknown = nothing.then(|| self.unknown(&weights)).flatten();
-        Outcome { judged, imitated, overflowing, unknown }
+        let load = Some(ground.load());
+        Outcome { judged, imitated, overflowing, load, unknown }
     }
 
     /// The drive of the round at its own best; nothing where it overflows.

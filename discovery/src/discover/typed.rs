@@ -1,5 +1,5 @@
 //! Laws that the user typed and left at their null in the drive file (`parameters = { c = 0 }`):
-//! candidates like those of the library, screened, fitted, ranked and named by the user's own name.
+//! candidates like those of the library, weighed, fitted, ranked and named by the user's own name.
 
 use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_plant::effects::law::Info;

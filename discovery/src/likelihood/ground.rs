@@ -3,12 +3,13 @@
 use drivescope_plant::drive::EffectData;
 
 use super::base::Known;
-use super::filter::holds_a_cycle;
+use super::filter::{CYCLE, holds_a_cycle};
 use super::gram::References;
 use super::optimum::{Law, Optimum, optimum};
 use super::randomness::{Randomness, excerpt};
 use super::refine::refined;
-use super::scene::Scene;
+use super::scene::{Scene, rms};
+use crate::discover::{Oscillation, RandomLoad};
 
 /// Sizes of the random load, over that of the base, with which a structure is judged at its best:
 /// the load may have taken what a law explains.
@@ -40,6 +41,18 @@ impl Ground {
     pub(crate) fn of(scene: Scene) -> Option<Self> {
         let (randomness, references) = Randomness::begin(&excerpt(&scene))?;
         Self::at(scene, randomness, references)
+    }
+
+    /// What is random in the load.
+    pub(crate) fn load(&self) -> RandomLoad {
+        let (j, random) = (self.scene.drive.motor.j, &self.randomness);
+        let oscillation = random.cycle.and_then(|it| {
+            let tracks = self.scene.tracks(random)?;
+            let ticks = tracks.iter().flat_map(|track| &track.ticks);
+            let sd = j * rms(ticks.map(|tick| tick.filtered[CYCLE]));
+            Some(Oscillation { sd, hz: it.hz, time: it.s })
+        });
+        RandomLoad { sd: j * random.load_sd, time: random.load_s, oscillation }
     }
 
     /// Randomnesses of the base: its own, and that without a load that oscillates.

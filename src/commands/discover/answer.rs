@@ -7,10 +7,11 @@ use std::path::PathBuf;
 use drivescope_discovery::compare::Finding;
 use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
-    BothUnexplained, Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, Ranked, Rung,
-    Verdict,
+    BothUnexplained, Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, RandomLoad,
+    Ranked, Rung, Verdict,
 };
 use drivescope_plant::drive::Drive;
+use drivescope_plant::units::for_motion;
 use serde::Serialize;
 
 use super::watch::line;
@@ -66,6 +67,7 @@ pub(super) struct Answer {
     ranking: Vec<Ranked>,
     ladder: Vec<Rung>,
     not_judged: Vec<NotJudged>,
+    load: Option<RandomLoad>,
     learned: Option<LearnedCurve>,
     next_experiment: Option<NextExperiment>,
     observer_hz: f64,
@@ -80,6 +82,9 @@ pub(super) struct Answer {
     /// What the effects in `named` are: missing, or added as the user wished.
     #[serde(skip)]
     named_are: &'static str,
+    /// Unit of a torque or force.
+    #[serde(skip)]
+    torque_unit: String,
     seed: u64,
 }
 
@@ -114,6 +119,7 @@ impl Answer {
             ladder: found.ladder.clone(),
             not_judged: found.not_judged.clone(),
             not_shown: found.not_shown().into_iter().map(not_shown).collect(),
+            load: found.load,
             learned: found.learned.clone(),
             next_experiment: found.next_experiment.clone(),
             observer_hz: found.observer.hz,
@@ -121,6 +127,7 @@ impl Answer {
             doubts: gathered.doubts.iter().chain(&new_doubts).cloned().collect(),
             new_doubts,
             named_are,
+            torque_unit: for_motion(base.motion, "N m"),
             seed,
         }
     }
@@ -164,6 +171,14 @@ impl Answer {
         text += &self.verdict_in_words();
         if let Some(learned) = &self.learned {
             text += &curve(learned);
+        }
+        if let Some(it) = self.load.and_then(|load| load.oscillation) {
+            let sd = significant(it.sd, 3);
+            let _ = writeln!(
+                text,
+                "the load oscillates at {:.2} Hz ({sd} {} rms)",
+                it.hz, self.torque_unit
+            );
         }
         if let Some(next) = &self.next_experiment {
             let _ = writeln!(

@@ -165,7 +165,7 @@ fn card(
                         dd {
                             (minus(&number(value.value)))
                             @if value.std_error.is_finite() { " \u{b1} " (minus(&number(value.std_error))) }
-                            " " (value.unit)
+                            @if value.unit != "1" { " " (value.unit) }
                         }
                     }
                 }

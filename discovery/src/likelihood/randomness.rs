@@ -1,5 +1,7 @@
 //! How random the load, the voltage and the sensors are: what makes the recordings most probable.
 
+use std::ops::Range;
+
 use super::base::{Known, pooled, probability};
 use super::filter::{SENSORS, Track};
 use super::gram::References;
@@ -199,6 +201,17 @@ fn slowest(scene: &Scene) -> f64 {
     scene.recordings.iter().map(|it| it.measured.period_s).fold(0.0, f64::max)
 }
 
+/// Stretches of a recording of that number that hold that share of it.
+pub(super) fn stretches(number: usize, it: &Recorded, share: f64) -> Vec<(usize, Range<usize>)> {
+    let n = it.measured.len();
+    let length = (share * n as f64 / STRETCHES as f64) as usize;
+    let stretch = |k: usize| {
+        let from = (k as f64 / STRETCHES as f64 * n as f64) as usize;
+        (number, from..(from + length).min(n))
+    };
+    (0..STRETCHES).map(stretch).collect()
+}
+
 /// The scene along stretches of the recordings of the fit that are enough to tell its numbers, the
 /// same share of each.
 pub(super) fn excerpt(scene: &Scene) -> Scene {
@@ -206,18 +219,10 @@ pub(super) fn excerpt(scene: &Scene) -> Scene {
         scene.recordings.iter().enumerate().filter(|(_, it)| !it.held_out).collect();
     let all: usize = fitted.iter().map(|(_, it)| it.measured.len()).sum();
     let share = ENOUGH as f64 / all as f64;
-    let cut = |(number, it): &(usize, &Recorded)| {
-        let (number, n) = (*number, it.measured.len());
-        let length = (share * n as f64 / STRETCHES as f64) as usize;
-        let stretch = move |k: usize| {
-            let from = (k as f64 / STRETCHES as f64 * n as f64) as usize;
-            from..(from + length).min(n)
-        };
-        (0..STRETCHES).map(|k| (number, stretch(k))).collect::<Vec<_>>()
-    };
     if share >= 1.0 {
         return scene.fitted();
     }
+    let cut = |(number, it): &(usize, &Recorded)| stretches(*number, it, share);
     let parts: Vec<_> = fitted.iter().flat_map(cut).collect();
     let excerpt = scene.along(&parts);
     if excerpt.recordings.is_empty() { scene.fitted() } else { excerpt }

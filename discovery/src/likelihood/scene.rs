@@ -11,7 +11,7 @@ use super::averaged::averaged;
 use super::direction::Direction;
 use super::filter::{SENSORS, Track, track};
 use super::gram::References;
-use super::randomness::Randomness;
+use super::randomness::{Randomness, stretches};
 use crate::case::Setting;
 use crate::discover::Model;
 use crate::estimate::{Evidence, with_own};
@@ -51,6 +51,9 @@ pub(crate) struct Scene {
 
 /// Least noise of a sensor in a recording over that in the noisiest of its recordings.
 const QUIET: f64 = 0.3;
+
+/// Samples that are filtered at most: some 120 MB of states, gains and derivatives.
+const MOST: usize = 30_000;
 
 /// Factor on a first guess of the load that makes it whatever the sensors say.
 const ANY: f64 = 20.0;
@@ -98,7 +101,7 @@ impl Scene {
         let mut recordings = recorded(estimation, &model.fitted.recordings, false);
         recordings.extend(recorded(validation, &model.validation.recordings, true));
         let (names, longest_s) = (model.names(), longest(drive));
-        Self { drive: drive.clone(), names, recordings, longest_s }.looked_through()
+        Self { drive: drive.clone(), names, recordings, longest_s }.shortened().looked_through()
     }
 
     /// Whether it sees means of the samples of those recordings.
@@ -124,6 +127,18 @@ impl Scene {
             Some(Recorded { measured, direction, ..it.clone() })
         };
         Self { recordings: parts.iter().filter_map(one).collect(), ..self.clone() }
+    }
+
+    /// Along stretches of its recordings where all of them would fill the memory.
+    fn shortened(self) -> Self {
+        let all: usize = self.recordings.iter().map(|it| it.measured.len()).sum();
+        if all <= MOST {
+            return self;
+        }
+        let share = MOST as f64 / all as f64;
+        let each = self.recordings.iter().enumerate();
+        let parts: Vec<_> = each.flat_map(|(number, it)| stretches(number, it, share)).collect();
+        self.along(&parts)
     }
 
     /// With the directions of the speed itself, where a sensor shows it late.

@@ -52,8 +52,9 @@ pub(crate) struct Scene {
 /// Least noise of a sensor in a recording over that in the noisiest of its recordings.
 const QUIET: f64 = 0.3;
 
-/// Samples that are filtered at most: some 120 MB of states, gains and derivatives.
-const MOST: usize = 30_000;
+/// Samples that are filtered at most: two recordings of 8 s at 1 kHz, some 100 MB of states, gains and
+/// derivatives.
+const MOST: usize = 16_000;
 
 /// Factor on a first guess of the load that makes it whatever the sensors say.
 const ANY: f64 = 20.0;

@@ -157,7 +157,7 @@ impl Round<'_> {
     }
 
     fn convincing(&self, ground: &Ground, weights: &Weights, laws: &[&LawWeight]) -> Vec<Judged> {
-        let curve = weights.curves.iter().find(|curve| curve.repeats > 0.0);
+        let curve = weights.repeating().next();
         let mut fitted = self.at_their_best(ground, laws);
         for one in &mut fitted {
             one.refused = self.unconvincing(one, curve);

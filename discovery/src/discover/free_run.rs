@@ -5,13 +5,13 @@ use rayon::prelude::*;
 
 use super::decision;
 use super::judged::Judged;
-use super::ladder::floor;
 use super::learned::effect;
-use super::refit::{Model, NEAR_ENOUGH, finer, refit, with_learned};
+use super::refit::{Model, finer, fit_near, refit, with_learned};
 use super::round::Round;
 use crate::balances::unexplained;
 use crate::estimate::{Evidence, Options};
 use crate::likelihood::{CurveWeight, Ground, LawWeight};
+use crate::measured::Measured;
 
 /// Share of the error on the validation data that must at least be left out, so that it falls.
 const FALLS: f64 = 1e-3;
@@ -71,13 +71,12 @@ impl Round<'_> {
         }
         let Some(one) = judged.iter_mut().find(|one| one.weighed.small) else { return };
         let Some(model) = self.in_free_run(one) else { return };
-        let floor = |evidence: &Evidence| floor(evidence, self.model.setting.observer);
         let both = [
             (&self.model.fitted.squares, &model.fitted.squares, self.estimation),
             (&self.model.validation.squares, &model.validation.squares, self.validation),
         ];
         let explained = both.iter().all(|(was, is, evidence)| {
-            let floor = floor(evidence);
+            let floor = self.floor(evidence);
             is.sum - floor <= decision::LEFT * (was.sum - floor)
         });
         if explained {
@@ -89,12 +88,9 @@ impl Round<'_> {
     /// Fitted in free run; nothing where no fit ends.
     pub(crate) fn in_free_run(&self, one: &Judged) -> Option<Model> {
         let drive = &one.model.fitted.drive;
-        let setting = finer(&self.model.setting, drive);
         let seen = |_| self.watch.stopped();
-        let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
-        let (estimation, validation) = (self.estimation, self.validation);
         let fit = |drive: &Drive| {
-            Model::fit(drive, estimation, validation, setting, &options, &seen).ok()
+            fit_near(self.model, drive, self.estimation, self.validation, &seen).ok()
         };
         // The minimum of the free run may lie on the side of the base's own values.
         let beside = self.beside(one);
@@ -137,8 +133,16 @@ impl Round<'_> {
 
     /// Share of the error above the noise floor that goes with that model.
     pub(crate) fn removed(&self, with: &Model) -> f64 {
-        let excess = (self.model.fitted.squares.sum - self.floor).max(f64::MIN_POSITIVE);
+        let floor = self.floor(self.estimation);
+        let excess = (self.model.fitted.squares.sum - floor).max(f64::MIN_POSITIVE);
         let removed = self.model.fitted.squares.sum - with.fitted.squares.sum;
         (removed / excess).clamp(0.0, 1.0)
+    }
+
+    /// Squared error of a perfect model, over the values.
+    fn floor(&self, evidence: &Evidence) -> f64 {
+        let observer = self.model.setting.observer;
+        let of = |measured: &Measured| measured.values() as f64 * observer.floor(measured).powi(2);
+        evidence.recordings.iter().map(of).sum()
     }
 }

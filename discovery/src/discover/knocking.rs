@@ -3,7 +3,7 @@
 //! A filter is linear about its state, and when teeth meet is not: a knock foretold a little too
 //! early leaves it in the wrong place. What the free run (or the observer that was frozen for this
 //! drive) foretells of a sample from those before is a probability too, with the exact moments of
-//! contact; it is that of the filter whose load is not random.
+//! contact. A random load stays in its errors, and what their own past foretells of them is taken out.
 
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
@@ -44,7 +44,7 @@ impl Round<'_> {
         outputs.any(|channel| !of_motor.contains(&channel.output))
     }
 
-    /// Nothing where no fit ends, or the filter sees means of the samples, which are not foretold.
+    /// Nothing where no fit ends, or the filter sees not every sample, which are not to be compared.
     /// `variants` are shapes of the law, the most promising first.
     pub(super) fn foretold(
         &self,
@@ -52,7 +52,7 @@ impl Round<'_> {
         it: &Candidate,
         variants: &[usize],
     ) -> Option<Foretold> {
-        if ground.scene.is_averaged(self.estimation, self.validation) {
+        if ground.scene.is_reduced(self.estimation, self.validation) {
             return None;
         }
         let (estimation, validation) = (self.estimation, self.validation);
@@ -66,8 +66,8 @@ impl Round<'_> {
         let size = left * (1.0 - kept).max(0.0).sqrt() / ground.references.torque;
         let [own, others] = self.ln_probabilities(&model);
         // A filter knows less of each reversal than a free run, and nothing of what stands beside the
-        // motor: the base is the better of both where they speak of the same. Its
-        // evidence holds the price of its parameters; Laplace's of a single one is this.
+        // motor: the base is the better of both where they speak of the same. Its evidence holds the
+        // price of its parameters; Laplace's of a single one is this.
         let parameters = model.fitted.parameters.len() as f64;
         let price = 0.5 * parameters * (model.fitted.squares.values as f64).ln();
         let [before, rest] = self.ln_probabilities(self.model);
@@ -77,9 +77,7 @@ impl Round<'_> {
         let all = own + others - price - both.max(by_filter(ground.base.all));
         Some(Foretold { model, fitted, all, size })
     }
-}
 
-impl Round<'_> {
     /// ln of the probability of the estimation data in free run, without its constant, and of those
     /// that judge: of what the past of the errors does not foretell of them, for a random load
     /// stays in them.

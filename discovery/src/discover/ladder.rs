@@ -20,7 +20,6 @@ use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
 use crate::estimate::{Evidence, Options};
-use crate::observer::Observer;
 use crate::signals::SignalFinding;
 
 /// Why no curve is added.
@@ -58,7 +57,6 @@ pub fn discover(
     found.signals = wrong;
     let mut formulas: Vec<Formula> = Vec::new();
     let seen = |error| seen_by(watch, error);
-    let floor = floor(estimation, found.observer);
     for round in 0..decision::ROUNDS {
         if watch.stopped() {
             break;
@@ -72,7 +70,6 @@ pub fn discover(
             estimation,
             validation,
             watch,
-            floor,
             named: &found.named.clone(),
             formulas: &formulas,
         };
@@ -154,7 +151,6 @@ pub fn add(
             vec![candidate(entry, &model.fitted.drive, &scales)]
         }
     };
-    let floor = floor(estimation, found.observer);
     let turn = Round {
         model: &model,
         all: &chosen,
@@ -162,16 +158,14 @@ pub fn add(
         estimation,
         validation,
         watch,
-        floor,
         named: &[],
         formulas: &[],
     };
     let ground = turn.ground().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let weights = turn.weights(&ground).ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let added = if kind == "learned" {
-        let mut addable =
-            weights.curves.iter().filter(|it| it.curve.is_addable() && it.repeats > 0.0);
-        let curve = addable.next().ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
+        let curve = weights.repeating().find(|it| it.curve.is_addable());
+        let curve = curve.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
         let with = turn.with_curve(curve).ok_or_else(|| cannot(NO_FIT.to_owned()))?;
         found.learned = Some(LearnedCurve::of(curve, turn.removed(&with), drive));
         with
@@ -209,7 +203,7 @@ pub fn bic_of(
 ) -> Result<f64, Error> {
     let entry = Entry::find(kind)
         .ok_or_else(|| Error::CannotAdd { effect: kind.to_owned(), reason: UNKNOWN.to_owned() })?;
-    let (model, found) = begin(drive, estimation, validation, &Unwatched)?;
+    let (model, _) = begin(drive, estimation, validation, &Unwatched)?;
     let scales = Scales::of(&model.fitted.drive, estimation);
     let all = [candidate(entry, &model.fitted.drive, &scales)];
     let turn = Round {
@@ -219,7 +213,6 @@ pub fn bic_of(
         estimation,
         validation,
         watch: &Unwatched,
-        floor: floor(estimation, found.observer),
         named: &[],
         formulas: &[],
     };
@@ -346,12 +339,4 @@ impl Discovery {
         self.ladder.push(rung);
         self.parameters = model.fitted.parameters.clone();
     }
-}
-
-/// Squared error of a perfect model, over the values.
-pub(super) fn floor(evidence: &Evidence, observer: Observer) -> f64 {
-    let of = |measured: &crate::measured::Measured| {
-        measured.values() as f64 * observer.floor(measured).powi(2)
-    };
-    evidence.recordings.iter().map(of).sum()
 }

@@ -47,7 +47,7 @@ pub struct LearnedCurve {
 impl LearnedCurve {
     /// Of a curve that removes that share of the error above the noise floor.
     pub(crate) fn of(weight: &CurveWeight, excess_removed: f64, drive: &Drive) -> Self {
-        let curve = &weight.curve;
+        let (curve, values) = (&weight.curve, beside_parameters(weight));
         let times = match curve.factor {
             Factor::One => None,
             Factor::Direction => Some("sign(omega)"),
@@ -60,8 +60,8 @@ impl LearnedCurve {
             knots: curve.knots.clone(),
             over_unit: unit(curve.over, drive),
             unit: balance_unit(curve.balance, drive),
-            values: beside_parameters(weight),
-            formula: formula(curve, &beside_parameters(weight)),
+            formula: formula(curve, &values),
+            values,
             excess_removed,
         }
     }
@@ -200,7 +200,6 @@ fn formula(curve: &Curve, values: &[f64]) -> Option<String> {
 /// as the nearest value that was.
 fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
     let CurveWeight { curve, values, visited, .. } = weight;
-    let sign = |z: f64| if z == 0.0 { 0.0 } else { z.signum() };
     let dry = match (curve.balance, curve.over, curve.factor) {
         (Balance::Voltage, Over::Current, Factor::One) => 0.0,
         (Balance::Torque, Over::Speed, Factor::One) => 1.0,
@@ -219,22 +218,12 @@ fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
 
 /// Values less what constants, slopes and signs explain of them.
 fn beside_base(knots: &[f64], values: &[f64]) -> Vec<f64> {
-    let columns: Vec<[f64; 3]> =
-        knots.iter().map(|z| [1.0, *z, if *z == 0.0 { 0.0 } else { z.signum() }]).collect();
-    let mut regression = drivescope_numerics::Regression::new(3);
-    for (column, value) in columns.iter().zip(values) {
-        regression.push(*column, *value);
-    }
-    match regression.solve() {
-        Ok(fit) => columns
-            .iter()
-            .zip(values)
-            .map(|(column, value)| {
-                value - column.iter().zip(&fit.parameters).map(|(x, p)| x * p).sum::<f64>()
-            })
-            .collect(),
-        Err(_) => values.to_vec(),
-    }
+    let column = |row: usize, k: usize| [1.0, knots[k], sign(knots[k])][row];
+    beside(&DMatrix::from_fn(3, knots.len(), column), values)
+}
+
+fn sign(z: f64) -> f64 {
+    if z == 0.0 { 0.0 } else { z.signum() }
 }
 
 #[cfg(test)]

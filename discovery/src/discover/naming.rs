@@ -74,12 +74,10 @@ impl Round<'_> {
         locked && it.evidence - it.repeats > decision::EVIDENCE && it.repeats <= 0.0
     }
 
-    /// Whether a curve shows that something is missing.
+    /// Whether a curve that repeats shows that something is missing.
     pub(super) fn stands(&self, curve: &CurveWeight) -> bool {
         let (evidence, size) = self.asked(!self.named.is_empty());
-        curve.evidence + decision::CURVE_ODDS.ln() > evidence
-            && curve.repeats > 0.0
-            && curve.size >= size
+        curve.evidence + decision::CURVE_ODDS.ln() > evidence && curve.size >= size
     }
 
     /// Puts the simplest of those that pass and are not told from the best of them before it.

@@ -66,7 +66,9 @@ impl Model {
 
 /// Squared error, in units of the noise, by which a fit of a candidate may miss its minimum: far
 /// below the evidence that a name needs ([`super::decision::EVIDENCE`]).
-pub(super) const NEAR_ENOUGH: f64 = 1.0;
+const NEAR_ENOUGH: f64 = 1.0;
+/// A fit as close as judging a candidate needs.
+const NEARLY: Options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
 
 /// Shapes from which a fit begins.
 const BEGINS: usize = 5;
@@ -74,6 +76,19 @@ const BEGINS: usize = 5;
 const FIRST_STEPS: usize = 6;
 /// Begins that are followed to their ends: the best after the first steps may lead into a valley.
 const FOLLOWED: usize = 2;
+
+/// A drive fitted from where it stands, as closely as judging it needs, in the setting of the base
+/// where that resolves it.
+pub(crate) fn fit_near(
+    base: &Model,
+    drive: &Drive,
+    estimation: &Evidence,
+    validation: &Evidence,
+    seen: Seen<'_>,
+) -> Result<Model, Error> {
+    let setting = finer(&base.setting, drive);
+    Model::fit(drive, estimation, validation, setting, &NEARLY, seen)
+}
 
 /// The drive with a law whose null is infinite, fitted again from shapes of it, the most promising
 /// first, as closely as judging it needs. The best after a few steps are followed, and the best end
@@ -86,21 +101,17 @@ pub(crate) fn refit(
     validation: &Evidence,
     seen: Seen<'_>,
 ) -> Result<Model, Error> {
-    let options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
-    let finish = |drive: &Drive| {
-        let setting = finer(&base.setting, drive);
-        Model::fit(drive, estimation, validation, setting, &options, seen)
-    };
     let first_steps = |variant: &usize| {
         let drive = candidate.added(&base.fitted.drive, &candidate.variants[*variant]);
-        let options = Options { steps: FIRST_STEPS, ..options };
+        let options = Options { steps: FIRST_STEPS, ..NEARLY };
         fit_seen(&drive, estimation, &finer(&base.setting, &drive), &options, seen)
     };
     let begun: Vec<_> = variants.par_iter().take(BEGINS).map(first_steps).collect();
     let mut begun = some_of(begun)?;
     begun.sort_by(|one, other| one.squares.sum.total_cmp(&other.squares.sum));
     begun.truncate(FOLLOWED);
-    let ends: Vec<_> = begun.par_iter().map(|fitted| finish(&fitted.drive)).collect();
+    let finish = |begun: &Fitted| fit_near(base, &begun.drive, estimation, validation, seen);
+    let ends: Vec<_> = begun.par_iter().map(finish).collect();
     let ends = some_of(ends)?.into_iter();
     let best = ends.min_by(|a, b| a.fitted.squares.sum.total_cmp(&b.fitted.squares.sum));
     Ok(best.expect("an end"))

@@ -24,8 +24,6 @@ pub(crate) struct Round<'a> {
     pub(crate) estimation: &'a Evidence,
     pub(crate) validation: &'a Evidence,
     pub(crate) watch: &'a dyn Watch,
-    /// Squared error of a perfect model.
-    pub(crate) floor: f64,
     /// Kinds that were named before.
     pub(crate) named: &'a [String],
     /// What their formulas may leave.
@@ -139,7 +137,7 @@ impl Round<'_> {
     /// The curve that shows that something is missing; one that can be added stands before one that
     /// cannot and has little more evidence.
     fn unknown(&self, weights: &Weights) -> Option<CurveWeight> {
-        let mut some = weights.curves.iter().filter(|it| it.repeats > 0.0).peekable();
+        let mut some = weights.repeating().peekable();
         let best = *some.peek().filter(|curve| self.stands(curve))?;
         let addable = |it: &&CurveWeight| {
             it.curve.is_addable() && it.evidence >= decision::ADDABLE * best.evidence

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use super::filter::{LOAD, Track};
 use super::gram::References;
 use super::noise::Cycle;
-use super::randomness::{Judge, Randomness};
-use super::scene::Scene;
+use super::randomness::{FINE, Judge, Randomness, slowest};
+use super::scene::{Recorded, Scene};
 
 /// Gain in ln of the likelihood that a cycle must bring: a thousand frequencies were to choose from,
 /// and its size and memory are known to an octave of ten.
@@ -26,8 +26,6 @@ const NEAR: usize = 12;
 const PERIODS: [f64; 2] = [2.0, 20.0];
 /// Factor on the rest of the load beside the cycle.
 const REST: [f64; 2] = [1.0, 0.3];
-/// Factor of the search from the best of these.
-const FINE: f64 = 1.8;
 
 impl Randomness {
     /// With a cycle where one makes the recordings that much more probable; itself otherwise.
@@ -57,19 +55,18 @@ impl Randomness {
 /// Frequencies that stand out of the load's spectrum most, Hz, with the standard deviation of what
 /// stands there.
 fn peaks(scene: &Scene, tracks: &[Track]) -> Vec<(f64, f64)> {
-    let period_s = scene.recordings.iter().map(|it| it.measured.period_s).fold(0.0, f64::max);
     let longest_s = tracks
         .iter()
         .zip(&scene.recordings)
         .map(|(track, it)| track.ticks.len() as f64 * it.measured.period_s)
         .fold(0.0, f64::max);
     let apart = 1.0 / (A_LINE * longest_s);
-    let count = (HIGHEST / period_s / apart) as usize;
+    let count = (HIGHEST / slowest(scene) / apart) as usize;
     let frequencies: Vec<f64> =
         ((OFTEN * A_LINE) as usize..count).map(|k| k as f64 * apart).collect();
     let samples: usize = tracks.iter().map(|track| track.ticks.len()).sum();
     let power = |hz: &f64| -> f64 {
-        let of = |(track, it): (&Track, &super::scene::Recorded)| {
+        let of = |(track, it): (&Track, &Recorded)| {
             let step = (TAU * hz * it.measured.period_s).sin_cos();
             let (mut turn, mut sum) = ((0.0, 1.0), (0.0, 0.0));
             for tick in &track.ticks {
@@ -106,22 +103,22 @@ mod tests {
 
     use super::super::direction::Direction;
     use super::super::filter::SENSORS;
-    use super::super::scene::{Recorded, longest};
+    use super::super::scene::longest;
     use super::*;
     use crate::measured::Measured;
-    use crate::testing::{dr300, gaussian, loaded, noisy};
+    use crate::testing::{dr300, loaded, noisy, random_load};
 
     const SDS: [f64; SENSORS] = [0.01, 0.3, 1.0];
     const PERIOD_S: f64 = 0.002;
+    const SAMPLES: usize = 4000;
     /// Standard deviation of the load that is not recorded, N m.
     const LOAD: f64 = 0.01;
 
     /// What is found of the drive under that load besides a random one, in one direction.
     fn found(load: impl Fn(usize) -> f64) -> Option<Cycle> {
         let drive = dr300();
-        let samples = 4000;
-        let u = (0..samples).map(|k| 12.0 + 4.0 * (0.005 * k as f64).sin()).collect();
-        let load: Vec<f64> = (0..samples).map(load).collect();
+        let u = (0..SAMPLES).map(|k| 12.0 + 4.0 * (0.005 * k as f64).sin()).collect();
+        let load: Vec<f64> = (0..SAMPLES).map(load).collect();
         let [i, omega, _] = SDS;
         let recording = noisy(loaded(&drive, u, &load, PERIOD_S), [i, omega], 3);
         let measured = Measured::new(&drive, &recording).expect("it can be used");
@@ -141,18 +138,14 @@ mod tests {
         searched.oscillating(&scene, &references).expect("the same").cycle
     }
 
-    fn wandering(left: f64, seed: u64) -> Vec<f64> {
-        let mut value = 0.0;
-        let one = |noise: f64| {
-            value = left * value + LOAD * (1.0 - left * left).sqrt() * noise;
-            value
-        };
-        gaussian(4000, seed).into_iter().map(one).collect()
+    /// A random load that forgets what it was after that time, s.
+    fn wandering(time_s: f64, seed: u64) -> Vec<f64> {
+        random_load(SAMPLES, PERIOD_S, (LOAD, time_s), seed)
     }
 
     #[test]
     fn a_load_that_oscillates_is_found_with_its_frequency() {
-        let slow = wandering(0.99, 4);
+        let slow = wandering(0.2, 4);
         let hz = 6.0;
         let cycle = found(|k| slow[k] + LOAD * (TAU * hz * k as f64 * PERIOD_S).sin());
         let cycle = cycle.expect("it oscillates");
@@ -163,7 +156,7 @@ mod tests {
     #[test]
     fn a_random_load_does_not_oscillate() {
         for seed in 5..9 {
-            let load = wandering(0.98, seed);
+            let load = wandering(0.1, seed);
             assert_eq!(found(|k| load[k]), None, "seed {seed}");
         }
     }

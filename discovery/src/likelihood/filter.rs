@@ -111,6 +111,15 @@ impl Track {
         &self.steps[tick.step]
     }
 
+    /// A value of every tick in the place of its sample, of so many; 0 where there is none.
+    pub(super) fn by_sample(&self, samples: usize, value: impl Fn(&Tick) -> f64) -> Vec<f64> {
+        let mut values = vec![0.0; samples];
+        for tick in &self.ticks {
+            values[tick.sample] = value(tick);
+        }
+        values
+    }
+
     /// The same recording with other noise, the plant as it was linearised along this track.
     pub(crate) fn with(
         &self,
@@ -128,9 +137,7 @@ fn filter(
     noise: &Noise,
     mut plant: impl Linearised,
 ) -> Option<Track> {
-    // Where own states stand nothing else does.
-    let noise =
-        &Noise { cycle: noise.cycle.filter(|_| OWN + own_states(drive) <= CYCLE), ..*noise };
+    let noise = &Noise { cycle: noise.cycle.filter(|_| holds_a_cycle(drive)), ..*noise };
     let variances = noise.sensors.map(|sd| sd * sd);
     let mut wandering = noise.wandering(measured.period_s);
     if drive.motor.input == Input::Force {

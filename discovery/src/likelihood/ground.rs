@@ -6,7 +6,7 @@ use super::base::Known;
 use super::filter::{CYCLE, holds_a_cycle};
 use super::gram::References;
 use super::optimum::{Law, Optimum, optimum};
-use super::randomness::{Randomness, excerpt};
+use super::randomness::{FINE, Randomness, excerpt};
 use super::refine::refined;
 use super::scene::{Scene, rms};
 use crate::discover::{Oscillation, RandomLoad};
@@ -19,9 +19,8 @@ const OWN: usize = 3;
 /// Rounds of a search for the randomness and one for the parameters: each moves the other.
 const ROUNDS: usize = 5;
 
-/// First factors of a search for the randomness: of the base, and of what stands beside it.
+/// First factor of a search for the randomness of the base.
 const COARSE: f64 = 3.0;
-const FINE: f64 = 1.8;
 
 /// The base of a round, as evidence is counted from it.
 pub(crate) struct Ground {
@@ -105,8 +104,9 @@ impl Ground {
         estimated: &[String],
         coefficients: &[String],
     ) -> Option<(Scene, Optimum)> {
-        let with = effects.first().map(|it| self.scene.with(it, estimated.iter().cloned()));
-        let oscillates = with.is_some_and(|it| holds_a_cycle(&it.drive));
+        let mut drive = self.scene.drive.clone();
+        drive.effects.extend(effects.first().cloned());
+        let oscillates = holds_a_cycle(&drive);
         let own = Some((self.randomness, self.probability))
             .filter(|(it, _)| oscillates || it.cycle.is_none() || self.broad.is_none());
         // What oscillates may be what the law explains.

@@ -102,12 +102,11 @@ impl Linearised for Itself<'_> {
         tick.mean = Vector::zeros();
         for part in 0..self.parts {
             self.plant.rates(&tick.propagated, direction, Number::parameter);
-            let (mut f, mut rates) = (Vector::zeros(), NO_ROWS);
+            let mut f = Vector::zeros();
             for (row, [rate]) in self.plant.rate.iter().enumerate().take(self.plant.imposed) {
                 f[row] = rate.v;
-                rates[row] = rate.d;
             }
-            self.exponential.set(&rates, self.part_s);
+            self.exponential.set(&self.plant.rate_rows(), self.part_s);
             let Exponential { whole, input, mean, .. } = &self.exponential;
             tick.mean += (tick.propagated + times(mean, &f)) / self.parts as f64;
             tick.propagated += times(input, &f);
@@ -138,11 +137,7 @@ impl Linearised for Itself<'_> {
     fn slipping(&mut self, sample: usize) -> Vector {
         self.plant.enter(sample);
         self.plant.rates(&Vector::zeros(), 1.0, Number::parameter);
-        let mut rates = NO_ROWS;
-        for (row, [rate]) in rates.iter_mut().zip(&self.plant.rate).take(self.plant.imposed) {
-            *row = rate.d;
-        }
-        self.exponential.set(&rates, self.part_s);
+        self.exponential.set(&self.plant.rate_rows(), self.part_s);
         let whole = &self.exponential.whole;
         let mut moved = Vector::zeros();
         for state in 0..self.plant.imposed {

@@ -6,6 +6,7 @@ use drivescope_plant::model::{Applied, Model, OWN, field};
 use drivescope_plant::sampled::DelayLine;
 
 use super::filter::{LOAD, OWN_STATES, SENSORS, VOLTAGE, Vector};
+use super::sparse::{LANES, NO_ROWS, Rows};
 use crate::measured::Measured;
 
 /// A drive whose numbers carry `P` directions.
@@ -133,5 +134,16 @@ impl<'a, const P: usize> Plant<'a, P> {
             };
             self.x[place][0] = self.x[place][0] + self.rate[place][0] * constant(acting);
         }
+    }
+}
+
+impl Plant<'_, LANES> {
+    /// Derivatives of the rates that were set, a row an imposed state.
+    pub(super) fn rate_rows(&self) -> Rows {
+        let mut rows = NO_ROWS;
+        for (row, [rate]) in rows.iter_mut().zip(&self.rate).take(self.imposed) {
+            *row = rate.d;
+        }
+        rows
     }
 }

@@ -1,12 +1,10 @@
 //! How random the load, the voltage and the sensors are: what makes the recordings most probable.
 
-use std::ops::Range;
-
 use super::base::{Known, pooled, probability};
 use super::filter::{SENSORS, Track};
 use super::gram::References;
 use super::noise::{Cycle, Noise};
-use super::scene::{Recorded, Scene, rms};
+use super::scene::{Scene, rms};
 use crate::measured::Output;
 use drivescope_plant::drive::Input;
 
@@ -16,12 +14,13 @@ const LONGEST_S: f64 = 1.0;
 const SHORTEST: f64 = 2.0;
 /// Correlation time of the random voltage, s.
 const VOLTAGE_S: f64 = 0.02;
+/// First factor of a search beside the base, where its randomness is nearly known.
+pub(super) const FINE: f64 = 1.8;
 /// Gain in ln of the likelihood that a step of the search must bring.
 const WORTH: f64 = 0.5;
 
-/// Samples that tell how random a recording is, and the stretches in which they are taken of each.
+/// Samples that tell how random a recording is.
 const ENOUGH: usize = 4000;
-const STRETCHES: usize = 2;
 
 /// Two disturbances, and factors on what is known of the sensors' noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -197,33 +196,12 @@ fn inductance(scene: &Scene) -> f64 {
 }
 
 /// Longest sampling time, s.
-fn slowest(scene: &Scene) -> f64 {
+pub(super) fn slowest(scene: &Scene) -> f64 {
     scene.recordings.iter().map(|it| it.measured.period_s).fold(0.0, f64::max)
-}
-
-/// Stretches of a recording of that number that hold that share of it.
-pub(super) fn stretches(number: usize, it: &Recorded, share: f64) -> Vec<(usize, Range<usize>)> {
-    let n = it.measured.len();
-    let length = (share * n as f64 / STRETCHES as f64) as usize;
-    let stretch = |k: usize| {
-        let from = (k as f64 / STRETCHES as f64 * n as f64) as usize;
-        (number, from..(from + length).min(n))
-    };
-    (0..STRETCHES).map(stretch).collect()
 }
 
 /// The scene along stretches of the recordings of the fit that are enough to tell its numbers, the
 /// same share of each.
 pub(super) fn excerpt(scene: &Scene) -> Scene {
-    let fitted: Vec<(usize, &Recorded)> =
-        scene.recordings.iter().enumerate().filter(|(_, it)| !it.held_out).collect();
-    let all: usize = fitted.iter().map(|(_, it)| it.measured.len()).sum();
-    let share = ENOUGH as f64 / all as f64;
-    if share >= 1.0 {
-        return scene.fitted();
-    }
-    let cut = |(number, it): &(usize, &Recorded)| stretches(*number, it, share);
-    let parts: Vec<_> = fitted.iter().flat_map(cut).collect();
-    let excerpt = scene.along(&parts);
-    if excerpt.recordings.is_empty() { scene.fitted() } else { excerpt }
+    scene.fitted().shortened(ENOUGH)
 }

@@ -48,12 +48,8 @@ impl<'a> Rates<'a> {
             share.shown = plant.shown(&tick.predicted, constant).map(|it| it.d);
         }
         plant.rates(&tick.mean, self.direction.at(tick.sample), constant);
-        let mut rates = NO_ROWS;
-        for (row, [rate]) in rates.iter_mut().zip(&plant.rate).take(plant.imposed) {
-            *row = rate.d;
-        }
         share.state = NO_ROWS;
-        track.step(tick).input.add_times(&rates, &mut share.state);
+        track.step(tick).input.add_times(&plant.rate_rows(), &mut share.state);
         plant.advance();
     }
 }

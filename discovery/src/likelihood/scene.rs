@@ -11,7 +11,7 @@ use super::averaged::averaged;
 use super::direction::Direction;
 use super::filter::{SENSORS, Track, track};
 use super::gram::References;
-use super::randomness::{Randomness, stretches};
+use super::randomness::Randomness;
 use crate::case::Setting;
 use crate::discover::Model;
 use crate::estimate::{Evidence, with_own};
@@ -55,6 +55,8 @@ const QUIET: f64 = 0.3;
 /// Samples that are filtered at most: two recordings of 8 s at 1 kHz, some 100 MB of states, gains and
 /// derivatives.
 const MOST: usize = 16_000;
+/// Stretches of a recording of which not all is taken.
+const STRETCHES: usize = 2;
 
 /// Factor on a first guess of the load that makes it whatever the sensors say.
 const ANY: f64 = 20.0;
@@ -102,11 +104,11 @@ impl Scene {
         let mut recordings = recorded(estimation, &model.fitted.recordings, false);
         recordings.extend(recorded(validation, &model.validation.recordings, true));
         let (names, longest_s) = (model.names(), longest(drive));
-        Self { drive: drive.clone(), names, recordings, longest_s }.shortened().looked_through()
+        Self { drive: drive.clone(), names, recordings, longest_s }.shortened(MOST).looked_through()
     }
 
-    /// Whether it sees means of the samples of those recordings.
-    pub(crate) fn is_averaged(&self, estimation: &Evidence, validation: &Evidence) -> bool {
+    /// Whether it sees means or stretches of those recordings, and not every sample.
+    pub(crate) fn is_reduced(&self, estimation: &Evidence, validation: &Evidence) -> bool {
         let samples =
             |evidence: &Evidence| -> usize { evidence.recordings.iter().map(Measured::len).sum() };
         let own: usize = self.recordings.iter().map(|it| it.measured.len()).sum();
@@ -120,26 +122,34 @@ impl Scene {
     }
 
     /// The same along parts of its recordings, each with the number of its recording.
-    pub(crate) fn along(&self, parts: &[(usize, Range<usize>)]) -> Self {
-        let one = |(number, range): &(usize, Range<usize>)| {
-            let it = &self.recordings[*number];
+    fn along(&self, parts: impl Iterator<Item = (usize, Range<usize>)>) -> Self {
+        let one = |(number, range): (usize, Range<usize>)| {
+            let it = &self.recordings[number];
             let measured = Arc::new(it.measured.part(range.clone()).ok()?);
-            let direction = Arc::new(it.direction.part(range.clone()));
+            let direction = Arc::new(it.direction.part(range));
             Some(Recorded { measured, direction, ..it.clone() })
         };
-        Self { recordings: parts.iter().filter_map(one).collect(), ..self.clone() }
+        Self { recordings: parts.filter_map(one).collect(), ..self.clone() }
     }
 
-    /// Along stretches of its recordings where all of them would fill the memory.
-    fn shortened(self) -> Self {
+    /// Along stretches of its recordings that hold so many samples, the same share of each; itself
+    /// where it has no more, or where no stretch is long enough.
+    pub(super) fn shortened(self, most: usize) -> Self {
         let all: usize = self.recordings.iter().map(|it| it.measured.len()).sum();
-        if all <= MOST {
+        if all <= most {
             return self;
         }
-        let share = MOST as f64 / all as f64;
+        let share = most as f64 / all as f64;
         let each = self.recordings.iter().enumerate();
-        let parts: Vec<_> = each.flat_map(|(number, it)| stretches(number, it, share)).collect();
-        self.along(&parts)
+        let parts = each.flat_map(|(number, it)| {
+            stretches(it.measured.len(), share).map(move |range| (number, range))
+        });
+        let short = self.along(parts);
+        let kept = |held_out: bool| {
+            let has = |scene: &Self| scene.recordings.iter().any(|it| it.held_out == held_out);
+            has(&short) == has(&self)
+        };
+        if kept(false) && kept(true) { short } else { self }
     }
 
     /// With the directions of the speed itself, where a sensor shows it late.
@@ -153,10 +163,7 @@ impl Scene {
         // So random that what was measured tells the speed, and not the friction that is not known.
         if let Some(tracks) = self.tracks(&Randomness::guess(&self).scaled(ANY)) {
             for (it, track) in self.recordings.iter_mut().zip(tracks) {
-                let mut speeds = vec![0.0; it.measured.len()];
-                for tick in &track.ticks {
-                    speeds[tick.sample] = tick.filtered[SPEED];
-                }
+                let speeds = track.by_sample(it.measured.len(), |tick| tick.filtered[SPEED]);
                 let sd = it.noise[Output::Speed as usize];
                 it.direction = Arc::new(Direction::of_speeds(&it.measured, &speeds, sd));
             }
@@ -264,6 +271,15 @@ impl Scene {
 
 /// Share of a signal that counts for its sensor as the whole of a balance does for a law in it.
 const SENSOR: f64 = 0.1;
+
+/// Stretches of so many samples that hold that share of them.
+fn stretches(n: usize, share: f64) -> impl Iterator<Item = Range<usize>> {
+    let length = (share * n as f64 / STRETCHES as f64) as usize;
+    (0..STRETCHES).map(move |k| {
+        let from = (k as f64 / STRETCHES as f64 * n as f64) as usize;
+        from..(from + length).min(n)
+    })
+}
 
 /// Root of the mean square, never 0: it divides.
 pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::base::{Further, Pooled, grams, parameters, passes, terms};
 use super::columns::{A_PASS, Series, Source};
-use super::filter::{Track, own_states};
+use super::filter::{Tick, Track, own_states};
 use super::gram::{Gram, Products, References};
 use super::marginal::{
     Terms, coefficients, information_beside, ln_mean_exp, log_evidence, standing_out,
@@ -115,13 +115,7 @@ const IMITATED: f64 = 1e-2;
 
 /// What is known of the variables along the tracks.
 fn trajectory(it: &Recorded, track: &Track) -> Trajectory {
-    let of = |value: &dyn Fn(&super::filter::Tick) -> f64| {
-        let mut values = vec![0.0; it.measured.len()];
-        for tick in &track.ticks {
-            values[tick.sample] = value(tick);
-        }
-        values
-    };
+    let of = |value: &dyn Fn(&Tick) -> f64| track.by_sample(it.measured.len(), value);
     let force = it.drive.motor.input == Input::Force;
     Trajectory {
         current: if force { it.measured.u.clone() } else { of(&|tick| tick.filtered[0]) },
@@ -364,6 +358,11 @@ fn weigh_along(
 }
 
 impl Weights {
+    /// The curves for which the recordings held out speak too, most probable first.
+    pub(crate) fn repeating(&self) -> impl Iterator<Item = &CurveWeight> {
+        self.curves.iter().filter(|curve| curve.repeats > 0.0)
+    }
+
     /// Each law and curve where it explains more, over the base where that does.
     fn best_of(self, other: Self) -> Self {
         let base = self.base.max(other.base);

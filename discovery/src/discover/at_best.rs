@@ -80,8 +80,6 @@ impl Round<'_> {
         let filtered = |weight: &LawWeight, foretold: Option<&Model>| {
             let it = &self.all[weight.candidate];
             let begins = weight.variants.iter().take(if it.is_linear() { 1 } else { BEGINS });
-            let free = it.parameters().filter(|name| !it.frozen.contains(name));
-            let free: Vec<String> = free.map(|name| format!("{}.{name}", it.id)).collect();
             let at = |variant: &usize| {
                 let mut effect = it.variants[*variant].effect.clone();
                 for (name, value) in it.coefficients.iter().zip(&weight.coefficients) {
@@ -96,7 +94,7 @@ impl Round<'_> {
             if it.is_linear() && it.info.stiff {
                 begins.extend(FARTHER.map(|factor| it.scaled(&begins[0], factor)));
             }
-            let (scene, own) = ground.with(&begins, &free, &it.coefficients)?;
+            let (scene, own) = ground.with(&begins, &it.estimated(), &it.coefficients)?;
             // A law whose coefficients all stay at the end of their range is none.
             let values = scene.drive.parameters();
             let at_end = |(name, range): (&String, &(f64, f64))| {
@@ -158,9 +156,10 @@ impl Round<'_> {
 
     fn convincing(&self, ground: &Ground, weights: &Weights, laws: &[&LawWeight]) -> Vec<Judged> {
         let curve = weights.repeating().next();
+        let curve = curve.map(|it| (it, weights.beyond(ground.base.fitted, it)));
         let mut fitted = self.at_their_best(ground, laws);
         for one in &mut fitted {
-            one.refused = self.unconvincing(one, curve);
+            one.refused = self.unconvincing(ground, one, curve);
         }
         fitted
     }

@@ -314,6 +314,12 @@ impl Candidate {
         self.variants[0].effect.parameters.iter().map(|(name, _)| name.as_str())
     }
 
+    /// Names in the drive of its parameters that are estimated.
+    pub(crate) fn estimated(&self) -> Vec<String> {
+        let free = self.parameters().filter(|name| !self.frozen.contains(name));
+        free.map(|name| format!("{}.{name}", self.id)).collect()
+    }
+
     /// An effect of its kind with coefficients times a factor.
     pub(crate) fn scaled(&self, effect: &EffectData, factor: f64) -> EffectData {
         let mut scaled = effect.clone();

@@ -1,6 +1,7 @@
 //! The last word on a candidate: whether the error on the validation data falls with it.
 
 use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::law::Variable;
 use rayon::prelude::*;
 
 use super::decision;
@@ -15,20 +16,27 @@ use crate::measured::Measured;
 
 /// Share of the error on the validation data that must at least be left out, so that it falls.
 const FALLS: f64 = 1e-3;
+/// Share of the unexplained torque that may be left where that alone decides: an observer follows what
+/// a slow drive does, and its error says little of it.
+const MUCH: f64 = 0.5;
 
 impl Round<'_> {
     /// Fits the candidates that are not refused in free run, the first first, until one makes less
     /// of the validation data unexplained: the last word is that of the error. Where the motion
-    /// hides what drives it, in a closed loop, that is the error of the torque.
+    /// hides what drives it, in a closed loop or behind an observer, that is the error of the torque.
     pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
         let seen = |_| self.watch.stopped();
         let (estimation, validation) = (self.estimation, self.validation);
         let left = |drive: &Drive| unexplained(drive, validation)[0].map(|it| it.rms);
         let before = left(&ground.scene.drive);
-        // What is far less probable than one that does not lower the error is no name for it.
-        let mut least = f64::NEG_INFINITY;
+        // What is far less probable than one over the same variables that does not lower the error is
+        // no name for it.
+        let mut failed: Vec<(&[Variable], f64)> = Vec::new();
         for one in judged.iter_mut().filter(|one| one.refused.is_none()) {
-            if one.weighed.evidence < least {
+            let candidate = &self.all[one.candidate];
+            let over = |it: &Variable| candidate.fails_over.contains(it);
+            let less = |least: f64| one.weighed.evidence < least;
+            if failed.iter().any(|(variables, least)| less(*least) && variables.iter().any(over)) {
                 one.refused = Some("a better one does not lower the error".to_owned());
                 continue;
             }
@@ -42,8 +50,14 @@ impl Round<'_> {
             };
             let error = |model: &Model| model.validation.squares.error();
             let (was, is) = (error(self.model), error(&model));
+            let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
+            let after = left(&model.fitted.drive);
             one.model = model;
-            if is <= (1.0 - FALLS) * was {
+            if fits && is <= (1.0 - FALLS) * was {
+                break;
+            }
+            if before.zip(after).is_some_and(|(before, after)| after < MUCH * before) {
+                one.weighed.by_balance = true;
                 break;
             }
             let falls = before
@@ -55,10 +69,11 @@ impl Round<'_> {
                 one.weighed.by_balance = true;
                 break;
             }
-            one.refused = Some("the error on the validation data does not fall".to_owned());
+            let where_not = if fits { "on the validation data " } else { "" };
+            one.refused = Some(format!("the error {where_not}does not fall"));
             // Of what stands for dry friction the filter knows too little at each reversal.
-            if !self.all[one.candidate].info.replaces_dry {
-                least = least.max(decision::SHARE * one.weighed.evidence);
+            if !candidate.info.replaces_dry {
+                failed.push((&candidate.fails_over, decision::SHARE * one.weighed.evidence));
             }
         }
     }

@@ -56,6 +56,7 @@ pub fn discover(
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
     found.signals = wrong;
     let mut formulas: Vec<Formula> = Vec::new();
+    let mut randomness = None;
     let seen = |error| seen_by(watch, error);
     for round in 0..decision::ROUNDS {
         if watch.stopped() {
@@ -72,6 +73,7 @@ pub fn discover(
             watch,
             named: &found.named.clone(),
             formulas: &formulas,
+            randomness,
         };
         let outcome = if round == 0 && watch.compares() {
             let (outcome, fails) = rayon::join(|| turn.run(), || fails(&model, estimation));
@@ -86,6 +88,7 @@ pub fn discover(
             found.not_judged.extend(outcome.overflowing.iter().map(|it| overflowing(&all[*it])));
         }
         found.load = outcome.load.or(found.load);
+        randomness = outcome.randomness;
         let passed = outcome.judged.iter().position(|one| one.refused.is_none());
         note(&turn, &outcome, passed, &mut found);
         let Outcome { mut judged, unknown, .. } = outcome;
@@ -160,6 +163,7 @@ pub fn add(
         watch,
         named: &[],
         formulas: &[],
+        randomness: None,
     };
     let ground = turn.ground().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let weights = turn.weights(&ground).ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
@@ -215,6 +219,7 @@ pub fn bic_of(
         watch: &Unwatched,
         named: &[],
         formulas: &[],
+        randomness: None,
     };
     let evidence = || {
         let ground = turn.ground()?;

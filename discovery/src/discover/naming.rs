@@ -4,7 +4,7 @@ use super::candidates::Candidate;
 use super::decision;
 use super::judged::Judged;
 use super::round::{Outcome, Round};
-use crate::likelihood::CurveWeight;
+use crate::likelihood::{CurveWeight, Ground, Law};
 
 impl Round<'_> {
     /// Whether its kind was named: a harmonic of what was named is no other effect.
@@ -34,16 +34,18 @@ impl Round<'_> {
         }
     }
 
-    /// Why the candidate is not named; `curve` is the best of those that repeat.
+    /// Why the candidate is not named; `curve` is the best of those that repeat, with its evidence in
+    /// the recordings of the fit.
     pub(super) fn unconvincing(
         &self,
+        ground: &Ground,
         one: &mut Judged,
-        curve: Option<&CurveWeight>,
+        curve: Option<(&CurveWeight, f64)>,
     ) -> Option<String> {
         let it = one.weighed;
         let (evidence, size) = self.asked(self.is_further(one));
-        let share = curve.map_or(1.0, |curve| {
-            (it.evidence - it.repeats) / curve.evidence.max(f64::MIN_POSITIVE)
+        let share = curve.map_or(1.0, |(_, explains)| {
+            (it.evidence - it.repeats) / explains.max(f64::MIN_POSITIVE)
         });
         if it.evidence + decision::LAW_ODDS.ln() <= evidence {
             Some(format!("its evidence is {:.1} only, and {evidence} is asked for", it.evidence))
@@ -54,7 +56,9 @@ impl Round<'_> {
             )
         } else if it.repeats <= 0.0 {
             Some("the validation data do not speak for it".to_owned())
-        } else if share < decision::SHARE {
+        } else if share < decision::SHARE
+            && !curve.is_some_and(|(it, _)| self.is_apart(ground, one, it))
+        {
             let share = 100.0 * share.max(0.0);
             Some(format!("it has {share:.0} % of the evidence of a free curve"))
         } else if it.size < size {
@@ -64,6 +68,14 @@ impl Round<'_> {
         } else {
             None
         }
+    }
+
+    /// Whether a curve explains something else, so that the evidence of the law stays beside it.
+    fn is_apart(&self, ground: &Ground, one: &Judged, curve: &CurveWeight) -> bool {
+        let it = &self.all[one.candidate];
+        let law = Law { id: &it.id, coefficients: &it.coefficients };
+        let stays = ground.beside_curve(&one.model.fitted.drive, &law, &it.estimated(), curve);
+        stays.is_some_and(|stays| stays >= decision::SHARE * one.weighed.evidence)
     }
 
     /// Whether it is locked to the position in each recording and has no phase that they share: no

@@ -11,7 +11,7 @@ use super::refit::Model;
 use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
 use super::scales::Scales;
 use crate::estimate::Evidence;
-use crate::likelihood::{CurveWeight, Ground, LawWeight, Scene, Weights, weigh};
+use crate::likelihood::{CurveWeight, Ground, LawWeight, Randomness, Scene, Weights, weigh};
 
 /// Disturbances locked to the position that recordings may have besides.
 const DISTURBANCES: usize = 3;
@@ -28,6 +28,8 @@ pub(crate) struct Round<'a> {
     pub(crate) named: &'a [String],
     /// What their formulas may leave.
     pub(crate) formulas: &'a [Formula],
+    /// What was random beside the drive before they were named.
+    pub(crate) randomness: Option<Randomness>,
 }
 
 /// What the formula of a named law may leave: a part of its size over its own variables.
@@ -54,6 +56,8 @@ pub(crate) struct Outcome {
     pub(crate) overflowing: Vec<usize>,
     /// What is random in the load.
     pub(crate) load: Option<RandomLoad>,
+    /// Where a search for what is random begins, in a drive that lacks less.
+    pub(crate) randomness: Option<Randomness>,
     /// What nobody knows, where nothing is named and a curve shows that something is missing.
     pub(crate) unknown: Option<CurveWeight>,
 }
@@ -90,13 +94,14 @@ impl Round<'_> {
         let nothing = judged.iter().all(|one| one.refused.is_some());
         let unknown = nothing.then(|| self.unknown(&weights)).flatten();
         let load = Some(ground.load());
-        Outcome { judged, imitated, overflowing, load, unknown }
+        let randomness = Some(ground.broad());
+        Outcome { judged, imitated, overflowing, load, randomness, unknown }
     }
 
     /// The drive of the round at its own best; nothing where it overflows.
     pub(crate) fn ground(&self) -> Option<Ground> {
         self.watch.step(&Step::Doing("filtering the recordings"));
-        Ground::of(Scene::of(self.model, self.estimation, self.validation))
+        Ground::of(Scene::of(self.model, self.estimation, self.validation), self.randomness)
     }
 
     /// What every candidate and curve would explain.

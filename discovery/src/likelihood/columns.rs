@@ -10,6 +10,7 @@
 use std::ops::Range;
 
 use drivescope_plant::drive::Drive;
+use drivescope_plant::integrate::{Work, widest};
 use drivescope_plant::model::OWN;
 
 use super::direction::Direction;
@@ -227,18 +228,38 @@ impl<'a> Pass<'a> {
             let shares = self.shares(number, tracks[0], first);
             see(shares);
             let values = first.inverse_sd.iter().filter(|it| **it > 0.0).count() * count;
-            for ((track, errors), block) in tracks.iter().zip(&mut all).zip(&mut *blocks) {
-                let block = &mut block[written..written + values];
-                filter(track, &track.ticks[number], shares, errors, block);
-            }
+            let place = written..written + values;
+            widest(Filtered { tracks, number, shares, all: &mut all, blocks, place });
             written += values;
         }
         self.errors = all;
     }
 }
 
+/// What the filters make of shares of changes at a tick of that number, written into that place of
+/// their blocks.
+struct Filtered<'a> {
+    tracks: &'a [&'a Track],
+    number: usize,
+    shares: &'a [Share],
+    all: &'a mut [Vec<Rows>],
+    blocks: &'a mut [Vec<f64>],
+    place: Range<usize>,
+}
+
+impl Work for Filtered<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for ((track, errors), block) in self.tracks.iter().zip(self.all).zip(self.blocks) {
+            let block = &mut block[self.place.clone()];
+            filter(track, &track.ticks[self.number], self.shares, errors, block);
+        }
+    }
+}
+
 /// What a filter makes of shares of changes at a tick: whitened values of each measured one, and the
 /// errors that the changes leave in the state.
+#[inline(always)]
 fn filter(track: &Track, tick: &Tick, shares: &[Share], errors: &mut [Rows], block: &mut [f64]) {
     let step = track.step(tick);
     let measured = block.len() / tick.inverse_sd.iter().filter(|it| **it > 0.0).count().max(1);

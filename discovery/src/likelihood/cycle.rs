@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use super::filter::{LOAD, Track};
 use super::gram::References;
 use super::noise::Cycle;
-use super::randomness::{FINE, Judge, Randomness, slowest};
+use super::randomness::{Randomness, slowest};
 use super::scene::{Recorded, Scene};
+use super::search::{FINE, Judge};
 
 /// Gain in ln of the likelihood that a cycle must bring: a thousand frequencies were to choose from,
 /// and its size and memory are known to an octave of ten.
@@ -104,6 +105,7 @@ mod tests {
     use super::super::direction::Direction;
     use super::super::filter::SENSORS;
     use super::super::scene::longest;
+    use super::super::search::COARSE;
     use super::*;
     use crate::measured::Measured;
     use crate::testing::{dr300, loaded, noisy, random_load};
@@ -134,7 +136,7 @@ mod tests {
         let longest_s = longest(&drive);
         let scene = Scene { drive, names, recordings: vec![recorded], longest_s };
         let (begin, references) = Randomness::begin(&scene).expect("it does not overflow");
-        let searched = begin.searched(&scene, &references, 3.0).expect("the same");
+        let searched = begin.searched(&scene, &references, COARSE).expect("the same");
         searched.oscillating(&scene, &references).expect("the same").cycle
     }
 

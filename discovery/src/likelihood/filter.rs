@@ -12,6 +12,7 @@
 use std::sync::Arc;
 
 use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::integrate::{Work, widest};
 use drivescope_plant::model::{CURRENT, OWN, POSITION, SPEED};
 use nalgebra::SVector;
 
@@ -198,7 +199,7 @@ fn filter(
             }
             tick.filtered = wandering.whole(&mean);
             let step = plant.propagate(&mut tick);
-            covariance = carried(&carried(&covariance, step, &wandering), step, &wandering);
+            widest(Carried { covariance: &mut covariance, step, wandering: &wandering });
             wandering.carry(&mean, &mut tick.propagated);
             mean = tick.propagated;
             wandering.add_to(&mut covariance);
@@ -237,10 +238,26 @@ fn add_loose(covariance: &mut Rows, loose: f64, slipping: &Vector, measured: &Me
     }
 }
 
-/// A symmetric covariance over a sample, transposed: one half of the way.
-fn carried(covariance: &Rows, step: &Step, wandering: &Wandering) -> Rows {
-    let mut half = NO_ROWS;
-    step.transition.add_times(&wandering.whole_of(covariance), &mut half);
-    wandering.carry_columns(covariance, &mut half);
-    std::array::from_fn(|row| std::array::from_fn(|column| half[column][row]))
+/// A covariance over a sample.
+struct Carried<'a> {
+    covariance: &'a mut Rows,
+    step: &'a Step,
+    wandering: &'a Wandering,
+}
+
+impl Work for Carried<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { covariance, step, wandering } = self;
+        let over = |columns: &Rows| {
+            let mut next = NO_ROWS;
+            step.transition.add_times(&wandering.whole_of(columns), &mut next);
+            wandering.carry_columns(columns, &mut next);
+            next
+        };
+        let half = over(covariance);
+        // As the covariance is symmetric, so is the whole.
+        let turned = std::array::from_fn(|row| std::array::from_fn(|column| half[column][row]));
+        *covariance = over(&turned);
+    }
 }

@@ -1,14 +1,16 @@
 //! A fitted drive at its own best, and structures beside it, each at its own.
 
-use drivescope_plant::drive::EffectData;
+use drivescope_plant::drive::{Drive, EffectData};
 
 use super::base::Known;
 use super::filter::{CYCLE, holds_a_cycle};
 use super::gram::References;
 use super::optimum::{Law, Optimum, optimum};
-use super::randomness::{FINE, Randomness, excerpt};
+use super::randomness::{ENOUGH, Randomness, excerpt};
 use super::refine::refined;
 use super::scene::{Scene, rms};
+use super::search::{COARSE, FINE};
+use super::weigh::{CurveWeight, beside};
 use crate::discover::{Oscillation, RandomLoad};
 
 /// Sizes of the random load, over that of the base, with which a structure is judged at its best:
@@ -19,8 +21,8 @@ const OWN: usize = 3;
 /// Rounds of a search for the randomness and one for the parameters: each moves the other.
 const ROUNDS: usize = 5;
 
-/// First factor of a search for the randomness of the base.
-const COARSE: f64 = 3.0;
+/// Change of a parameter, ln, beyond which the plant is no longer as it was linearised.
+const FAR: f64 = 0.1;
 
 /// The base of a round, as evidence is counted from it.
 pub(crate) struct Ground {
@@ -36,10 +38,22 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
-    /// Nothing where the drive overflows.
-    pub(crate) fn of(scene: Scene) -> Option<Self> {
-        let (randomness, references) = Randomness::begin(&excerpt(&scene))?;
-        Self::at(scene, randomness, references)
+    /// Begins at what is random beside a drive that lacked more, where that is known; nothing where
+    /// the drive overflows.
+    pub(crate) fn of(scene: Scene, known: Option<Randomness>) -> Option<Self> {
+        let part = excerpt(&scene);
+        let Some(randomness) = known else {
+            let (randomness, references) = Randomness::begin(&part)?;
+            return Self::at(scene, randomness, references, COARSE);
+        };
+        let references = part.references(&part.tracks(&randomness)?);
+        Self::at(scene, randomness, references, FINE)
+    }
+
+    /// What is random but for what oscillates, where something does: that may have been what a law
+    /// explains.
+    pub(crate) fn broad(&self) -> Randomness {
+        self.broad.map_or(self.randomness, |(randomness, _)| randomness)
     }
 
     /// What is random in the load.
@@ -62,16 +76,20 @@ impl Ground {
 
     /// The same where every recording has a disturbance of its own of that law.
     pub(crate) fn beside(&self, law: &EffectData, coefficients: &[String]) -> Option<Self> {
-        // What oscillated of the load may have been that.
-        let randomness = self.broad.map_or(self.randomness, |(randomness, _)| randomness);
-        Self::at(self.scene.disturbed(law, coefficients), randomness, self.references)
+        Self::at(self.scene.disturbed(law, coefficients), self.broad(), self.references, FINE)
     }
 
-    fn at(scene: Scene, mut randomness: Randomness, mut references: References) -> Option<Self> {
+    fn at(
+        scene: Scene,
+        mut randomness: Randomness,
+        mut references: References,
+        mut first: f64,
+    ) -> Option<Self> {
         let mut part = excerpt(&scene);
         let mut broad = None;
         for round in 0..ROUNDS {
-            let mut searched = randomness.searched(&part, &references, COARSE)?;
+            let mut searched = randomness.searched(&part, &references, first)?;
+            first = FINE;
             if round == 1 && searched.cycle.is_none() {
                 let oscillating = searched.oscillating(&part, &references)?;
                 if oscillating != searched {
@@ -90,7 +108,7 @@ impl Ground {
         }
         let scene = scene.with_values_of(&part);
         let probability = refined(part, &randomness, &references)?.probability;
-        let base = at_its_best(&scene, None, &randomness, &references)?;
+        let base = in_all_at_its_best(&scene, None, &randomness, &references)?;
         Some(Self { scene, randomness, references, probability, broad, base })
     }
 
@@ -113,6 +131,23 @@ impl Ground {
         let all = own.into_iter().chain(self.broad);
         let ends = all.filter_map(|from| self.with_from(from, effects, estimated, coefficients));
         ends.max_by(|a, b| a.1.all.total_cmp(&b.1.all))
+    }
+
+    /// ln of the evidence of a law, fitted in that drive, in all recordings, where a curve explains
+    /// what it can; nothing where the drive overflows.
+    pub(crate) fn beside_curve(
+        &self,
+        drive: &Drive,
+        law: &Law<'_>,
+        estimated: &[String],
+        curve: &CurveWeight,
+    ) -> Option<f64> {
+        let effect = drive.effects.iter().find(|effect| effect.id == law.id)?;
+        let with = self.scene.with(effect, estimated.iter().cloned()).with_values_in(drive);
+        let of = |scene: &Scene, law: Option<&Law<'_>>| {
+            at_its_best(scene, (law, Some(curve)), &self.randomness, &self.references)
+        };
+        Some(of(&with, Some(law))?.all - of(&self.scene, None)?.all)
     }
 
     /// The same where the search begins with that randomness, beside the probability of the base
@@ -138,25 +173,45 @@ impl Ground {
         let effect = part.drive.effects.last()?;
         let scene = self.scene.with(effect, estimated.iter().cloned()).with_values_of(&part);
         let law = Law { id: &effect.id, coefficients };
-        let optimum = at_its_best(&scene, Some(&law), &randomness, &self.references)?;
+        let optimum = in_all_at_its_best(&scene, Some(&law), &randomness, &self.references)?;
         Some((scene, optimum))
     }
+}
+
+/// The evidence of a structure at its best, in the recordings of the fit and in all: where all of them
+/// move a parameter far, the plant is linearised there too.
+fn in_all_at_its_best(
+    scene: &Scene,
+    law: Option<&Law<'_>>,
+    randomness: &Randomness,
+    references: &References,
+) -> Option<Optimum> {
+    let of_fit = at_its_best(scene, (law, None), randomness, references)?;
+    if of_fit.moves < FAR {
+        return Some(of_fit);
+    }
+    let part = refined(scene.clone().shortened(ENOUGH), randomness, references);
+    let there = part.map(|part| scene.clone().with_values_of(&part.scene));
+    let all = there.and_then(|there| at_its_best(&there, (law, None), randomness, references));
+    Some(Optimum { all: all.map_or(of_fit.all, |it| it.all.max(of_fit.all)), ..of_fit })
 }
 
 /// The evidence of a structure with the random load with which it is most probable, in the recordings
 /// of the fit and in all.
 fn at_its_best(
     scene: &Scene,
-    law: Option<&Law<'_>>,
+    (law, curve): (Option<&Law<'_>>, Option<&CurveWeight>),
     randomness: &Randomness,
     references: &References,
 ) -> Option<Optimum> {
     let along = scene.tracks(randomness)?;
     let known = Known::of(scene, &along);
     let taken_out = law.map(|law| law.taken_out(scene, &along));
+    let beside = curve.map(|it| beside(scene, &along, it));
     let with = |load: &f64| {
         let tracks = scene.retraced(&along, &randomness.scaled(*load))?;
-        optimum(scene, law.zip(taken_out.as_deref()), (&tracks, &known), references)
+        let law = law.zip(taken_out.as_deref());
+        optimum(scene, (law, beside.as_ref()), (&tracks, &known), references)
     };
     let mut tried: [Option<Option<Optimum>>; LOADS.len()] = [None; LOADS.len()];
     let mut at = |place: usize| *tried[place].get_or_insert_with(|| with(&LOADS[place]));

@@ -30,6 +30,7 @@ mod randomness;
 mod rates;
 mod refine;
 mod scene;
+mod search;
 mod sparse;
 mod stepper;
 #[cfg(test)]
@@ -37,5 +38,7 @@ mod tests;
 mod weigh;
 
 pub(crate) use ground::Ground;
+pub(crate) use optimum::Law;
+pub(crate) use randomness::Randomness;
 pub(crate) use scene::Scene;
 pub(crate) use weigh::{CurveWeight, LawWeight, Weights, weigh};

@@ -99,6 +99,7 @@ impl Wandering {
     }
 
     /// The same of columns.
+    #[inline(always)]
     pub(super) fn whole_of(&self, columns: &Rows) -> Rows {
         let mut whole = *columns;
         if self.turned.is_some() {
@@ -118,6 +119,7 @@ impl Wandering {
     }
 
     /// The same of columns.
+    #[inline(always)]
     pub(super) fn carry_columns(&self, from: &Rows, to: &mut Rows) {
         for (state, left) in [LOAD, VOLTAGE].into_iter().zip(self.left) {
             to[state] = from[state].map(|value| left * value);

@@ -7,10 +7,10 @@
 use rayon::prelude::*;
 
 use super::base::{Further, Known, Pooled, grams, parameters, terms};
-use super::columns::{Pass, Share, Source};
+use super::columns::{Pass, Series, Share, Source};
 use super::filter::{Track, own_states};
 use super::gram::References;
-use super::marginal::{Terms, ln_mean_exp, log_evidence, standing_out};
+use super::marginal::{Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
 use super::scene::{Recorded, Scene};
 use super::stepper::stepped;
 use super::weigh::SIZES;
@@ -23,6 +23,13 @@ pub(crate) struct Law<'a> {
     pub(crate) coefficients: &'a [String],
 }
 
+/// A curve that stands in the background: its series in each recording, and the standard deviation of
+/// its values, of the balance's size.
+pub(super) struct Beside {
+    pub(super) series: Vec<Vec<Series>>,
+    pub(super) sd: f64,
+}
+
 /// ln of the evidence of the recordings of the fit, and of these with those held out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Optimum {
@@ -30,6 +37,8 @@ pub(crate) struct Optimum {
     pub(crate) all: f64,
     /// Root of the mean square of what the law does, of the balance's size.
     pub(crate) size: f64,
+    /// By how much all recordings together move a parameter of the machine at most, ln.
+    pub(super) moves: f64,
 }
 
 impl Law<'_> {
@@ -50,25 +59,31 @@ impl Law<'_> {
 }
 
 /// Of the scene's drive along those tracks, with the shares of its parameters and of what is lost
-/// without the law; nothing where it overflows.
+/// without the law, `beside` a curve perhaps; nothing where it overflows.
 pub(super) fn optimum(
     scene: &Scene,
-    law: Option<(&Law<'_>, &[Vec<Share>])>,
+    (law, beside): (Option<(&Law<'_>, &[Vec<Share>])>, Option<&Beside>),
     (tracks, known): (&[Track], &[Known]),
     references: &References,
 ) -> Option<Optimum> {
-    let further = |recording: usize| match law {
-        Some((_, taken_out)) => Further {
-            judged: vec![Source::Given { shares: &taken_out[recording], count: 1 }],
-            groups: &[1],
-            ..Further::default()
-        },
-        None => Further::default(),
+    let further = |recording: usize| {
+        let background = beside.map(|it| Source::Series(&it.series[recording]));
+        let of_law = law.map(|(_, out)| Source::Given { shares: &out[recording], count: 1 });
+        Further {
+            groups: if of_law.is_some() { &[1] } else { &[] },
+            background: background.into_iter().collect(),
+            judged: of_law.into_iter().collect(),
+        }
     };
     let filters = [tracks];
     let grams = grams(scene, &filters, references, Some(known), further, &|| false).swap_remove(0);
     let law = law.map(|(law, _)| law);
     let mut terms = terms(scene);
+    if let Some(it) = beside {
+        let known = terms.columns.len();
+        let columns: Vec<usize> = (known..known + it.series[0].len()).collect();
+        terms = terms.with(&columns, it.sd * it.sd);
+    }
     let base = terms.columns.len();
     let pooled = Pooled::of(&grams, base, scene, references);
     // Values of the law's coefficients in the units of their columns: the prior stands around 0.
@@ -123,5 +138,20 @@ pub(super) fn optimum(
     } else {
         0.0
     };
-    Some(Optimum { fitted: evidence(&|held_out| !held_out), all: evidence(&|_| true), size })
+    let (fitted, all) = (evidence(&|held_out| !held_out), evidence(&|_| true));
+    Some(Optimum { fitted, all, size, moves: moves(scene, &pooled, &terms) })
+}
+
+/// By how much all recordings together move a parameter of the machine that is positive, ln, where
+/// the plant is as it was linearised.
+fn moves(scene: &Scene, pooled: &Pooled, terms: &Terms) -> f64 {
+    let Some(mean) = coefficients(&pooled.sum(scene, |_| true), terms) else { return 0.0 };
+    let known = scene.drive.parameters();
+    let each = scene.names.iter().zip(mean.iter().zip(&pooled.scale));
+    let moved = each.filter_map(|(name, (mean, scale))| {
+        let it = known.iter().find(|it| it.name == *name)?;
+        let positive = it.range.0 >= 0.0 && it.value > 0.0;
+        positive.then(|| (mean * scale / it.value).abs())
+    });
+    moved.fold(0.0, f64::max)
 }

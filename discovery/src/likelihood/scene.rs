@@ -216,8 +216,13 @@ impl Scene {
     }
 
     /// With the values that another scene has of its parameters.
-    pub(crate) fn with_values_of(mut self, other: &Self) -> Self {
-        for it in other.drive.parameters() {
+    pub(crate) fn with_values_of(self, other: &Self) -> Self {
+        self.with_values_in(&other.drive)
+    }
+
+    /// With the values that a drive has of its parameters.
+    pub(crate) fn with_values_in(mut self, drive: &Drive) -> Self {
+        for it in drive.parameters() {
             if self.names.contains(&it.name) {
                 self.set(&it.name, it.value);
             }

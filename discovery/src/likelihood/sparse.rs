@@ -12,6 +12,7 @@ pub(crate) type Rows = [Row; STATES];
 pub(crate) const NO_ROWS: Rows = [[0.0; LANES]; STATES];
 
 /// Adds a multiple of one row to another.
+#[inline(always)]
 pub(crate) fn add(sum: &mut Row, factor: f64, row: &Row) {
     for (sum, value) in sum.iter_mut().zip(row) {
         *sum += factor * value;
@@ -66,6 +67,7 @@ impl Sparse {
     }
 
     /// Adds its product with columns to others.
+    #[inline(always)]
     pub(crate) fn add_times(&self, columns: &Rows, sum: &mut Rows) {
         for it in &self.0 {
             add(

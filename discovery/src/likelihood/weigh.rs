@@ -13,6 +13,7 @@ use super::gram::{Gram, Products, References};
 use super::marginal::{
     Terms, coefficients, information_beside, ln_mean_exp, log_evidence, standing_out,
 };
+use super::optimum::Beside;
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene, longest};
 use super::stepper::{Stepped, stepped};
@@ -363,6 +364,12 @@ impl Weights {
         self.curves.iter().filter(|curve| curve.repeats > 0.0)
     }
 
+    /// ln of the evidence of a curve in the recordings of the fit over a base at its best, that of which
+    /// is given.
+    pub(crate) fn beyond(&self, base: f64, curve: &CurveWeight) -> f64 {
+        curve.evidence + (self.base - base).min(0.0)
+    }
+
     /// Each law and curve where it explains more, over the base where that does.
     fn best_of(self, other: Self) -> Self {
         let base = self.base.max(other.base);
@@ -392,6 +399,13 @@ impl Weights {
         curves.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         Self { base, base_of_all, laws, curves }
     }
+}
+
+/// A curve in the background of a scene, as large as it was found.
+pub(super) fn beside(scene: &Scene, tracks: &[Track], curve: &CurveWeight) -> Beside {
+    let each = scene.recordings.iter().zip(tracks);
+    let one = |(it, track)| series(&curve.curve, it, track, &trajectory(it, track));
+    Beside { series: each.map(one).collect(), sd: curve.size }
 }
 
 /// A curve's hats along a recording.

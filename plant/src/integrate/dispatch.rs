@@ -47,7 +47,7 @@ pub fn turned(block: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
 }
 
 /// Work whose `run` is inlined whole into each version.
-pub(crate) trait Work {
+pub trait Work {
     /// Does it. Implementations are `#[inline(always)]`, and so is all that they call.
     fn run(self);
 }
@@ -65,7 +65,7 @@ fn with_avx2<W: Work>(work: W) {
 }
 
 /// Runs the work with the widest instruction set there is.
-pub(crate) fn widest<W: Work>(work: W) {
+pub fn widest<W: Work>(work: W) {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f")

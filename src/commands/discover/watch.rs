@@ -1,6 +1,6 @@
 //! What a discovery says while it runs: its ladder, rung by rung, on standard error.
 
-use drivescope_discovery::{Rung, Step, Watch};
+use drivescope_discovery::{BothUnexplained, Rung, Step, Unexplained, Watch};
 use indicatif::ProgressBar;
 
 use crate::interrupt;
@@ -37,8 +37,19 @@ impl Watch for Watching<'_> {
     }
 }
 
-/// A rung in words.
+/// A rung in words: its errors, and what the balances of the validation data leave unexplained.
 pub(crate) fn line(rung: &Rung) -> String {
     let what = rung.added.as_ref().map_or("the base".to_owned(), |it| format!("+ {it}"));
-    format!("{what:<24} error {:>9.4}   validation {:>9.4}", rung.error, rung.validation_error)
+    let errors =
+        format!("{what:<24} error {:>9.4}   validation {:>9.4}", rung.error, rung.validation_error);
+    let BothUnexplained { torque, voltage } = rung.validation_unexplained;
+    let share = |of: Option<Unexplained>, balance: &str| {
+        of.map(|it| format!("{:.1} % of the {balance}", 100.0 * it.share))
+    };
+    let shares: Vec<String> =
+        [share(torque, "torque"), share(voltage, "voltage")].into_iter().flatten().collect();
+    if shares.is_empty() {
+        return errors;
+    }
+    format!("{errors}   unexplained {}", shares.join(", "))
 }

@@ -15,6 +15,7 @@ mod expression;
 mod failure;
 mod first_drive;
 mod fmu_file;
+mod formula_text;
 mod interrupt;
 mod next;
 mod output;

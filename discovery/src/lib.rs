@@ -22,6 +22,7 @@ mod driving;
 mod error;
 mod estimate;
 mod force;
+mod formula;
 mod likelihood;
 mod measured;
 mod noise;
@@ -52,6 +53,7 @@ pub use estimate::{
     fit_seen, with_own,
 };
 pub use force::{USUAL_BAND_HZ, relative_force_error};
+pub use formula::{Formula, FormulaLaw};
 pub use measured::{Channel, Measured, Output, Purpose};
 pub use noise::{Noise, NoiseSource, noise};
 pub use observer::{Observer, USUAL_HZ, mechanical_time_s};

@@ -12,6 +12,7 @@ use super::discover::Search;
 use crate::drive_source;
 use crate::evidence::EvidenceOptions;
 use crate::failure::{Ending, Failure};
+use crate::formula_text::{self, PREFIX};
 use crate::session::Session;
 
 /// Add one effect to a drive, fit everything, and print the error before and after.
@@ -20,8 +21,8 @@ pub(crate) struct Add {
     /// Drive file, or a built-in drive (`dr300`, `emps`).
     drive: String,
     /// The effect (`drivescope effects` lists them), `learned`: the curve that describes best
-    /// what the drive lacks, or the id of a law that you typed in the drive file with its
-    /// coefficients at 0.
+    /// what the drive lacks, the id of a law that you typed in the drive file with its
+    /// coefficients at 0, or a formula: `"formula:torque = c * omega^3"`.
     effect: String,
     /// Drive file to write (.toml): the given one with the effect, its comments kept.
     #[arg(short, long, value_name = "DRIVE")]
@@ -45,11 +46,17 @@ impl Run for Add {
             }
             .into());
         }
+        let mut with = base.clone();
+        if let Some(text) = self.effect.strip_prefix(PREFIX) {
+            with.effects.push(formula_text::effect(text, &base)?);
+        }
         let typed = base.effects.iter().any(|it| it.law.is_some() && it.id == self.effect);
         let registered = REGISTRY.iter().any(|it| it.info.id == self.effect);
-        if self.effect != LEARNED && !registered && !typed {
+        let proposed = with.effects.get(base.effects.len()).map(|it| it.id.clone());
+        let effect = proposed.as_ref().unwrap_or(&self.effect);
+        if effect != LEARNED && !registered && !typed && proposed.is_none() {
             let known: Vec<&str> = REGISTRY.iter().map(|it| it.info.id).chain([LEARNED]).collect();
-            let (id, known) = (self.effect, known.join(", "));
+            let (id, known) = (effect.clone(), known.join(", "));
             return Err(Failure::UnknownEffect { id, known }.into());
         }
         let search = Search {
@@ -60,8 +67,8 @@ impl Run for Add {
             report: self.out.as_ref(),
             evidence: &self.evidence,
         };
-        search.run(session, |base, estimation, validation, watch| {
-            add(base, &self.effect, estimation, validation, watch)
+        search.run(session, |_, estimation, validation, watch| {
+            add(&with, effect, estimation, validation, watch)
         })
     }
 }

@@ -121,6 +121,7 @@ fn nothing_hidden_is_none_and_something_strange_is_unknown() {
     let here = folder();
     let answer = discovered(here.path(), "");
     assert_eq!((&answer["verdict"], &answer["remaining"]), (&"none".into(), &"none".into()));
+    assert_eq!(answer["formulas"], serde_json::json!([]), "{answer}");
     assert_eq!(answer["named"], serde_json::json!([]), "{answer}");
     let here = folder();
     // A brush that chatters around one speed.
@@ -143,6 +144,25 @@ fn nothing_hidden_is_none_and_something_strange_is_unknown() {
         assert!(left < LEFT_BY_A_CURVE, "{key}: {before} to {after}");
     }
     assert_runs_as_an_fmu(here, "added.toml");
+    // So can the most probable of the formulas.
+    let best = &answer["formulas"][0];
+    assert!(best["probability"].as_f64().is_some_and(|it| it > 0.3), "{best}");
+    let parameters = best["parameters"].as_object().expect("it has some").iter();
+    let shape: Vec<String> = parameters
+        .filter(|(name, _)| !["c", "d"].contains(&name.as_str()))
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    let text = best["torque"].as_str().expect("it is a torque");
+    let formula = format!("formula:torque = {text}; {}", shape.join(", "));
+    let add = ["add", "base.toml", &formula, "one.csv", "--validate", "two.csv"];
+    let added = done(here, &[&add[..], &["-o", "formula.toml", "--json", "-"]].concat()).json();
+    assert_eq!(added["named"], serde_json::json!(["formula"]), "{added}");
+    for key in ["error", "validation_error"] {
+        let (before, after) = (number(&added["before"][key]), number(&added["after"][key]));
+        let left = (after - 1.0) / (before - 1.0);
+        assert!(left < LEFT_BY_A_CURVE, "{key}: {before} to {after} with {formula}");
+    }
+    assert_runs_as_an_fmu(here, "formula.toml");
 }
 
 #[test]

@@ -91,15 +91,16 @@ pub fn discover(
         randomness = outcome.randomness;
         let passed = outcome.judged.iter().position(|one| one.refused.is_none());
         note(&turn, &outcome, passed, &mut found);
-        let Outcome { mut judged, unknown, .. } = outcome;
+        let Outcome { mut judged, unknown, proposed, .. } = outcome;
         let Some(best) = passed else {
             let missing = unknown.is_some();
+            found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| {
                 watch.step(&Step::Doing("drawing what nobody knows"));
                 let with = turn.with_curve(&curve);
                 let removed = with.map_or(0.0, |with| turn.removed(&with));
-                LearnedCurve::of(&curve, removed, &model.fitted.drive)
+                LearnedCurve::of(&curve, removed, &model.fitted.drive, &found.formulas)
             });
             break;
         };
@@ -171,7 +172,7 @@ pub fn add(
         let curve = weights.repeating().find(|it| it.curve.is_addable());
         let curve = curve.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
         let with = turn.with_curve(curve).ok_or_else(|| cannot(NO_FIT.to_owned()))?;
-        found.learned = Some(LearnedCurve::of(curve, turn.removed(&with), drive));
+        found.learned = Some(LearnedCurve::of(curve, turn.removed(&with), drive, &[]));
         with
     } else {
         let law = weights.laws.first().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
@@ -197,19 +198,25 @@ pub fn add(
 /// it ends.
 ///
 /// # Errors
-/// [`Error::CannotAdd`] for an effect that the library does not have, and those of a fit of the
-/// base.
+/// [`Error::CannotAdd`] for an effect that neither the library has nor the user typed, and those of a
+/// fit of the base.
 pub fn bic_of(
     drive: &Drive,
     kind: &str,
     estimation: &Evidence,
     validation: &Evidence,
 ) -> Result<f64, Error> {
-    let entry = Entry::find(kind)
-        .ok_or_else(|| Error::CannotAdd { effect: kind.to_owned(), reason: UNKNOWN.to_owned() })?;
+    let (drive, typed) = &typed::apart(drive);
     let (model, _) = begin(drive, estimation, validation, &Unwatched)?;
     let scales = Scales::of(&model.fitted.drive, estimation);
-    let all = [candidate(entry, &model.fitted.drive, &scales)];
+    let all = [match typed.iter().find(|effect| effect.id == kind) {
+        Some(effect) => typed::candidate(effect),
+        None => {
+            let unknown =
+                || Error::CannotAdd { effect: kind.to_owned(), reason: UNKNOWN.to_owned() };
+            candidate(Entry::find(kind).ok_or_else(unknown)?, &model.fitted.drive, &scales)
+        }
+    }];
     let turn = Round {
         model: &model,
         all: &all,

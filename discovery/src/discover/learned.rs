@@ -1,4 +1,4 @@
-//! What nobody knows, as a curve: shown, suggested as a formula, addable as effect `learned`.
+//! What nobody knows, as a curve: shown, and addable as effect `learned`.
 
 use drivescope_plant::drive::{Drive, EffectData, Input, LawData};
 use drivescope_plant::effects::custom::Target;
@@ -9,15 +9,8 @@ use serde::Serialize;
 
 use super::curves::{Balance, Curve, Factor, Over};
 use super::projection::beside;
+use crate::formula::Formula;
 use crate::likelihood::CurveWeight;
-
-/// Shares of the largest argument over which a rounded step is tried.
-const WIDTHS: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7];
-/// Places of a bump up to the largest argument, and its widths over its place.
-const BUMPS: usize = 20;
-const BUMP_WIDTHS: [f64; 2] = [0.2, 0.4];
-/// Share of the curve's power that a formula must hold to be suggested.
-const HOLDS: f64 = 0.9;
 
 /// A curve over one variable.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -37,7 +30,8 @@ pub struct LearnedCurve {
     pub values: Vec<f64>,
     /// Their unit; empty for a share.
     pub unit: String,
-    /// A simple formula for it, as the text of a `custom` law, with its coefficients in it.
+    /// The most probable formula for what nobody knows, as the text of a `custom` law in the same
+    /// balance, with its coefficients in it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub formula: Option<String>,
     /// Share of the error above the noise floor that it removes.
@@ -46,13 +40,25 @@ pub struct LearnedCurve {
 
 impl LearnedCurve {
     /// Of a curve that removes that share of the error above the noise floor.
-    pub(crate) fn of(weight: &CurveWeight, excess_removed: f64, drive: &Drive) -> Self {
+    /// `formulas` are those for what nobody knows, the most probable first.
+    pub(crate) fn of(
+        weight: &CurveWeight,
+        excess_removed: f64,
+        drive: &Drive,
+        formulas: &[Formula],
+    ) -> Self {
         let (curve, values) = (&weight.curve, beside_parameters(weight));
         let times = match curve.factor {
             Factor::One => None,
             Factor::Direction => Some("sign(omega)"),
             Factor::Current => Some("i"),
         };
+        let balance = match curve.balance {
+            Balance::Torque => Some(Target::Torque),
+            Balance::Voltage => Some(Target::Voltage),
+            Balance::Flux => None,
+        };
+        let alike = |it: &&Formula| Some(it.law.parts().0) == balance;
         Self {
             balance: curve.balance,
             over: name(curve.over),
@@ -60,7 +66,7 @@ impl LearnedCurve {
             knots: curve.knots.clone(),
             over_unit: unit(curve.over, drive),
             unit: balance_unit(curve.balance, drive),
-            formula: formula(curve, &values),
+            formula: formulas.iter().find(alike).map(Formula::with_values),
             values,
             excess_removed,
         }
@@ -141,60 +147,6 @@ pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData,
     Some((EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) }, kept))
 }
 
-/// A form, and its text for a coefficient.
-type Form = (Box<dyn Fn(f64) -> f64>, Box<dyn Fn(f64) -> String>);
-
-/// The simplest formula that holds the curve: one coefficient, or two with a width.
-fn formula(curve: &Curve, values: &[f64]) -> Option<String> {
-    if curve.period.is_some() || curve.factor != Factor::One {
-        return None;
-    }
-    let z = match curve.over {
-        Over::Speed => "omega",
-        Over::Current => "i",
-        _ => return None,
-    };
-    let largest = curve.knots.iter().fold(0.0_f64, |most, knot| most.max(knot.abs()));
-    // Forms and their texts; what the base has (constant friction, proportional) is taken out.
-    let mut forms: Vec<Form> = vec![
-        (Box::new(|x| x * x.abs()), Box::new(move |c| format!("{c:.4e} * {z} * abs({z})"))),
-        (Box::new(|x| x * x * x), Box::new(move |c| format!("{c:.4e} * {z}^3"))),
-        (Box::new(|x| x * x), Box::new(move |c| format!("{c:.4e} * {z}^2"))),
-    ];
-    for width in WIDTHS.map(|share| share * largest) {
-        forms.push((
-            Box::new(move |x| (x / width).tanh()),
-            Box::new(move |c| format!("{c:.4e} * tanh({z} / {width:.4e})")),
-        ));
-    }
-    for middle in (1..BUMPS).map(|k| k as f64 / BUMPS as f64 * largest) {
-        for wide in BUMP_WIDTHS.map(|share| share * middle) {
-            forms.push((
-                Box::new(move |x| x.signum() * (-((x.abs() - middle) / wide).powi(2)).exp()),
-                Box::new(move |c| {
-                    format!(
-                        "{c:.4e} * sign({z}) * exp(-((abs({z}) - {middle:.4e}) / {wide:.4e})^2)"
-                    )
-                }),
-            ));
-        }
-    }
-    let base = |values: &[f64]| -> Vec<f64> { beside_base(&curve.knots, values) };
-    let left = base(values);
-    let power: f64 = left.iter().map(|value| value * value).sum();
-    let held = forms.iter().map(|(form, text)| {
-        let form: Vec<f64> = base(&curve.knots.iter().map(|z| form(*z)).collect::<Vec<_>>());
-        let (dot, own) = form
-            .iter()
-            .zip(&left)
-            .fold((0.0, 0.0), |(dot, own), (form, value)| (dot + form * value, own + form * form));
-        let share = if own > 0.0 && power > 0.0 { dot * dot / (own * power) } else { 0.0 };
-        (share, dot / own, text)
-    });
-    let best = held.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 >= HOLDS).then(|| format!("-({})", best.2(best.1)))
-}
-
 /// Values of a curve less what parameters of the base do over its variable: a resistance, viscous and
 /// dry friction. How much of that stands in the curve no recording tells. What was not visited goes on
 /// as the nearest value that was.
@@ -216,36 +168,6 @@ fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
     (0..values.len()).map(|k| nearest(k).map_or(0.0, |place| left[place])).collect()
 }
 
-/// Values less what constants, slopes and signs explain of them.
-fn beside_base(knots: &[f64], values: &[f64]) -> Vec<f64> {
-    let column = |row: usize, k: usize| [1.0, knots[k], sign(knots[k])][row];
-    beside(&DMatrix::from_fn(3, knots.len(), column), values)
-}
-
 fn sign(z: f64) -> f64 {
     if z == 0.0 { 0.0 } else { z.signum() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn suggested(law: impl Fn(f64) -> f64) -> Option<String> {
-        let knots: Vec<f64> = (-8..=8).map(|k| 10.0 * f64::from(k)).collect();
-        let values: Vec<f64> = knots.iter().map(|z| law(*z)).collect();
-        let (balance, over, factor) = (Balance::Torque, Over::Speed, Factor::One);
-        formula(&Curve { balance, over, factor, knots, period: None }, &values)
-    }
-
-    #[test]
-    fn a_simple_law_is_recognised_whatever_the_base_adds_to_it() {
-        let drag = suggested(|z| 3e-6 * z * z.abs() + 0.01 * z + 0.2);
-        assert_eq!(drag.as_deref(), Some("-(3.0000e-6 * omega * abs(omega))"));
-        let even = suggested(|z| 2e-6 * z * z);
-        assert_eq!(even.as_deref(), Some("-(2.0000e-6 * omega^2)"));
-        let bump = suggested(|z| 0.01 * z.signum() * (-((z.abs() - 40.0) / 16.0).powi(2)).exp());
-        assert!(bump.is_some_and(|it| it.contains("exp(-((abs(omega) - 4.0000e1)")));
-        // Nothing simple: no suggestion.
-        assert_eq!(suggested(|z| (0.7 * z).sin() + (0.31 * z).cos()), None);
-    }
 }

@@ -12,6 +12,7 @@ use crate::balances::BothUnexplained;
 use crate::compare::Finding;
 use crate::doubt::Doubt;
 use crate::estimate::Estimate;
+use crate::formula::Formula;
 use crate::observer::Observer;
 use crate::signals::SignalFinding;
 
@@ -167,6 +168,8 @@ pub struct Discovery {
     pub load: Option<RandomLoad>,
     /// The curve that describes what nobody knows.
     pub learned: Option<LearnedCurve>,
+    /// Formulas for what nobody knows, the most probable first.
+    pub formulas: Vec<Formula>,
     /// What to record to tell apart what these recordings do not.
     pub next_experiment: Option<NextExperiment>,
     /// What is wrong with the signals of the recordings, the gravest first.
@@ -193,6 +196,7 @@ impl Discovery {
             not_judged: Vec::new(),
             load: None,
             learned: None,
+            formulas: Vec::new(),
             next_experiment: None,
             signals: Vec::new(),
             doubts: Vec::new(),

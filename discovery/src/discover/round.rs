@@ -11,6 +11,7 @@ use super::refit::Model;
 use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
 use super::scales::Scales;
 use crate::estimate::Evidence;
+use crate::formula;
 use crate::likelihood::{CurveWeight, Ground, LawWeight, Randomness, Scene, Weights, weigh};
 
 /// Disturbances locked to the position that recordings may have besides.
@@ -60,6 +61,8 @@ pub(crate) struct Outcome {
     pub(crate) randomness: Option<Randomness>,
     /// What nobody knows, where nothing is named and a curve shows that something is missing.
     pub(crate) unknown: Option<CurveWeight>,
+    /// Formulas for it.
+    pub(crate) proposed: Vec<formula::Formula>,
 }
 
 impl Round<'_> {
@@ -95,7 +98,8 @@ impl Round<'_> {
         let unknown = nothing.then(|| self.unknown(&weights)).flatten();
         let load = Some(ground.load());
         let randomness = Some(ground.broad());
-        Outcome { judged, imitated, overflowing, load, randomness, unknown }
+        let proposed = unknown.as_ref().map_or_else(Vec::new, |_| self.proposed(&ground));
+        Outcome { judged, imitated, overflowing, load, randomness, unknown, proposed }
     }
 
     /// The drive of the round at its own best; nothing where it overflows.
@@ -148,6 +152,12 @@ impl Round<'_> {
             it.curve.is_addable() && it.evidence >= decision::ADDABLE * best.evidence
         };
         some.find(addable).or(Some(best)).cloned()
+    }
+
+    /// Formulas for what nobody knows.
+    fn proposed(&self, ground: &Ground) -> Vec<formula::Formula> {
+        self.watch.step(&Step::Doing("trying formulas"));
+        formula::formulas(ground, decision::EVIDENCE, &|| self.watch.stopped())
     }
 
     /// The line of a candidate in the ranking.

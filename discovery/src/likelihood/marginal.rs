@@ -3,7 +3,7 @@
 //!
 //! ln Z = b' H^-1 b / 2 - ln |H| / 2 - sum ln v / 2,  H = G + diag(1 / v), over that of no column.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::gram::Products;
 
@@ -39,18 +39,34 @@ pub(crate) fn coefficients(products: &Products, terms: &Terms) -> Option<DVector
     Some(h.cholesky()?.solve(&b))
 }
 
-/// What the data tell of the coefficients of further columns, those of the terms integrated out.
-pub(crate) fn information_beside(
-    products: &Products,
-    terms: &Terms,
-    columns: &[usize],
-) -> Option<DMatrix<f64>> {
-    let (h, _) = system(products, terms);
-    let set = &terms.columns;
-    let cross = DMatrix::from_fn(set.len(), columns.len(), |a, b| products.of(set[a], columns[b]));
-    let own =
-        DMatrix::from_fn(columns.len(), columns.len(), |a, b| products.of(columns[a], columns[b]));
-    Some(own - cross.tr_mul(&h.cholesky()?.solve(&cross)))
+/// The terms, decomposed once, beside which further columns are asked for.
+pub(crate) struct Beside {
+    columns: Vec<usize>,
+    triangle: Cholesky<f64, Dyn>,
+    data: DVector<f64>,
+}
+
+impl Beside {
+    /// Nothing where the columns overflow.
+    pub(crate) fn of(products: &Products, terms: &Terms) -> Option<Self> {
+        let (h, data) = system(products, terms);
+        Some(Self { columns: terms.columns.clone(), triangle: h.cholesky()?, data })
+    }
+
+    /// What the data tell of the coefficients of further columns, those of the terms integrated out:
+    /// their information, and its product with their most probable values.
+    pub(crate) fn told(
+        &self,
+        products: &Products,
+        columns: &[usize],
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let (set, count) = (&self.columns, columns.len());
+        let cross = DMatrix::from_fn(set.len(), count, |a, b| products.of(set[a], columns[b]));
+        let own = DMatrix::from_fn(count, count, |a, b| products.of(columns[a], columns[b]));
+        let data = DVector::from_fn(count, |k, _| products.of(columns[k], products.data()));
+        let known = self.triangle.solve(&cross);
+        (own - cross.tr_mul(&known), data - known.tr_mul(&self.data))
+    }
 }
 
 /// Share of the amplitude of a column that those of the terms do not imitate.

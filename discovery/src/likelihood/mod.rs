@@ -11,6 +11,7 @@
 //!
 //! [`weigh()`] judges every law at its null and every curve; [`Ground::with`] a law at its own best.
 
+mod alongside;
 mod averaged;
 mod base;
 mod beginning;
@@ -37,6 +38,8 @@ mod stepper;
 mod tests;
 mod weigh;
 
+pub(crate) use alongside::{Alongside, Told};
+pub(crate) use columns::Series;
 pub(crate) use ground::Ground;
 pub(crate) use optimum::Law;
 pub(crate) use randomness::Randomness;

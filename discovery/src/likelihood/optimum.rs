@@ -25,7 +25,7 @@ pub(crate) struct Law<'a> {
 
 /// A curve that stands in the background: its series in each recording, and the standard deviation of
 /// its values, of the balance's size.
-pub(super) struct Beside {
+pub(super) struct BackgroundCurve {
     pub(super) series: Vec<Vec<Series>>,
     pub(super) sd: f64,
 }
@@ -62,7 +62,7 @@ impl Law<'_> {
 /// without the law, `beside` a curve perhaps; nothing where it overflows.
 pub(super) fn optimum(
     scene: &Scene,
-    (law, beside): (Option<(&Law<'_>, &[Vec<Share>])>, Option<&Beside>),
+    (law, beside): (Option<(&Law<'_>, &[Vec<Share>])>, Option<&BackgroundCurve>),
     (tracks, known): (&[Track], &[Known]),
     references: &References,
 ) -> Option<Optimum> {

@@ -10,10 +10,8 @@ use super::base::{Further, Pooled, grams, parameters, passes, terms};
 use super::columns::{A_PASS, Series, Source};
 use super::filter::{Tick, Track, own_states};
 use super::gram::{Gram, Products, References};
-use super::marginal::{
-    Terms, coefficients, information_beside, ln_mean_exp, log_evidence, standing_out,
-};
-use super::optimum::Beside;
+use super::marginal::{Beside, Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
+use super::optimum::BackgroundCurve;
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene, longest};
 use super::stepper::{Stepped, stepped};
@@ -192,8 +190,8 @@ struct Made {
 /// Size of the random load, and the time after which it forgets what it was, over those of the base,
 /// with which laws and curves are weighed besides: it may have taken what they explain, and it takes
 /// what stays the same by a long memory.
-const SMALLER: f64 = 0.2;
-const SHORTER: f64 = 0.2;
+pub(super) const SMALLER: f64 = 0.2;
+pub(super) const SHORTER: f64 = 0.2;
 
 /// Weighs the candidates and the curves beside the scene's drive, with each of those randomnesses, of
 /// which the first is its own.
@@ -402,10 +400,10 @@ impl Weights {
 }
 
 /// A curve in the background of a scene, as large as it was found.
-pub(super) fn beside(scene: &Scene, tracks: &[Track], curve: &CurveWeight) -> Beside {
+pub(super) fn beside(scene: &Scene, tracks: &[Track], curve: &CurveWeight) -> BackgroundCurve {
     let each = scene.recordings.iter().zip(tracks);
     let one = |(it, track)| series(&curve.curve, it, track, &trajectory(it, track));
-    Beside { series: each.map(one).collect(), sd: curve.size }
+    BackgroundCurve { series: each.map(one).collect(), sd: curve.size }
 }
 
 /// A curve's hats along a recording.
@@ -496,12 +494,15 @@ impl Weighing<'_> {
         let own = mean.rows(from, columns.len());
         let enough = 1.0 / (TOLD * own.amax()).powi(2);
         let visited = columns.iter().map(|it| self.fitted.of(*it, *it) > enough).collect();
-        let told = information_beside(&self.fitted, &self.background, columns);
+        let told = Beside::of(&self.fitted, &self.background);
         Hats {
             size: own.norm(),
             values: (0..columns.len()).map(|k| own[k] * self.scale[columns[k]]).collect(),
             visited,
-            told: told.map_or_else(|| vec![false; columns.len()], |it| told_of(it, enough)),
+            told: told.map_or_else(
+                || vec![false; columns.len()],
+                |it| told_of(it.told(&self.fitted, columns).0, enough),
+            ),
         }
     }
 

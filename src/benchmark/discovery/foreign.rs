@@ -177,6 +177,7 @@ fn read_one(folder: &Path, order: &Order) -> miette::Result<Case> {
         foreign: true,
         grade: order.grade,
         hidden: truth.hidden.iter().cloned().collect(),
+        law: None,
         drive: Drive::read(folder.join("drive.toml")).map_err(told)?,
         estimation: record("estimation")?,
         validation: record("validation")?,

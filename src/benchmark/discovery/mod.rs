@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use drivescope_discovery::{
-    Error, Evidence, Measured, Unwatched, Verdict, add, bic_of, discover, noise,
+    Error, Evidence, Formula, Measured, Unwatched, Verdict, add, bic_of, discover, noise,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
@@ -27,10 +27,17 @@ use serde::Serialize;
 
 use crate::interrupt;
 
+use own::Distance;
+
 pub(crate) use tally::Table;
 
 /// BIC by which the truth must beat the base for a case to count as detectable.
 const DETECTABLE: f64 = 20.0;
+
+/// Share of its size by which a formula may miss a law and still have its form.
+const FORM: f64 = 0.05;
+/// One case in that many more hides a law that nobody programmed.
+const UNPROGRAMMED: usize = 10;
 
 /// One discovery in that many is timed, with nothing beside it.
 const TIMED: usize = 10;
@@ -51,6 +58,8 @@ pub(crate) enum Group {
     NullZeroSpeed,
     /// Something that no library has.
     Outside,
+    /// A law that nobody programmed, in one variable or in several.
+    Unprogrammed,
     /// Two effects at once.
     Pair,
     /// An effect of another size, or other noise, than usual.
@@ -95,6 +104,8 @@ pub(crate) struct Case {
     grade: Grade,
     /// Kinds that are hidden.
     hidden: Vec<String>,
+    /// The hidden law where nobody programmed it.
+    law: Option<own::HiddenLaw>,
     /// The drive file to start from.
     drive: Drive,
     estimation: Record,
@@ -133,6 +144,12 @@ pub(crate) struct Answer {
     /// What was named, with its confusion sets.
     sets: Vec<Vec<String>>,
     verdict: Verdict,
+    /// Formulas that are offered.
+    formulas: usize,
+    /// Place of the first formula that has the form of the hidden law, from 1: equal where the
+    /// machine went within [`FORM`] of it, and of what the base leaves of it.
+    form: Option<usize>,
+    strict_form: Option<usize>,
     before: f64,
     after: f64,
     validation_before: f64,
@@ -160,6 +177,7 @@ pub(crate) fn run(
     let mut all = python.cases(cases / 2, seed)?;
     interrupt::check()?;
     all.extend(own::cases(cases - all.len(), seed));
+    all.extend(own::unprogrammed(unprogrammed(cases), seed));
     let judged = all.par_iter().enumerate().map(|(number, case)| {
         interrupt::check()?;
         let outcome = judge(case, gives_noise(number));
@@ -179,6 +197,11 @@ pub(crate) fn run(
     }
     let emps = emps::folder().map(|folder| emps::Emps::of(&folder)).transpose()?;
     Ok(Found { outcomes, emps })
+}
+
+/// Cases beside so many that hide a law that nobody programmed.
+pub(crate) fn unprogrammed(cases: usize) -> usize {
+    cases.div_ceil(UNPROGRAMMED)
 }
 
 /// Discoveries that run again to be timed.
@@ -202,6 +225,7 @@ fn evidence(drive: &Drive, record: &Record, given: bool) -> Result<Evidence, Err
 fn judge(case: &Case, noise_given: bool) -> Outcome {
     let detectable = match case.group {
         Group::Null | Group::NullLoaded | Group::NullZeroSpeed | Group::Outside => None,
+        Group::Unprogrammed => Some(detectable_law(case, noise_given)),
         Group::Hidden | Group::HiddenLoaded | Group::Pair | Group::Graded => {
             Some(detectable(case, noise_given))
         }
@@ -227,6 +251,18 @@ fn detectable(case: &Case, noise_given: bool) -> bool {
     case.hidden.iter().all(|kind| gain(kind).map_or(true, |gain| gain > DETECTABLE))
 }
 
+/// The same of a law that nobody programmed, typed as it is.
+fn detectable_law(case: &Case, noise_given: bool) -> bool {
+    let gain = || {
+        let mut base = case.drive.clone();
+        base.effects.extend(case.law.iter().map(own::HiddenLaw::at_null));
+        let estimation = evidence(&case.drive, &case.estimation, noise_given)?;
+        let validation = evidence(&case.drive, &case.validation, noise_given)?;
+        bic_of(&base, &case.hidden[0], &estimation, &validation)
+    };
+    gain().map_or(true, |gain| gain > DETECTABLE)
+}
+
 /// What the discovery answers; why it does not.
 fn answer(case: &Case, noise_given: bool) -> Result<Answer, String> {
     let said = |error: Error| error.to_string();
@@ -242,7 +278,18 @@ fn answer(case: &Case, noise_given: bool) -> Result<Answer, String> {
         let others = ranked.map_or(vec![], |it| it.confusion_set.clone());
         std::iter::once(id.clone()).chain(others).collect()
     };
+    let form = |far: fn(Distance) -> f64| {
+        let law = case.law.as_ref()?;
+        let right = |formula: &Formula| {
+            let distance = law.distance(formula, &case.estimation.recording);
+            distance.is_some_and(|it| far(it) <= FORM)
+        };
+        found.formulas.iter().position(right).map(|place| place + 1)
+    };
     Ok(Answer {
+        formulas: found.formulas.len(),
+        form: form(|it| it.of_law),
+        strict_form: form(|it| it.of_rest),
         sets: found.named.iter().map(set).collect(),
         named: found.named.clone(),
         verdict: found.verdict,

@@ -9,6 +9,9 @@ use super::emps::Emps;
 use super::{Answer, Found, Grade, Group, Noise, Outcome};
 use crate::benchmark::rate::{Bar, Rate};
 
+/// Formulas among which the right one must be.
+const FIRST: usize = 3;
+
 /// The published table.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Table {
@@ -71,7 +74,9 @@ impl Table {
         let (white, loaded) = (detectable(&[Group::Hidden]), detectable(&[Group::HiddenLoaded]));
         let both = detectable(&[Group::Hidden, Group::HiddenLoaded]);
         let hidden = of(&[Group::Hidden, Group::HiddenLoaded, Group::Pair, Group::Graded]);
-        let every = Cases(cases.iter().collect());
+        // Laws that nobody programmed have rows of their own.
+        let typed = detectable(&[Group::Unprogrammed]);
+        let every = Cases(cases.iter().collect()).only(|it| it.group != Group::Unprogrammed);
         let rates = vec![
             white.rate("named right, white noise", by_name).with(Bar::AtLeast(0.97)),
             white.rate("  or in its confusion set", in_set),
@@ -96,6 +101,17 @@ impl Table {
             both.only(some)
                 .rate("truth in the confusion set, where one is named", in_set)
                 .with(Bar::AtLeast(0.99)),
+            typed
+                .rate("form of a law nobody programmed in 3 formulas", |it| form(it, |it| it.form))
+                .with(Bar::AtLeast(0.8)),
+            typed.rate("  also beside what the base makes good of it", |it| {
+                form(it, |it| it.strict_form)
+            }),
+            typed.rate("  answered \"unknown\"", unknown),
+            typed.rate("  a law of the library named for it", some),
+            of(&[Group::Null, Group::NullLoaded, Group::NullZeroSpeed])
+                .rate("a formula offered where nothing is hidden", offered)
+                .with(Bar::AtMost(0.01)),
             detectable(&[Group::Pair])
                 .rate("both of two found", all_found)
                 .with(Bar::AtLeast(0.85)),
@@ -104,6 +120,8 @@ impl Table {
             both.only(|it| it.noise_given).rate("named right, noise given", by_name),
             both.only(|it| !it.noise_given).rate("named right, noise estimated", by_name),
             hidden.rate("not detectable, left out above", |it| it.detectable == Some(false)),
+            of(&[Group::Unprogrammed])
+                .rate("  of laws nobody programmed", |it| it.detectable == Some(false)),
             every.rate("no answer: counted as misses above", |it| it.answer.is_err()),
         ];
         let shuffled = vec![
@@ -225,6 +243,15 @@ fn unknown(it: &Outcome) -> bool {
     answer(it).is_some_and(|said| said.verdict == Verdict::Unknown)
 }
 
+/// The form of the hidden law is among the first formulas.
+fn form(it: &Outcome, place: fn(&Answer) -> Option<usize>) -> bool {
+    answer(it).and_then(place).is_some_and(|place| place <= FIRST)
+}
+
+fn offered(it: &Outcome) -> bool {
+    answer(it).is_some_and(|said| said.formulas > 0)
+}
+
 fn all_found(it: &Outcome) -> bool {
     let found = |kind: &String, said: &Answer| said.sets.iter().any(|set| set.contains(kind));
     answer(it).is_some_and(|said| it.hidden.iter().all(|kind| found(kind, said)))
@@ -253,6 +280,9 @@ mod tests {
             named: own(named),
             sets: own(named).into_iter().map(|it| vec![it]).collect(),
             verdict: if named.is_empty() { Verdict::None } else { Verdict::Named },
+            formulas: 0,
+            form: None,
+            strict_form: None,
             before: 3.0,
             after: 1.0,
             validation_before: 3.0,

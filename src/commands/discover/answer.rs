@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use drivescope_discovery::compare::Finding;
 use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
-    BothUnexplained, Discovery, LearnedCurve, NextExperiment, NoiseSource, NotJudged, RandomLoad,
-    Ranked, Rung, Verdict,
+    BothUnexplained, Discovery, Formula, LearnedCurve, NextExperiment, NoiseSource, NotJudged,
+    RandomLoad, Ranked, Rung, Verdict,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_plant::units::for_motion;
@@ -16,8 +16,12 @@ use serde::Serialize;
 
 use super::watch::line;
 use crate::evidence::Gathered;
+use crate::formula_text::{self, PREFIX};
 use crate::read_evidence::unusable;
 use crate::report::words::{probability, significant};
+
+/// Formulas that are shown.
+const SHOWN: usize = 3;
 
 /// Errors of a drive.
 #[derive(Debug, Clone, Serialize)]
@@ -69,6 +73,7 @@ pub(super) struct Answer {
     not_judged: Vec<NotJudged>,
     load: Option<RandomLoad>,
     learned: Option<LearnedCurve>,
+    formulas: Vec<Formula>,
     next_experiment: Option<NextExperiment>,
     observer_hz: f64,
     split: String,
@@ -121,6 +126,7 @@ impl Answer {
             not_shown: found.not_shown().into_iter().map(not_shown).collect(),
             load: found.load,
             learned: found.learned.clone(),
+            formulas: found.formulas.clone(),
             next_experiment: found.next_experiment.clone(),
             observer_hz: found.observer.hz,
             split: gathered.split.clone(),
@@ -172,6 +178,7 @@ impl Answer {
         if let Some(learned) = &self.learned {
             text += &curve(learned);
         }
+        text += &proposals(&self.formulas);
         if let Some(it) = self.load.and_then(|load| load.oscillation) {
             let sd = significant(it.sd, 3);
             let _ = writeln!(
@@ -226,7 +233,7 @@ impl Answer {
 
 /// A learned curve in words.
 fn curve(learned: &LearnedCurve) -> String {
-    let LearnedCurve { over, over_unit, times, unit, formula, excess_removed, .. } = learned;
+    let LearnedCurve { over, over_unit, times, unit, excess_removed, .. } = learned;
     let of = |unit: &str| if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
     let balance = format!("{:?}", learned.balance).to_lowercase();
     let times = times.map_or(String::new(), |times| format!(", times {times}"));
@@ -239,9 +246,34 @@ fn curve(learned: &LearnedCurve) -> String {
     for (knot, value) in learned.knots.iter().zip(&learned.values) {
         let _ = writeln!(text, "  {knot:>12.4} {:>12}", significant(*value, 5));
     }
-    if let Some(formula) = formula {
-        let _ = writeln!(text, "it is nearly the custom law {balance} = \"{formula}\"");
+    text
+}
+
+/// Formulas in words, and how one is added.
+fn proposals(formulas: &[Formula]) -> String {
+    let Some(best) = formulas.first() else { return String::new() };
+    let mut text = "formulas for it, the most probable first:\n".to_owned();
+    for it in formulas.iter().take(SHOWN) {
+        let values: Vec<String> = it
+            .parameters
+            .iter()
+            .map(|(name, value)| format!("{name} = {}", significant(*value, 4)))
+            .collect();
+        let _ = writeln!(
+            text,
+            "  {:<44} probability {:<8} evidence {:<8} complexity {:<3} {}",
+            formula_text::law(it),
+            probability(it.probability),
+            significant(it.evidence, 4),
+            it.complexity,
+            values.join(", ")
+        );
     }
+    let _ = writeln!(
+        text,
+        "to add one: drivescope add DRIVE \"{PREFIX}{}\" REC... -o FILE",
+        formula_text::text(best)
+    );
     text
 }
 

@@ -1,17 +1,21 @@
 //! Cards of missing effects: name, law, the curve that convicts, what speaks for it and against.
 
 use drivescope_discovery::compare::Curve;
-use drivescope_discovery::{LearnedCurve, Ranked, Verdict};
+use drivescope_discovery::{Formula, LearnedCurve, Ranked, Verdict};
+use drivescope_plant::effects::custom::Target;
 use drivescope_plant::effects::info::Variable;
 use drivescope_plant::effects::registry::Entry;
 use maud::{Markup, PreEscaped, html};
 
 use super::Missing;
+use crate::formula_text::{self, PREFIX};
 use crate::report::compare::pictures;
 use crate::report::page::minus;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel};
 use crate::report::words::{number, percent, probability};
 
+/// Formulas that are shown.
+const FORMULAS: usize = 3;
 /// Width and height of a card's picture, pixels.
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 120.0;
@@ -26,7 +30,7 @@ pub(crate) fn cards(
         p.verdict { (words(missing)) }
         div.cards {
             @if missing.verdict == Verdict::None { (nothing()) }
-            @if let Some(learned) = &missing.learned { (unknown(learned, action)) }
+            @if let Some(learned) = &missing.learned { (unknown(learned, &missing.formulas, action)) }
             @else if missing.verdict == Verdict::Unknown { (without_curve()) }
             @for (place, one) in missing.ranking.iter().enumerate() {
                 (card(missing, one, place, curves, action))
@@ -77,7 +81,11 @@ fn without_curve() -> Markup {
     }
 }
 
-fn unknown(learned: &LearnedCurve, action: &dyn Fn(&str) -> Markup) -> Markup {
+fn unknown(
+    learned: &LearnedCurve,
+    formulas: &[Formula],
+    action: &dyn Fn(&str) -> Markup,
+) -> Markup {
     let balance = format!("{:?}", learned.balance).to_lowercase();
     let times = learned.times.map_or(String::new(), |times| format!(", times {times}"));
     html! {
@@ -89,10 +97,30 @@ fn unknown(learned: &LearnedCurve, action: &dyn Fn(&str) -> Markup) -> Markup {
             }
             (PreEscaped(learned_figure(learned, &balance).svg_of(WIDTH)))
             (numbers("Data of this curve", (learned.over, "lost"), learned.knots.iter().zip(&learned.values)))
-            @if let Some(formula) = &learned.formula {
-                p { "It is nearly " code data-law=(formula) data-target=(balance) { (balance) " = " (formula) } }
-            }
+            (proposals(formulas))
             (action("learned"))
+        }
+    }
+}
+
+/// Formulas for what nobody knows, and how one is added.
+fn proposals(formulas: &[Formula]) -> Markup {
+    html! {
+        @for it in formulas.iter().take(FORMULAS) {
+            @let target = if it.law.parts().0 == Target::Voltage { "voltage" } else { "torque" };
+            p {
+                "Perhaps "
+                code data-law=(it.with_values()) data-target=(target) { (formula_text::law(it)) }
+                ": probability " (probability(it.probability)) " among those tried, evidence "
+                (minus(&number(it.evidence))) ", " (it.complexity) " names and numbers"
+            }
+        }
+        @if let Some(best) = formulas.first() {
+            p.note {
+                "To add one: " code {
+                    "drivescope add DRIVE \"" (PREFIX) (formula_text::text(best)) "\" REC... -o FILE"
+                }
+            }
         }
     }
 }

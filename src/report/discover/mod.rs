@@ -6,7 +6,9 @@ mod ladder;
 mod parameters;
 
 use drivescope_discovery::compare::Comparison;
-use drivescope_discovery::{Discovery, Estimate, LearnedCurve, NextExperiment, Ranked, Verdict};
+use drivescope_discovery::{
+    Discovery, Estimate, Formula, LearnedCurve, NextExperiment, Ranked, Verdict,
+};
 use drivescope_plant::drive::{EffectData, LawData, Motion};
 use drivescope_plant::effects::info::Variable;
 use drivescope_plant::file::target_key;
@@ -30,6 +32,8 @@ pub(crate) struct Missing {
     pub(crate) ranking: Vec<Ranked>,
     /// The curve that describes what nobody knows.
     pub(crate) learned: Option<LearnedCurve>,
+    /// Formulas for it, the most probable first.
+    pub(crate) formulas: Vec<Formula>,
     /// What to record to tell apart what these recordings do not.
     pub(crate) next: Option<NextExperiment>,
     /// The laws that the user typed.
@@ -74,6 +78,7 @@ impl Missing {
             named: found.named.clone(),
             ranking,
             learned: found.learned.clone(),
+            formulas: found.formulas.clone(),
             next: found.next_experiment.clone(),
             typed: effects.filter_map(|effect| OwnLaw::of(effect, found.drive.motion)).collect(),
             not_shown: unusable.chain(found.not_shown().into_iter().map(not_shown)).collect(),

@@ -1,10 +1,12 @@
 //! Cases that the plant simulates itself: random machines, random bench runs, noise added.
 
 mod bench_run;
+mod form;
 mod hidden;
 mod machine;
+mod unprogrammed;
 
-use drivescope_plant::drive::EffectData;
+use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_plant::effects::registry::Entry;
 use rand::RngExt as _;
 use rand_pcg::Pcg64;
@@ -13,6 +15,9 @@ use self::bench_run::{Load, record};
 use self::hidden::{HIDDEN, PAIRS, sign};
 use self::machine::Machine;
 use super::{Case, Grade, Group};
+
+pub(super) use self::form::{Distance, HiddenLaw};
+use self::unprogrammed::LAWS;
 
 /// Groups and their shares of the cases.
 const SHARES: [(Group, f64); 6] = [
@@ -41,6 +46,35 @@ pub(super) fn cases(count: usize, seed: u64) -> Vec<Case> {
     plans.into_iter().enumerate().map(of).collect()
 }
 
+/// So many cases of laws that nobody programmed, one after the other, every second one under a random
+/// load; the same seed gives the same.
+pub(super) fn unprogrammed(count: usize, seed: u64) -> Vec<Case> {
+    let of = |number: usize| {
+        let random = &mut Pcg64::new(u128::from(seed), (UNPROGRAMMED + number) as u128);
+        let machine = Machine::draw(random);
+        let effect = unprogrammed::effect(&LAWS[number % LAWS.len()], &machine, random);
+        let (mut truth, name) = (machine.drive(|| 1.0), effect.id.clone());
+        truth.effects.push(effect.clone());
+        let loaded = !(number / LAWS.len() + number).is_multiple_of(2);
+        let law = Some(HiddenLaw { truth: truth.clone(), effect });
+        Case {
+            law,
+            ..recorded(
+                Group::Unprogrammed,
+                Grade::USUAL,
+                (vec![name], truth),
+                loaded,
+                &machine,
+                random,
+            )
+        }
+    };
+    (0..count).map(of).collect()
+}
+
+/// First stream of random numbers of those cases.
+const UNPROGRAMMED: usize = 1 << 32;
+
 fn case(group: Group, grade: Grade, number: usize, random: &mut Pcg64) -> Case {
     let machine = Machine::draw(random);
     let hidden: Vec<&str> = match group {
@@ -48,13 +82,30 @@ fn case(group: Group, grade: Grade, number: usize, random: &mut Pcg64) -> Case {
             vec![HIDDEN[number % HIDDEN.len()].0]
         }
         Group::Pair => PAIRS[number % PAIRS.len()].to_vec(),
-        Group::Null | Group::NullLoaded | Group::NullZeroSpeed | Group::Outside => vec![],
+        Group::Null
+        | Group::NullLoaded
+        | Group::NullZeroSpeed
+        | Group::Outside
+        | Group::Unprogrammed => vec![],
     };
     let mut truth = machine.drive(|| 1.0);
     for (kind, draw) in HIDDEN.iter().filter(|(kind, _)| hidden.contains(kind)) {
         truth.effects.push(effect(kind, &draw(&machine, random), grade.size));
     }
     let loaded = matches!(group, Group::HiddenLoaded | Group::NullLoaded);
+    let hidden = hidden.into_iter().map(str::to_owned).collect();
+    recorded(group, grade, (hidden, truth), loaded, &machine, random)
+}
+
+/// A machine with what is hidden in it, recorded, and the drive file of one that is a little off.
+fn recorded(
+    group: Group,
+    grade: Grade,
+    (hidden, truth): (Vec<String>, Drive),
+    loaded: bool,
+    machine: &Machine,
+    random: &mut Pcg64,
+) -> Case {
     let load = loaded.then(|| Load {
         sd: random.random_range(0.01..0.03) * machine.torque(),
         time: random.random_range(0.02..0.2),
@@ -65,8 +116,7 @@ fn case(group: Group, grade: Grade, number: usize, random: &mut Pcg64) -> Case {
         (0..6).map(|_| 1.0 + sign(random) * random.random_range(0.1..0.2)).collect();
     let mut off = off.into_iter();
     let drive = machine.drive(|| off.next().unwrap_or(1.0));
-    let hidden = hidden.into_iter().map(str::to_owned).collect();
-    Case { group, foreign: false, grade, hidden, drive, estimation, validation }
+    Case { group, foreign: false, grade, hidden, law: None, drive, estimation, validation }
 }
 
 /// An effect of the library with these values, its coefficients times the size: what is zero

@@ -1,0 +1,59 @@
+use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::custom::Law;
+
+use super::grammar::{Form, complexity};
+use super::proposals::{Greatest, Kind, names, proposals};
+use crate::testing::dr300;
+
+const GREATEST: Greatest = Greatest { speed: 400.0, current: 2.5, travel: 30.0 };
+
+fn all(drive: &Drive) -> Vec<Kind> {
+    proposals(drive, &GREATEST)
+}
+
+#[test]
+fn the_text_of_every_formula_is_a_custom_law_with_its_values() {
+    let drive = dr300();
+    let names = names(&drive, &GREATEST);
+    let places = [[120.0, -0.7, 2.3], [-31.0, 1.9, -5.1], [0.0, 0.3, 0.2], [3.0, 0.0, 7.0]];
+    for form in all(&drive).iter().filter_map(|kind| kind.last()) {
+        let written = form.written(&names);
+        let shape = written.shape.iter().copied();
+        let coefficients = form.coefficients().iter().zip([1.7, -0.3]).map(|(name, c)| (*name, c));
+        let (all, values): (Vec<String>, Vec<f64>) =
+            coefficients.chain(shape).map(|(name, value)| (name.to_owned(), value)).unzip();
+        let law = Law::parse(form.target, &written.text, &all)
+            .unwrap_or_else(|error| panic!("{}: {error}", written.text));
+        for [omega, i, theta] in places {
+            let columns = form.at([omega, i, theta], &names);
+            let expected: f64 = columns.iter().zip([1.7, -0.3]).map(|(it, c)| it * c).sum();
+            let found = law.at(&values, [i, omega, theta, 0.0, 0.0]);
+            let error = (found - expected).abs();
+            assert!(
+                error <= 1e-9 * (1.0 + expected.abs()),
+                "{}: {found} for {expected}",
+                written.text
+            );
+        }
+    }
+}
+
+#[test]
+fn no_formula_is_proposed_twice() {
+    let drive = dr300();
+    let names = names(&drive, &GREATEST);
+    let target = |form: &Form| format!("{:?} {}", form.target, form.written(&names).text);
+    let mut texts: Vec<String> = all(&drive).iter().map(|kind| target(&kind[0])).collect();
+    let count = texts.len();
+    assert!(count > 1000, "{count}");
+    texts.sort();
+    texts.dedup();
+    assert_eq!(texts.len(), count);
+}
+
+#[test]
+fn what_is_longer_is_more_complex() {
+    assert_eq!(complexity("c * omega^3"), 3);
+    assert_eq!(complexity("c * omega / sqrt(abs(omega) + 0.1)"), 6);
+    assert_eq!(complexity("(c * sin(3 * theta) + d * cos(3 * theta)) * i"), 9);
+}

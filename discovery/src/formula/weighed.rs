@@ -1,0 +1,205 @@
+//! Every formula beside the base: what it explains as a column, and which ones are worth a fit.
+
+use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::effects::custom::Target;
+use drivescope_plant::model::{CURRENT, POSITION, SPEED};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::grammar::{Form, Names, complexity};
+use super::proposals::{Greatest, Kind, names, proposals};
+use crate::likelihood::{Alongside, Series, Told};
+
+/// Columns that are held at once: some 16 MB at 8,000 samples.
+const COLUMNS: usize = 256;
+/// Places along the recordings at which formulas are compared with each other.
+const PLACES: usize = 1000;
+/// Share of its amplitude by which a formula differs from another from which on it is another one
+/// where the recordings went.
+const APART: f64 = 0.03;
+
+/// A formula with what it explains.
+#[derive(Debug, Clone)]
+pub(super) struct Weighed {
+    pub(super) form: Form,
+    pub(super) complexity: usize,
+    /// ln of the number of formulas that are no more complex: what choosing it costs.
+    pub(super) price: f64,
+    /// ln of its evidence over that of the base, averaged over its shapes.
+    pub(super) evidence: f64,
+    /// The most probable coefficients, in their own units.
+    pub(super) coefficients: Vec<f64>,
+}
+
+/// The variables along the recordings, and what they are called.
+pub(super) struct Visited {
+    /// Speed, current and position, of each recording and sample.
+    runs: Vec<Vec<[f64; 3]>>,
+    pub(super) names: Names,
+    greatest: Greatest,
+}
+
+impl Visited {
+    /// Of a drive along those recordings.
+    pub(super) fn of(drive: &Drive, alongside: &Alongside) -> Self {
+        let force = drive.motor.input == Input::Force;
+        let runs: Vec<Vec<[f64; 3]>> = alongside
+            .recordings()
+            .map(|(it, ticks)| {
+                let at = ticks.iter().map(|tick| {
+                    let state = &tick.mean;
+                    let current = if force { it.measured.u[tick.sample] } else { state[CURRENT] };
+                    [state[SPEED], current, state[POSITION]]
+                });
+                at.collect()
+            })
+            .collect();
+        let all = || runs.iter().flatten();
+        let most = |place: usize| all().fold(0.0_f64, |most, it| most.max(it[place].abs()));
+        let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| {
+            (low.min(it[2]), high.max(it[2]))
+        });
+        let greatest = Greatest { speed: most(0), current: most(1), travel: (high - low).max(0.0) };
+        let names = names(drive, &greatest);
+        Self { runs, names, greatest }
+    }
+
+    /// Some of the places.
+    fn places(&self) -> Vec<[f64; 3]> {
+        let count: usize = self.runs.iter().map(Vec::len).sum();
+        self.runs.iter().flatten().step_by(count.div_ceil(PLACES).max(1)).copied().collect()
+    }
+
+    /// Columns of a formula along a recording.
+    fn series(&self, form: &Form, recording: usize) -> Vec<Series> {
+        let run = &self.runs[recording];
+        let mut columns = vec![Vec::with_capacity(run.len()); form.coefficients().len()];
+        for at in run {
+            let values = form.at(*at, &self.names);
+            for (column, value) in columns.iter_mut().zip(values) {
+                column.push(value);
+            }
+        }
+        let series = |values: Vec<f64>| match form.target {
+            Target::Voltage => Series { voltage: values, ..Series::default() },
+            _ => Series { torque: values, ..Series::default() },
+        };
+        columns.into_iter().map(series).collect()
+    }
+}
+
+/// Every formula with its best shape, best first: evidence less price. Nothing where it is stopped.
+pub(super) fn weighed(
+    drive: &Drive,
+    visited: &Visited,
+    alongside: &Alongside,
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Weighed>> {
+    let kinds = proposals(drive, &visited.greatest);
+    let forms: Vec<Form> = kinds.iter().flatten().copied().collect();
+    let mut told: Vec<Told> = Vec::with_capacity(forms.len());
+    for some in forms.chunks(COLUMNS / 2) {
+        let groups: Vec<usize> = some.iter().map(|it| it.coefficients().len()).collect();
+        let series = |recording: usize| -> Vec<Series> {
+            some.par_iter().flat_map_iter(|it| visited.series(it, recording)).collect()
+        };
+        told.extend(alongside.told(series, &groups, stopped)?);
+    }
+    let sizes: Vec<usize> = kinds.iter().map(|kind| size(kind, &visited.names)).collect();
+    let mut told = told.into_iter();
+    let one = |(kind, size): (&Kind, &usize)| {
+        let own: Vec<Told> = told.by_ref().take(kind.len()).collect();
+        best(kind, own, *size, sizes.iter().filter(|it| *it <= size).count())
+    };
+    let mut all: Vec<Weighed> = kinds.iter().zip(&sizes).filter_map(one).collect();
+    all.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
+    Some(all)
+}
+
+fn size(kind: &Kind, names: &Names) -> usize {
+    kind.first().map_or(0, |form| complexity(&form.written(names).text))
+}
+
+fn best(kind: &Kind, told: Vec<Told>, complexity: usize, as_simple: usize) -> Option<Weighed> {
+    let shapes = told.len() as f64;
+    let (form, it) =
+        kind.iter().zip(told).max_by(|(_, a), (_, b)| a.evidence.total_cmp(&b.evidence))?;
+    // Of few shapes that are far apart one holds nearly all of the mean.
+    Some(Weighed {
+        form: *form,
+        complexity,
+        price: (as_simple as f64).ln(),
+        evidence: it.evidence - shapes.ln(),
+        coefficients: it.coefficients,
+    })
+}
+
+impl Weighed {
+    /// Evidence less price.
+    pub(super) fn worth(&self) -> f64 {
+        self.evidence - self.price
+    }
+}
+
+/// The first so many that differ from each other where the recordings went, beside what the base makes
+/// good.
+pub(super) fn different(
+    all: impl Iterator<Item = Weighed>,
+    visited: &Visited,
+    most: usize,
+) -> Vec<Weighed> {
+    let places = visited.places();
+    let mut kept: Vec<Weighed> = Vec::new();
+    let mut spaces: Vec<Space> = Vec::new();
+    for one in all {
+        if kept.len() == most {
+            break;
+        }
+        let space = Space::of(&one.form, &places, &visited.names);
+        if spaces.iter().all(|other| other.is_apart(&space)) {
+            kept.push(one);
+            spaces.push(space);
+        }
+    }
+    kept
+}
+
+/// What a formula can be where the recordings went, beside the base: directions of unit length.
+struct Space {
+    target: Target,
+    directions: DMatrix<f64>,
+}
+
+impl Space {
+    fn of(form: &Form, places: &[[f64; 3]], names: &Names) -> Self {
+        let rows = places.len();
+        let base = DMatrix::from_fn(rows, 4, |row, column| {
+            let [omega, i, _] = places[row];
+            [1.0, omega, sign(omega), i][column]
+        });
+        let count = form.coefficients().len();
+        let mut own = DMatrix::zeros(rows, count);
+        for (row, place) in places.iter().enumerate() {
+            let values = form.at(*place, names);
+            (0..count).for_each(|column| own[(row, column)] = values[column]);
+        }
+        let base = base.qr().q();
+        let left = &own - &base * base.tr_mul(&own);
+        Self { target: form.target, directions: left.qr().q() }
+    }
+
+    /// Whether none of the functions of one is nearly one of the other.
+    fn is_apart(&self, other: &Self) -> bool {
+        if self.target != other.target || self.directions.ncols() != other.directions.ncols() {
+            return true;
+        }
+        let shared = self.directions.tr_mul(&other.directions);
+        // The least cosine of the angles between them.
+        let least = shared.singular_values().iter().fold(1.0_f64, |least, it| least.min(*it));
+        (1.0 - least * least).max(0.0).sqrt() > APART
+    }
+}
+
+fn sign(z: f64) -> f64 {
+    if z == 0.0 { 0.0 } else { z.signum() }
+}

@@ -1,0 +1,152 @@
+//! What known torques and voltages would explain beside the base, thousands of them at little cost:
+//! of each only its products with the base, the data and itself are kept.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::base::{Further, Known, Pooled, grams, terms};
+use super::columns::{Series, Source};
+use super::filter::{Tick, Track};
+use super::gram::References;
+use super::ground::Ground;
+use super::marginal::{Beside, ln_mean_exp, log_evidence};
+use super::randomness::excerpt;
+use super::scene::{Recorded, Scene};
+use super::weigh::{SHORTER, SIZES, SMALLER};
+
+/// Columns of a source: sources are filtered in parallel.
+const A_SOURCE: usize = 32;
+
+/// The base in an excerpt of the recordings of the fit, filtered with each of the randomnesses with which laws
+/// are weighed.
+pub(crate) struct Alongside {
+    scene: Scene,
+    references: References,
+    known: Vec<Known>,
+    filters: Vec<Vec<Track>>,
+}
+
+/// What the recordings tell of a group of columns.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Told {
+    /// ln of the evidence over that of the base, averaged over sizes.
+    pub(crate) evidence: f64,
+    /// The most probable coefficients, in their own units.
+    pub(crate) coefficients: Vec<f64>,
+}
+
+impl Alongside {
+    /// Nothing where the drive overflows.
+    pub(crate) fn of(ground: &Ground) -> Option<Self> {
+        let scene = excerpt(&ground.scene);
+        let all = ground.randomnesses();
+        let own = *all.first()?;
+        let along = scene.tracks(&own)?;
+        let known = Known::of(&scene, &along);
+        let others = [own.scaled(SMALLER), own.with_time(SHORTER * own.load_s)];
+        let others = others.iter().chain(&all[1..]);
+        let mut filters: Vec<Vec<Track>> =
+            others.filter_map(|other| scene.retraced(&along, other)).collect();
+        filters.insert(0, along);
+        Some(Self { scene, references: ground.references, known, filters })
+    }
+
+    /// The recordings with their tracks.
+    pub(crate) fn recordings(&self) -> impl Iterator<Item = (&Recorded, &[Tick])> {
+        let ticks = self.filters[0].iter().map(|track| track.ticks.as_slice());
+        self.scene.recordings.iter().zip(ticks)
+    }
+
+    /// What is told of each group of so many of the `series` of a recording, each with the
+    /// randomness with which it explains most; nothing where it is stopped.
+    pub(crate) fn told(
+        &self,
+        series: impl Fn(usize) -> Vec<Series> + Sync,
+        groups: &[usize],
+        stopped: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Vec<Told>> {
+        let recordings = 0..self.scene.recordings.len();
+        let series: Vec<Vec<Series>> = recordings.into_par_iter().map(&series).collect();
+        let sources = sources(groups);
+        let further = |recording: usize| {
+            let mut from = 0;
+            let source = |count: &usize| {
+                from += count;
+                Source::Series(&series[recording][from - count..from])
+            };
+            Further { judged: sources.iter().map(source).collect(), groups, ..Further::default() }
+        };
+        let filters: Vec<&[Track]> = self.filters.iter().map(Vec::as_slice).collect();
+        let (scene, known) = (&self.scene, Some(self.known.as_slice()));
+        let grams = grams(scene, &filters, &self.references, known, further, stopped);
+        if stopped() {
+            return None;
+        }
+        let terms = terms(scene);
+        let base = terms.columns.len();
+        let under = |(grams, tracks): (&Vec<_>, &Vec<Track>)| {
+            let pooled = Pooled::of(grams, base, scene, &self.references);
+            let products = pooled.sum(scene, |_| true);
+            let likelihood: f64 = tracks.iter().map(|track| track.log_likelihood).sum();
+            let beside = Beside::of(&products, &terms)?;
+            let mut from = base;
+            let each = groups.iter().map(|count| {
+                from += count;
+                let columns: Vec<usize> = (from - count..from).collect();
+                let (information, score) = beside.told(&products, &columns);
+                let scale: Vec<f64> = columns.iter().map(|it| pooled.scale[*it]).collect();
+                told(&information, &score, &scale)
+            });
+            Some((likelihood + log_evidence(&products, &terms), each.collect::<Vec<Told>>()))
+        };
+        let each: Vec<(f64, Vec<Told>)> =
+            grams.iter().zip(&self.filters).filter_map(under).collect();
+        let most = each.iter().map(|(base, _)| *base).fold(f64::NEG_INFINITY, f64::max);
+        let of = |group: usize| {
+            let under = |(base, told): &(f64, Vec<Told>)| {
+                let Told { evidence, coefficients } = told[group].clone();
+                Told { evidence: evidence + base - most, coefficients }
+            };
+            let best = each.iter().map(under).max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+            best.unwrap_or_default()
+        };
+        Some((0..groups.len()).map(of).collect())
+    }
+}
+
+/// Counts of columns that hold whole groups.
+fn sources(groups: &[usize]) -> Vec<usize> {
+    let mut sources = vec![0];
+    for count in groups {
+        match sources.last_mut() {
+            Some(last) if *last + count <= A_SOURCE || *last == 0 => *last += count,
+            _ => sources.push(*count),
+        }
+    }
+    sources
+}
+
+/// Of columns of that information and score, in units of which those are the scales.
+fn told(information: &DMatrix<f64>, score: &DVector<f64>, scale: &[f64]) -> Told {
+    let with = |size: f64| {
+        let mut h = information.clone();
+        (0..h.nrows()).for_each(|k| h[(k, k)] += 1.0 / (size * size));
+        h.cholesky()
+    };
+    let of = |size: &f64| {
+        let Some(h) = with(*size) else { return f64::NAN };
+        let half = h.l().solve_lower_triangular(score).map_or(f64::NAN, |it| it.norm_squared());
+        let ln_determinant: f64 = h.l_dirty().diagonal().iter().map(|it| it.ln()).sum();
+        0.5 * half - ln_determinant - scale.len() as f64 * size.ln()
+    };
+    // A column of nothing, or one that overflows, tells nothing.
+    if scale.contains(&0.0) {
+        return Told { evidence: f64::NEG_INFINITY, coefficients: vec![0.0; scale.len()] };
+    }
+    let mean = with(1.0).map(|h| h.solve(score));
+    let coefficient = |(k, scale): (usize, &f64)| mean.as_ref().map_or(0.0, |mean| mean[k] * scale);
+    Told {
+        evidence: ln_mean_exp(SIZES.iter().map(of)),
+        coefficients: scale.iter().enumerate().map(coefficient).collect(),
+    }
+}

@@ -29,6 +29,7 @@ impl Round<'_> {
         let (estimation, validation) = (self.estimation, self.validation);
         let left = |drive: &Drive| unexplained(drive, validation)[0].map(|it| it.rms);
         let before = left(&ground.scene.drive);
+        let of_base = left(&self.model.fitted.drive);
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
@@ -56,7 +57,7 @@ impl Round<'_> {
             if fits && is <= (1.0 - FALLS) * was {
                 break;
             }
-            if before.zip(after).is_some_and(|(before, after)| after < MUCH * before) {
+            if of_base.zip(after).is_some_and(|(of_base, after)| after < MUCH * of_base) {
                 one.weighed.by_balance = true;
                 break;
             }

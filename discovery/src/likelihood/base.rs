@@ -1,6 +1,6 @@
 //! What a fitted drive may be off by, so that nothing of it is taken for something missing: its
-//! parameters, an offset of the torque and the level of dry friction in every recording, and the law
-//! of dry friction at zero speed, which no formula holds exactly.
+//! parameters, an offset of the torque in every recording, and the law of dry friction at zero
+//! speed, which no formula holds exactly.
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::model::SPEED;
@@ -16,27 +16,21 @@ use super::scene::Scene;
 pub(crate) const FLAT: f64 = 5.0;
 /// Standard deviation of a recording's own offset of the torque, of the balance's size.
 const OFFSET: f64 = 0.02;
-/// The same of the level of dry friction, which follows temperature, grease and wear.
-const LEVEL: f64 = 0.05;
 /// Standard deviation by which dry friction at zero speed may differ, of the balance's size, and
 /// the speeds over which it does, over the fastest one.
 const ZERO_SPEED: f64 = 0.3;
 const NEAR_ZERO: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
 
-/// Series of the base in one recording: offsets of the torque and levels of friction of every
-/// recording, then friction at zero speed.
+/// Series of the base in one recording: offsets of the torque, then friction at zero speed.
 struct Base(Vec<Series>);
 
 impl Base {
     /// Of that recording of the scene; `fastest` is the greatest speed of all.
     fn of(scene: &Scene, recording: usize, track: &Track, fastest: f64) -> Self {
         let torque = |torque: Vec<f64>| Series { torque, ..Series::default() };
-        let own = |other: usize, of: &dyn Fn(f64) -> f64| {
-            let speeds = track.ticks.iter().map(|tick| tick.filtered[SPEED]);
-            torque(if other == recording { speeds.map(of).collect() } else { vec![] })
+        let offset = |other: usize| {
+            torque(if other == recording { vec![1.0; track.ticks.len()] } else { vec![] })
         };
-        let offset = |other| own(other, &|_| 1.0);
-        let level = |other| own(other, &|omega| (omega / (NEAR_ZERO[0] * fastest)).tanh());
         let near = |share: &f64| {
             let width = share * fastest;
             let differs = |omega: f64| {
@@ -44,9 +38,8 @@ impl Base {
             };
             torque(track.ticks.iter().map(|tick| differs(tick.filtered[SPEED])).collect())
         };
-        let each = 0..scene.recordings.len();
-        let of_each = each.clone().map(offset).chain(each.map(level));
-        Self(of_each.chain(NEAR_ZERO.iter().map(near)).collect())
+        let offsets = (0..scene.recordings.len()).map(offset);
+        Self(offsets.chain(NEAR_ZERO.iter().map(near)).collect())
     }
 
     /// Its sources in the order of [`terms`]; `known` shares are those of its parameters.
@@ -146,7 +139,6 @@ pub(crate) fn terms(scene: &Scene) -> Terms {
     let own: usize = scene.recordings.iter().map(|it| it.own.len()).sum();
     let mut variances = vec![FLAT * FLAT; scene.names.len()];
     variances.extend(vec![OFFSET * OFFSET; scene.recordings.len()]);
-    variances.extend(vec![LEVEL * LEVEL; scene.recordings.len()]);
     variances.extend(vec![ZERO_SPEED * ZERO_SPEED; NEAR_ZERO.len()]);
     variances.extend(vec![FLAT * FLAT; own]);
     Terms { columns: (0..variances.len()).collect(), variances }
@@ -208,9 +200,9 @@ impl Pooled {
     pub(crate) fn of(grams: &[Gram], base: usize, scene: &Scene, references: &References) -> Self {
         let samples: usize = grams.iter().map(|gram| gram.samples).sum();
         let columns = grams[0].size.len();
-        // Offsets and friction are in units of the balance as they stand.
+        // Offsets and friction at zero speed are in units of the balance as they stand.
         let as_it_stands = scene.names.len()
-            ..scene.names.len() + 2 * scene.recordings.len() + NEAR_ZERO.len().min(base);
+            ..scene.names.len() + scene.recordings.len() + NEAR_ZERO.len().min(base);
         let of = |column: usize| {
             if as_it_stands.contains(&column) {
                 return references.torque;

@@ -41,6 +41,9 @@ pub(crate) struct Optimum {
     pub(super) moves: f64,
 }
 
+/// A law, and what is lost in each recording without it.
+pub(super) type TakenOut<'a> = (&'a Law<'a>, &'a [Vec<Share>]);
+
 impl Law<'_> {
     /// Shares of what is lost in each recording where the law is taken out of the drive.
     pub(super) fn taken_out(&self, scene: &Scene, tracks: &[Track]) -> Vec<Vec<Share>> {
@@ -62,7 +65,7 @@ impl Law<'_> {
 /// without the law, `beside` a curve perhaps; nothing where it overflows.
 pub(super) fn optimum(
     scene: &Scene,
-    (law, beside): (Option<(&Law<'_>, &[Vec<Share>])>, Option<&BackgroundCurve>),
+    (law, beside): (Option<TakenOut<'_>>, Option<&BackgroundCurve>),
     (tracks, known): (&[Track], &[Known]),
     references: &References,
 ) -> Option<Optimum> {

@@ -11,29 +11,38 @@ use thiserror::Error;
 
 use crate::detector::Verdict;
 
-/// Counts exceedances in a row.
+/// Counts exceedances in a row. A declared fault is held until half as many samples in a row lie
+/// inside: single ones within a fault do not end it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RunRule {
     window: usize,
     consecutive: usize,
+    inside: usize,
+    standing: bool,
 }
 
 impl RunRule {
     /// Declares after `window` exceedances in a row.
     pub fn new(window: usize) -> Self {
-        Self { window, consecutive: 0 }
+        Self { window, consecutive: 0, inside: 0, standing: false }
     }
 
     /// Forgets the past.
     pub fn reset(&mut self) {
-        self.consecutive = 0;
+        *self = Self::new(self.window);
     }
 
     /// Takes the next sample; whether a fault stands declared.
     #[inline]
     pub fn step(&mut self, exceeds: bool) -> bool {
-        self.consecutive = if exceeds { self.consecutive + 1 } else { 0 };
-        exceeds && self.consecutive >= self.window
+        (self.consecutive, self.inside) =
+            if exceeds { (self.consecutive + 1, 0) } else { (0, self.inside + 1) };
+        self.standing = if self.standing {
+            2 * self.inside < self.window
+        } else {
+            self.consecutive >= self.window
+        };
+        self.standing
     }
 }
 

@@ -141,6 +141,9 @@ impl Diagnoser {
             recurrent_error: None,
             gmdh: None,
             faults: None,
+            windows: None,
+            range: None,
+            bank: None,
         };
         Ok((diagnoser, DesignReport { bands, orders, one_step_sse }))
     }

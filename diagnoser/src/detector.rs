@@ -98,6 +98,26 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
         self.sample = 0;
     }
 
+    /// Starts in the steady state of the inputs `u`: the models settle on them for a run-up.
+    ///
+    /// # Errors
+    /// Inputs that are not those of the model.
+    pub fn settle(&mut self, u: &[f64]) -> Result<(), DetectorError> {
+        self.reset();
+        let (given, expected) = (u.len(), self.model.inputs());
+        if given != expected {
+            return Err(DetectorError::Inputs { sample: 0, given, expected });
+        }
+        if !u.iter().all(|u| u.is_finite()) {
+            return Err(DetectorError::NotFinite { sample: 0 });
+        }
+        for _ in 0..self.run_up {
+            self.model.step(u);
+            self.threshold.band(u);
+        }
+        Ok(())
+    }
+
     /// Takes inputs `u` and measured output `y` of the next sample.
     #[inline]
     pub fn step(&mut self, u: &[f64], y: f64) -> Result<Verdict, DetectorError> {

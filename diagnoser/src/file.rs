@@ -9,13 +9,14 @@ use drivescope_recording::write_whole;
 use serde::Deserialize;
 use thiserror::Error;
 
+use crate::bank::BankDesign;
 use crate::diagnoser::Diagnoser;
 use crate::gmdh::BoundError;
 use crate::model::Model;
 
-/// Version of the file format that this code writes: 2, since it may hold known faults.
-pub const SCHEMA: u32 = 2;
-/// Oldest version that it reads; a file of version 1 is one of version 2 without known faults.
+/// Version of the file format that this code writes: 3, since it may hold a bank.
+pub const SCHEMA: u32 = 3;
+/// Oldest version that it reads: one of version 2 has no bank, one of version 1 no known faults either.
 const OLDEST: u32 = 1;
 
 /// Why a diagnoser file cannot be used or written.
@@ -162,7 +163,16 @@ impl Diagnoser {
             return Err(FileError::Faults { path: path(), inputs });
         }
         let recurrent = self.recurrent_error.as_ref().map_or(1.0, |error| error.deviation);
+        let bank = self.bank.as_ref();
+        let of_bank = |value: fn(&BankDesign) -> f64| bank.map_or(1.0, value);
         let positive = [
+            ("bank.arl_0", of_bank(|bank| bank.arl_0)),
+            ("bank.period_s", of_bank(|bank| bank.period_s)),
+            ("bank.horizon", of_bank(|bank| bank.horizon as f64)),
+            ("bank.limits.ratio", of_bank(|bank| bank.limits.ratio)),
+            ("bank.limits.squares", of_bank(|bank| bank.limits.squares)),
+            ("bank.noise.omega", of_bank(|bank| bank.noise.omega)),
+            ("bank.noise.torque_time", of_bank(|bank| bank.noise.torque_time)),
             ("recurrent_error.deviation", recurrent),
             ("interface.period_s", self.interface.period_s),
             ("model_error.deviation", self.model_error.deviation),

@@ -38,6 +38,7 @@ mod isolation;
 mod model;
 mod model_error;
 mod network;
+mod range;
 mod recipe;
 mod scale;
 mod signal_model;
@@ -45,6 +46,7 @@ mod stability;
 #[cfg(test)]
 mod testing;
 mod threshold;
+mod windows;
 
 pub use arx::{Arx, ArxError, ArxFit, ArxRun, OrderRow, OrderTable, Orders};
 pub use data::{Column, Data, DataError};
@@ -74,7 +76,9 @@ pub use network::{
     StartRow, Structure, StructureRow, Theta, Trained, Training, TrainingError, select_structure,
     train,
 };
+pub use range::{OperatingRange, RangeWatch};
 pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, free_run, residual};
 pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};
+pub use windows::{Baseline, FALSE_RUNS, Lag, LagRun, WindowError, WindowWatch, Windows};

@@ -4,7 +4,8 @@
 //!  excited[0] ──> process model (1), (5), its starts judged on excited[1]
 //!  healthy[0] ──> error models (6), (7) of its residual
 //!  healthy[1] ──> width of bands, constant thresholds
-//!  all four   ──> GMDH network: estimated on the first of each, judged on the second;
+//!  healthy    ──> windows of the residual against a baseline
+//!  all four   ──> operating range; GMDH network: estimated on the first of each, judged on the second;
 //!                 parameters bounded on healthy[0] and excited[1]
 //! ```
 //!
@@ -26,6 +27,8 @@ use crate::interface::Interface;
 use crate::model::Model;
 use crate::model_error::BandDesign;
 use crate::network::{Structure, Trained, Training, TrainingError, train};
+use crate::range::OperatingRange;
+use crate::windows::{BASELINE_S, WINDOW_S, Windows};
 
 /// Healthy recordings, by what they are for.
 #[derive(Debug, Clone)]
@@ -143,6 +146,12 @@ impl Diagnoser {
             let robust = RobustGmdh::design(&network, &watched, &known, bounds)?;
             (diagnoser, gmdh) = (diagnoser.with_gmdh(robust)?, Some(report));
         }
+        let samples = |seconds: f64| (seconds / diagnoser.interface.period_s).round() as usize;
+        let lengths = (samples(WINDOW_S).max(2), samples(BASELINE_S).max(2));
+        diagnoser.windows = Windows::design(&[&healthy[0], &healthy[1]], lengths);
+        let settled = excited.iter().chain(healthy).map(|data| data.settled(diagnoser.run_up));
+        let settled: Vec<Data> = settled.collect();
+        diagnoser.range = OperatingRange::of(&settled.iter().collect::<Vec<_>>(), diagnoser.window);
         Ok(Learned { diagnoser, process, design, recurrent_error, gmdh })
     }
 }

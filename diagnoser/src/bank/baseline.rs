@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::examine::normal_score;
 use super::filter::filter;
-use super::process::{Belief, Process, Row};
+use super::process::{Belief, Process, Row, SENSORS};
 use super::watch::{Event, Limits, Watch};
 
 /// Rows below which no machine is learned.
@@ -85,20 +85,7 @@ pub fn learn<const N: usize, P: Process<N>>(
     let nominal = process.begin(first);
     let moving = N - process.learned().len();
     check_motion(&mut process, &nominal, rows)?;
-    let mut offsets = vec![1.0; process.learned().len()];
-    let mut belief = nominal;
-    let (mut squares, mut measured) = (0.0, 0);
-    for _ in 0..PASSES {
-        belief = process.begin(first);
-        (squares, measured) = (0.0, 0);
-        filter(&mut process, &mut belief, rows, |_, correction, _| {
-            squares += correction.squares();
-            measured += correction.measured();
-        });
-        let learned = belief.mean[moving..].iter();
-        offsets.iter_mut().zip(learned).for_each(|(whole, by)| *whole *= 1.0 + by);
-        process.settle(&mut belief);
-    }
+    let Fitted { belief, offsets, squares, measured, .. } = fitted(&mut process, first, rows);
     if measured == 0 {
         return Err(BaselineError::NothingMeasured);
     }
@@ -118,6 +105,50 @@ pub fn learn<const N: usize, P: Process<N>>(
     let watch = Watch::new(process, belief, limits, horizon);
     check_steady(&watch, rows)?;
     Ok(watch)
+}
+
+/// The machine that explains a run best, and how well it does.
+struct Fitted<const N: usize> {
+    /// Belief about the row after the last.
+    belief: Belief<N>,
+    /// Factor on each learned parameter.
+    offsets: Vec<f64>,
+    /// Sum of squares of the innovations, and their number.
+    squares: f64,
+    measured: usize,
+    /// Logarithm of the likelihood of the run.
+    log_likelihood: f64,
+}
+
+/// Moves the process to the machine of a run that begins with the row `first`.
+fn fitted<const N: usize, P: Process<N>>(process: &mut P, first: &Row, rows: &[Row]) -> Fitted<N> {
+    let moving = N - process.learned().len();
+    let mut found = Fitted {
+        belief: process.begin(first),
+        offsets: vec![1.0; process.learned().len()],
+        squares: 0.0,
+        measured: 0,
+        log_likelihood: 0.0,
+    };
+    for _ in 0..PASSES {
+        found.belief = process.begin(first);
+        (found.squares, found.measured, found.log_likelihood) = (0.0, 0, 0.0);
+        filter(process, &mut found.belief, rows, |_, correction, _| {
+            found.squares += correction.squares();
+            found.measured += correction.measured();
+            found.log_likelihood += (0..SENSORS).map(|m| correction.log_density(m)).sum::<f64>();
+        });
+        let learned = found.belief.mean[moving..].iter();
+        found.offsets.iter_mut().zip(learned).for_each(|(whole, by)| *whole *= 1.0 + by);
+        process.settle(&mut found.belief);
+    }
+    found
+}
+
+/// Logarithm of the likelihood of a run, its machine learned from it.
+pub fn log_likelihood<const N: usize, P: Process<N>>(process: &P, rows: &[Row]) -> f64 {
+    let fit = |first| fitted(&mut process.clone(), first, rows).log_likelihood;
+    rows.first().map_or(0.0, fit)
 }
 
 /// Whether the shaft turns, if its speed was measured.

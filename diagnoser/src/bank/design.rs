@@ -15,7 +15,7 @@ const TAIL: f64 = 0.1;
 /// Fewest maxima in the tail.
 const FEWEST: usize = 30;
 /// One-sided 95 % of a normal distribution.
-const ONE_SIDED_95: f64 = 1.645;
+pub(crate) const ONE_SIDED_95: f64 = 1.645;
 
 /// Why there is no tail.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -58,7 +58,7 @@ pub struct Judgement {
 }
 
 /// Half width of a 95 % interval in standard deviations.
-const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
+pub(crate) const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
 impl Candidate {
     /// The 95 % interval of the size.
@@ -77,8 +77,13 @@ pub(crate) struct Judged<const N: usize> {
 impl<const N: usize, P: Process<N>> Case<'_, N, P> {
     /// Judges the rows: something changed about row `onset`; row 0 is sample `first`.
     pub(crate) fn judge(&self, onset: usize, first: usize) -> Judged<N> {
-        let mechanisms = 0..self.healthy.mechanisms().len();
-        let mut fits: Vec<Fit> = mechanisms.map(|j| self.best(j, onset, SPREAD)).collect();
+        let mechanisms = self.healthy.mechanisms().iter().enumerate();
+        let mut fits: Vec<Fit> = mechanisms
+            .map(|(j, about)| {
+                let fit = self.best(j, onset, SPREAD);
+                Fit { log_likelihood: fit.log_likelihood - about.rarer, ..fit }
+            })
+            .collect();
         fits.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
         let healthy = self.healthy_again(onset);
         let frozen = self.frozen();

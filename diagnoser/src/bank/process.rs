@@ -33,6 +33,9 @@ pub struct Mechanism {
     pub most: f64,
     /// Least size: a gain or a resistance does not change its sign.
     pub least: f64,
+    /// Logarithm of how much less usual it is than the others: what decides between mechanisms that
+    /// the rows do not tell apart.
+    pub rarer: f64,
 }
 
 /// Mean and covariance of the state.

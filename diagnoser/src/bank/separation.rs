@@ -51,6 +51,11 @@ impl Separation {
         0.5 * size * size * (gram[mechanism][mechanism] - explained).max(0.0)
     }
 
+    /// Whether a fault of that size shows on these rows at all.
+    pub fn shows(&self, mechanism: usize, size: f64) -> bool {
+        0.5 * size * size * self.gram[mechanism][mechanism] >= TOLD_APART
+    }
+
     /// The mechanisms that a fault of that size cannot be told from.
     pub fn confused(&self, mechanism: usize, size: f64) -> Vec<usize> {
         let others = (0..self.gram.len()).filter(|other| *other != mechanism);

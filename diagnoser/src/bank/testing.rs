@@ -38,6 +38,7 @@ impl Tank {
             unit: "1".to_owned(),
             most: 0.9,
             least: -0.9,
+            rarer: 0.0,
         };
         Self {
             mechanisms: ["actuator", "gain", "bias"].map(mechanism).into(),

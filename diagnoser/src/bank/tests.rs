@@ -115,6 +115,7 @@ fn geometry_tells_what_a_constant_input_confuses() {
     // A gain of a state that hardly moves is a bias; an actuator takes its time.
     assert_eq!(apart.confused(GAIN, 0.01), [ACTUATOR, BIAS]);
     assert!(apart.confused(GAIN, 0.3).is_empty());
+    assert!(apart.shows(GAIN, 0.3) && !apart.shows(GAIN, 1e-4));
     assert!(apart.gain((GAIN, 0.2), BIAS) < apart.gain((GAIN, 0.2), ACTUATOR));
 }
 

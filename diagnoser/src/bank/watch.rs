@@ -8,18 +8,23 @@
 
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
+use super::filter::filter;
 use super::frozen::Frozen;
 use super::hypothesis::Case;
-use super::judge::{Cause, Judgement};
+use super::judge::{Cause, Judgement, TWO_SIDED_95};
 use super::onsets::{OLDEST, Onsets};
 use super::process::{Belief, Process, Row};
+use super::separation::{Separation, separation};
 use super::squares::Squares;
 
 /// Rows before an onset that are filtered again with every hypothesis.
 const BEFORE: usize = 20;
 
 /// Limits of the statistics, designed for a mean time between false alarms.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Of the generalised likelihood ratio over mechanism and onset, and of stuck sensors.
     pub ratio: f64,
@@ -67,6 +72,10 @@ pub struct Statistics {
     pub ratio: f64,
     /// Cumulative sum of squares.
     pub squares: f64,
+    /// Sensors that showed something.
+    pub measured: usize,
+    /// Of these, outside their 95 % band.
+    pub outside: usize,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -122,7 +131,7 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
             kept: VecDeque::with_capacity(BEFORE + OLDEST.max(horizon) + 1),
             now: 0,
             mode: Mode::Watching,
-            statistics: Statistics { ratio: 0.0, squares: 0.0 },
+            statistics: Statistics { ratio: 0.0, squares: 0.0, measured: 0, outside: 0 },
         }
     }
 
@@ -146,6 +155,18 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
     pub fn with_limits(mut self, limits: Limits) -> Self {
         self.limits = limits;
         self
+    }
+
+    /// The geometry of the mechanisms over the last horizon of a healthy run of this machine.
+    pub fn separation(&self, rows: &[Row]) -> Option<Separation> {
+        let (settling, last) = rows.split_at(rows.len().saturating_sub(self.horizon));
+        let mut belief = self.healthy.begin(rows.first()?);
+        // The machine is known; what the run leaves unknown of it is in the belief.
+        for r in N - self.healthy.learned().len()..N {
+            belief.covariance[r][r] = self.belief.covariance[r][r];
+        }
+        filter(&mut self.healthy.clone(), &mut belief, settling, |_, _, _| ());
+        Some(separation(&self.healthy, &belief, last))
     }
 
     /// After a gap: the state is unknown, the machine is the same. The sample number goes on.
@@ -222,12 +243,16 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
         self.belief = self.belief.moved(&advanced);
         self.now += 1;
         let ratio = self.onsets.peak().map_or(0.0, |peak| peak.ratio);
-        self.statistics =
-            Statistics { ratio: ratio.max(self.frozen.peak().0), squares: self.squares.ratio };
+        self.statistics = Statistics {
+            ratio: ratio.max(self.frozen.peak().0),
+            squares: self.squares.ratio,
+            measured: correction.measured(),
+            outside: correction.innovation.iter().filter(|w| w.abs() > TWO_SIDED_95).count(),
+        };
     }
 
     fn alarm(&self, sample: usize) -> Option<Alarm> {
-        let Statistics { ratio, squares } = self.statistics;
+        let Statistics { ratio, squares, .. } = self.statistics;
         if ratio <= self.limits.ratio && squares <= self.limits.squares {
             return None;
         }

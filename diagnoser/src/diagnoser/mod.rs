@@ -9,6 +9,7 @@ use drivescope_recording::Recording;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::bank::BankDesign;
 use crate::decision::Trace;
 use crate::detector::{Detector, DetectorError};
 use crate::gmdh::{GmdhBands, RobustGmdh};
@@ -16,7 +17,9 @@ use crate::interface::{Interface, InterfaceError};
 use crate::isolation::KnownFaults;
 use crate::model::{Model, ModelRun};
 use crate::model_error::{BandDesign, ErrorBands};
+use crate::range::OperatingRange;
 use crate::threshold::{Band, Confidence, ConstantThreshold, Threshold};
+use crate::windows::Windows;
 
 /// Everything that is needed to watch one output, as it is stored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,6 +51,15 @@ pub struct Diagnoser {
     /// Faults that it was shown: their classes and sizes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faults: Option<Arc<KnownFaults>>,
+    /// Windows of the residual against a healthy baseline of the machine or day.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub windows: Option<Windows>,
+    /// Operating points that it was designed on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<OperatingRange>,
+    /// A bank of hypotheses over a drive whose equations are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bank: Option<BankDesign>,
 }
 
 /// The stored form of the bands (6), (7).
@@ -126,6 +138,23 @@ pub enum DiagnosisError {
 }
 
 impl Diagnoser {
+    /// Whether the bands (6), (7) of an error model are not wider than what the plain residual gives,
+    /// but for the scatter of two standard deviations: an error model whose bands are explains
+    /// nothing, and is not to be used. Of a threshold without an error model, always.
+    pub fn explains(&self, kind: ThresholdKind) -> bool {
+        /// Relative error of a standard deviation on some thousands of independent samples.
+        const SCATTER: f64 = 0.02;
+        let most = (1.0 + SCATTER) * self.constant.deviation;
+        let narrower = |error: &ModelError| error.deviation <= most;
+        match kind {
+            ThresholdKind::ModelError => narrower(&self.model_error),
+            ThresholdKind::RecurrentModelError => {
+                self.recurrent_error.as_ref().is_some_and(narrower)
+            }
+            ThresholdKind::Constant | ThresholdKind::Gmdh => true,
+        }
+    }
+
     /// A detector at its start, with the diagnoser's own significance level.
     pub fn detector(
         &self,

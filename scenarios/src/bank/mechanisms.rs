@@ -13,6 +13,10 @@ const GAIN: (f64, f64) = (0.5, -0.5);
 const MULTIPLE: (f64, f64) = (3.0, -0.9);
 /// Mechanisms of the second kind: what resists a motion or a current has no upper end.
 const MULTIPLES: [&str; 4] = ["load", "resistance", "friction", "inertia"];
+/// How much less usual, in nats, an offset that appears is than a gain that changes: seven times.
+/// The supply acts as the amplifier's gain does but for its limit, which few runs reach.
+const RARER: f64 = 2.0;
+const RARE: [&str; 3] = ["tacho_bias", "current_bias", "supply"];
 /// Greatest bias, as a share of the sensor's range.
 const BIAS: f64 = 0.5;
 
@@ -89,7 +93,8 @@ pub(super) fn entries(drive: &Drive, left_out: &[&str]) -> Vec<Entry> {
             _ => both(BIAS * speed_bound(drive)),
         };
         let (id, unit) = (mechanism.id.to_owned(), mechanism.unit.to_owned());
-        let about = Mechanism { id, unit, most, least };
+        let rarer = if RARE.contains(&mechanism.id) { RARER } else { 0.0 };
+        let about = Mechanism { id, unit, most, least, rarer };
         Some(Entry { number, about, on_sensors })
     };
     all.filter_map(entry).take(MOST).collect()

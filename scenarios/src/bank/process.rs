@@ -24,9 +24,9 @@ const LEARNED: [(&str, f64); 2] = [("resistance", 0.05), ("friction", 0.15)];
 /// Drift of a learned parameter over a sample: one per cent over a million samples.
 const DRIFT: f64 = 1e-5;
 /// Noise of a sensor or of the load where the drive file has none, as a share of its range.
-const QUIET: f64 = 1e-4;
+pub(super) const QUIET: f64 = 1e-4;
 /// Correlation time of the disturbance torque where the file has none, s.
-const USUAL_TIME_S: f64 = 0.05;
+pub(super) const USUAL_TIME_S: f64 = 0.05;
 /// Standard deviations of a sensor by which the state may differ from the first row.
 const AT_FIRST: f64 = 10.0;
 

@@ -1,0 +1,145 @@
+//! The least model of a drive that follows its input: gain, lag and dead zone.
+//!
+//! y = c + sum over the inputs of k D(u), through a lag of the first order; D is the dead zone that
+//! dry friction makes, D(u) = sgn(u) max(|u| - u_0, 0). Few parameters: what differs from day to day
+//! cannot hide in them.
+
+use drivescope_numerics::Regression;
+use serde::{Deserialize, Serialize};
+
+use crate::data::Data;
+
+/// Dead zones that are tried, as shares of the greatest input.
+const ZONES: usize = 20;
+const WIDEST: f64 = 0.8;
+/// Lags that are tried, samples, by a constant ratio.
+const LAGS: usize = 16;
+const SHORTEST: f64 = 0.5;
+const LONGEST: f64 = 500.0;
+
+/// The model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lag {
+    /// Share of the output that is left after a sample.
+    pub left: f64,
+    /// c, output unit.
+    pub constant: f64,
+    /// k of each input, output unit an input unit.
+    pub gains: Vec<f64>,
+    /// u_0 of each input.
+    pub zones: Vec<f64>,
+}
+
+fn beyond(u: f64, zone: f64) -> f64 {
+    u.signum() * (u.abs() - zone).max(0.0)
+}
+
+/// A signal behind the lag; each segment begins in the steady state.
+fn lagged(data: &Data, values: &[f64], zone: f64, left: f64) -> Vec<f64> {
+    let mut made = Vec::with_capacity(values.len());
+    for segment in data.segments() {
+        let mut y = beyond(values[segment.start], zone);
+        for u in &values[segment.clone()] {
+            y += (1.0 - left) * (beyond(*u, zone) - y);
+            made.push(y);
+        }
+    }
+    made
+}
+
+impl Lag {
+    /// The model of least squares over healthy data; nothing if they do not tell one.
+    pub fn fit(data: &[&Data]) -> Option<Self> {
+        let inputs = data.first()?.inputs().len();
+        let greatest = |k: usize| {
+            let all = data.iter().flat_map(|data| data.inputs()[k].values);
+            all.fold(0.0_f64, |top, u| top.max(u.abs()))
+        };
+        let greatest: Vec<f64> = (0..inputs).map(greatest).collect();
+        let mut best: Option<(f64, Self)> = None;
+        for zone in 0..ZONES {
+            let share = WIDEST * zone as f64 / ZONES as f64;
+            let zones: Vec<f64> = greatest.iter().map(|most| share * most).collect();
+            for lag in 0..LAGS {
+                let ratio = lag as f64 / (LAGS - 1) as f64;
+                let left = (-1.0 / (SHORTEST * (LONGEST / SHORTEST).powf(ratio))).exp();
+                let Some((error, gains, constant)) = fitted(data, &zones, left) else { continue };
+                if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                    best = Some((error, Self { left, constant, gains, zones: zones.clone() }));
+                }
+            }
+        }
+        best.map(|(_, model)| model)
+    }
+
+    /// The residual over data, each segment from the steady state of its first input.
+    pub fn residual(&self, data: &Data) -> Vec<f64> {
+        let mut run = LagRun::new(self.clone());
+        let mut u = vec![0.0; data.inputs().len()];
+        let mut made = Vec::with_capacity(data.len());
+        for segment in data.segments() {
+            run.reset();
+            for k in segment.clone() {
+                u.iter_mut().zip(data.inputs()).for_each(|(u, column)| *u = column.values[k]);
+                made.push(data.output().values[k] - run.step(&u));
+            }
+        }
+        made
+    }
+
+    /// Whether those inputs leave a drive at rest.
+    pub fn is_at_rest(&self, u: impl Iterator<Item = f64>) -> bool {
+        let mut within = u.zip(&self.zones).map(|(u, zone)| *zone > 0.0 && u.abs() <= *zone);
+        within.all(|within| within)
+    }
+}
+
+/// Error, gains and constant of least squares with those dead zones and that lag.
+fn fitted(data: &[&Data], zones: &[f64], left: f64) -> Option<(f64, Vec<f64>, f64)> {
+    let mut regression = Regression::new(zones.len() + 1);
+    for data in data {
+        let columns: Vec<Vec<f64>> = data
+            .inputs()
+            .iter()
+            .zip(zones)
+            .map(|(column, zone)| lagged(data, column.values, *zone, left))
+            .collect();
+        for (k, y) in data.output().values.iter().enumerate() {
+            regression.push(columns.iter().map(|column| column[k]).chain([1.0]), *y);
+        }
+    }
+    let solution = regression.solve().ok()?;
+    let (constant, gains) = solution.parameters.split_last()?;
+    Some((solution.sse, gains.to_vec(), *constant))
+}
+
+/// The model, running.
+#[derive(Debug, Clone)]
+pub struct LagRun {
+    model: Lag,
+    y: Option<f64>,
+}
+
+impl LagRun {
+    /// From the next input on, in its steady state.
+    pub fn new(model: Lag) -> Self {
+        Self { model, y: None }
+    }
+
+    /// Begins anew.
+    pub fn reset(&mut self) {
+        self.y = None;
+    }
+
+    /// The output under the inputs of the next sample.
+    pub fn step(&mut self, u: &[f64]) -> f64 {
+        let Lag { left, constant, gains, zones } = &self.model;
+        let terms = u.iter().zip(gains).zip(zones);
+        let driven: f64 = terms.map(|((u, gain), zone)| gain * beyond(*u, *zone)).sum();
+        let before = self.y.unwrap_or(driven);
+        let y = before + (1.0 - left) * (driven - before);
+        self.y = Some(y);
+        y + constant
+    }
+}

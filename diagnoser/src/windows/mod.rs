@@ -1,0 +1,300 @@
+//! Windows of the residual against a healthy baseline of the same machine or day.
+//!
+//! What differs from machine to machine and from day to day shifts the residual of a model by far
+//! more than its noise within one run. A short healthy run tells that shift and the spread; then
+//! the mean and the logarithm of the standard deviation over a window are judged. Their limits are
+//! such that of healthy runs, each judged by its own begin, a designed share raises any alarm: the
+//! greatest values of runs have a Gumbel distribution, whose two parameters their median and
+//! quartiles give, so that a run that is not healthy after all does not widen them.
+
+use std::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::data::Data;
+
+mod lag;
+
+pub use lag::{Lag, LagRun};
+
+/// Time of a window and of a baseline, s.
+pub(crate) const WINDOW_S: f64 = 2.0;
+pub(crate) const BASELINE_S: f64 = 4.0;
+/// Share of healthy runs that raise an alarm.
+pub const FALSE_RUNS: f64 = 0.05;
+/// Runs below which long ones are cut into stretches, and below which there is no design.
+const FEW: usize = 8;
+const FEWEST: usize = 5;
+/// A baseline may be so many times shorter than those of the design.
+const SHORTER: usize = 4;
+/// Halves that differ by so many times what a window may be off show that something changes: a
+/// baseline that is merely restless still tells more than none.
+const PLAINLY: f64 = 2.0;
+/// Stretches are so many windows long.
+const STRETCH: usize = 10;
+
+/// Mean and standard deviation of a healthy residual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Baseline {
+    /// Mean, output unit.
+    pub mean: f64,
+    /// Standard deviation, output unit.
+    pub deviation: f64,
+}
+
+/// Length and limits of the windows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Windows {
+    /// Samples of a window.
+    pub samples: usize,
+    /// Samples at least that a baseline is taken from.
+    pub baseline: usize,
+    /// Greatest departure of a window's mean from the baseline's, output unit.
+    pub mean: f64,
+    /// Greatest logarithm of a window's standard deviation over the baseline's.
+    pub spread: f64,
+    /// Healthy runs that the limits rest on.
+    pub runs: usize,
+    /// Model of the output.
+    pub model: Lag,
+}
+
+/// Why a baseline is none.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum WindowError {
+    /// Too few samples.
+    #[error("{samples} samples, a baseline is taken from {needed} or more")]
+    TooShort {
+        /// Samples given.
+        samples: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// Nothing moves.
+    #[error("it was recorded at rest: let the drive run")]
+    AtRest,
+    /// Its halves differ by more than health allows.
+    #[error(
+        "something changes within it: its halves differ by {by:.3}, healthy ones by {limit:.3} at most"
+    )]
+    Changes {
+        /// Difference of the means of the residual, output unit.
+        by: f64,
+        /// What is healthy.
+        limit: f64,
+    },
+}
+
+impl Baseline {
+    /// That of a residual.
+    pub fn of(residual: &[f64]) -> Self {
+        let n = residual.len() as f64;
+        let mean = residual.iter().sum::<f64>() / n;
+        let squares: f64 = residual.iter().map(|r| (r - mean).powi(2)).sum();
+        Self { mean, deviation: (squares / n).sqrt() }
+    }
+}
+
+impl Windows {
+    /// Fits the model and designs the limits on healthy runs, the segments of `data`; nothing if
+    /// there are too few.
+    pub fn design(data: &[&Data], (samples, baseline): (usize, usize)) -> Option<Self> {
+        let model = Lag::fit(data)?;
+        let mut runs = Vec::new();
+        for data in data {
+            let residual = model.residual(data);
+            for segment in data.segments() {
+                let first = segment.start..segment.end.min(segment.start + baseline);
+                let mean =
+                    |values: &[f64]| values[first.clone()].iter().sum::<f64>() / first.len() as f64;
+                // A run that begins at rest is no example of how one goes on from its begin.
+                if !model.is_at_rest(data.inputs().iter().map(|column| mean(column.values))) {
+                    runs.push(residual[segment.clone()].to_vec());
+                }
+            }
+        }
+        let long = |run: &Vec<f64>| run.len() >= baseline + 2 * samples;
+        runs.retain(long);
+        if runs.len() < FEW {
+            let stretch = baseline + STRETCH * samples;
+            let cut = |run: &Vec<f64>| -> Vec<Vec<f64>> {
+                run.chunks(stretch).map(<[f64]>::to_vec).collect()
+            };
+            runs = runs.iter().flat_map(cut).filter(long).collect();
+        }
+        if runs.len() < FEWEST {
+            return None;
+        }
+        let unlimited = Self { samples, baseline, mean: 0.0, spread: 0.0, runs: runs.len(), model };
+        let greatest = |run: &Vec<f64>| {
+            let (first, rest) = run.split_at(baseline);
+            let mut watch = unlimited.watch(Baseline::of(first));
+            rest.iter()
+                .filter_map(|r| watch.measured(*r))
+                .fold([0.0_f64; 2], |top, [mean, spread]| [top[0].max(mean), top[1].max(spread)])
+        };
+        let all: Vec<[f64; 2]> = runs.iter().map(greatest).collect();
+        let limit = |which: usize| gumbel_limit(all.iter().map(|of| of[which]).collect());
+        Some(Self { mean: limit(0), spread: limit(1), ..unlimited })
+    }
+
+    /// What a healthy run tells of the machine and the day.
+    ///
+    /// # Errors
+    /// A run that is too short, at rest, or not healthy.
+    pub fn baseline_of(&self, data: &Data) -> Result<Baseline, WindowError> {
+        let (samples, needed) = (data.len(), (self.baseline / SHORTER).max(2));
+        if samples < needed {
+            return Err(WindowError::TooShort { samples, needed });
+        }
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        if self.model.is_at_rest(data.inputs().iter().map(|column| mean(column.values))) {
+            return Err(WindowError::AtRest);
+        }
+        let residual = self.model.residual(data);
+        let (first, second) = residual.split_at(samples / 2);
+        let by = (mean(first) - mean(second)).abs();
+        // Means over less than a window scatter more.
+        let limit =
+            PLAINLY * self.mean * (self.samples as f64 / first.len() as f64).sqrt().max(1.0);
+        if by > limit {
+            return Err(WindowError::Changes { by, limit });
+        }
+        Ok(Baseline::of(&residual))
+    }
+
+    /// Windows from here on.
+    pub fn watch(&self, baseline: Baseline) -> WindowWatch {
+        let last = VecDeque::with_capacity(self.samples);
+        WindowWatch { design: self.clone(), baseline, last }
+    }
+}
+
+/// The limit that the greatest value of a run exceeds in half of [`FALSE_RUNS`] of them: there are
+/// two limits.
+fn gumbel_limit(mut greatest: Vec<f64>) -> f64 {
+    greatest.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let place = share * (greatest.len() - 1) as f64;
+        let (low, part) = (place.floor() as usize, place.fract());
+        let next = greatest[(low + 1).min(greatest.len() - 1)];
+        greatest[low] + part * (next - greatest[low])
+    };
+    // The value below which a Gumbel variable lies with probability p is location - scale ln(-ln p).
+    let standard = |p: f64| -(-p.ln()).ln();
+    let scale = (at(0.75) - at(0.25)) / (standard(0.75) - standard(0.25));
+    at(0.5) + scale * (standard(1.0 - 0.5 * FALSE_RUNS) - standard(0.5))
+}
+
+/// The last window.
+#[derive(Debug, Clone)]
+pub struct WindowWatch {
+    design: Windows,
+    baseline: Baseline,
+    last: VecDeque<f64>,
+}
+
+impl WindowWatch {
+    /// After a gap the window is empty.
+    pub fn reset(&mut self) {
+        self.last.clear();
+    }
+
+    /// Departure of the mean and logarithm of the spread, once the window is full.
+    fn measured(&mut self, residual: f64) -> Option<[f64; 2]> {
+        if self.last.len() == self.design.samples {
+            self.last.pop_front();
+        }
+        self.last.push_back(residual);
+        if self.last.len() < self.design.samples {
+            return None;
+        }
+        let Baseline { mean, deviation } = Baseline::of(self.last.make_contiguous());
+        Some([(mean - self.baseline.mean).abs(), (deviation / self.baseline.deviation).ln()])
+    }
+
+    /// Takes a residual; whether the window that it closes lies outside, once there is one.
+    pub fn step(&mut self, residual: f64) -> Option<bool> {
+        let [mean, spread] = self.measured(residual)?;
+        Some(mean > self.design.mean || spread > self.design.spread)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Column;
+    use crate::testing::noise;
+
+    fn design() -> Windows {
+        let model = Lag { left: 0.9, constant: 0.0, gains: vec![2.0], zones: vec![0.5] };
+        Windows { samples: 100, baseline: 200, mean: 0.6, spread: 0.4, runs: 10, model }
+    }
+
+    #[test]
+    fn a_shift_and_a_wider_spread_show_within_a_window() {
+        let health = noise(1000, 1);
+        let baseline = Baseline::of(&health[..200]);
+        let outside = |change: fn(f64) -> f64| {
+            let mut watch = design().watch(baseline);
+            let rows = health[200..].iter().enumerate();
+            let changed = rows.map(|(k, r)| if k < 400 { *r } else { change(*r) });
+            changed.map(|r| watch.step(r) == Some(true)).collect::<Vec<_>>()
+        };
+        assert!(outside(|r| r).iter().all(|outside| !outside));
+        for change in [|r| r + 1.0, |r| r - 1.0, |r| 2.0 * r] {
+            let found = outside(change);
+            assert!(found[..400].iter().all(|outside| !outside) && found[499..].iter().all(|o| *o));
+        }
+    }
+
+    #[test]
+    fn the_model_finds_gain_lag_and_dead_zone() {
+        let u: Vec<f64> = (0..3000).map(|k| 3.0 * (0.01 * k as f64).sin()).collect();
+        let exact = Lag { left: 0.95, constant: 1.0, gains: vec![4.0], zones: vec![0.6] };
+        let mut run = LagRun::new(exact.clone());
+        let e = noise(u.len(), 3);
+        let y: Vec<f64> = u.iter().zip(e).map(|(u, e)| run.step(&[*u]) + 0.1 * e).collect();
+        let (input, output) = (Column { name: "u", values: &u }, Column { name: "y", values: &y });
+        let data = Data::new(vec![input], output).expect("finite");
+        let found = Lag::fit(&[&data]).expect("it tells one");
+        assert!(
+            (found.gains[0] - 4.0).abs() < 0.3 && (found.zones[0] - 0.6).abs() < 0.2,
+            "{found:?}"
+        );
+        assert!(Baseline::of(&found.residual(&data)).deviation < 0.3);
+        assert!(exact.is_at_rest([0.5].into_iter()) && !exact.is_at_rest([0.7].into_iter()));
+    }
+
+    #[test]
+    fn baselines_that_are_none_are_refused() {
+        let design = design();
+        let of = |u: f64, y: &[f64]| {
+            let u = vec![u; y.len()];
+            let (input, output) =
+                (Column { name: "u", values: &u }, Column { name: "y", values: y });
+            design.baseline_of(&Data::new(vec![input], output).expect("finite"))
+        };
+        let health: Vec<f64> = noise(300, 5).iter().map(|e| 5.0 + e).collect();
+        assert!((of(3.0, &health).expect("it is one").mean).abs() < 0.3);
+        assert_eq!(of(3.0, &health[..40]), Err(WindowError::TooShort { samples: 40, needed: 50 }));
+        assert_eq!(of(0.2, &health), Err(WindowError::AtRest));
+        let changed: Vec<f64> =
+            health.iter().enumerate().map(|(k, y)| if k < 150 { *y } else { y + 4.0 }).collect();
+        assert!(matches!(of(3.0, &changed), Err(WindowError::Changes { .. })));
+    }
+
+    /// Maxima of 100 exponential numbers are Gumbel distributed about ln 100.
+    #[test]
+    fn the_limit_is_that_of_the_designed_share_and_minds_no_outlier() {
+        let uniform = |k: usize| (k as f64 + 0.5) / 200.0;
+        let mut maxima: Vec<f64> =
+            (0..200).map(|k| 100_f64.ln() - (-uniform(k).ln()).ln()).collect();
+        let exact = 100_f64.ln() - (-(0.99_f64.ln())).ln();
+        assert!((gumbel_limit(maxima.clone()) - exact).abs() < 0.1);
+        maxima.push(1e3);
+        assert!((gumbel_limit(maxima) - exact).abs() < 0.2);
+    }
+}

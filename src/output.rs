@@ -71,6 +71,14 @@ pub(crate) fn json(value: &impl Serialize) -> Result<String, Failure> {
     Ok(serde_json::to_string_pretty(value).map_err(refused)? + "\n")
 }
 
+/// The same on one line, as a stream of answers has it.
+///
+/// # Errors
+/// A value that JSON does not hold.
+pub(crate) fn json_line(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(value).map_err(|error| Failure::Print { source: error.into() })
+}
+
 /// Prints to standard output.
 ///
 /// # Errors

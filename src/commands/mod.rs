@@ -22,7 +22,7 @@ mod train;
 
 use clap::{Args, Subcommand};
 
-pub(crate) use recording_options::RecordingOptions;
+pub(crate) use recording_options::{RecordingOptions, at_period};
 
 use crate::failure::Ending;
 use crate::session::Session;

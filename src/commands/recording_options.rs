@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
-use drivescope_recording::{Mapping, ReadOptions, Recording, Report, Suspicion, read};
+use drivescope_recording::{Mapping, ReadOptions, Recording, Report, Suspicion, read, rounded};
 
 use crate::failure::{Failure, told};
 use crate::session::Session;
@@ -100,6 +100,36 @@ impl RecordingOptions {
         }
         Ok(found)
     }
+}
+
+/// Departure of a sampling time from that of a diagnoser that is resampled away: rows with jitter
+/// have one of their own in every file.
+const NEAR: f64 = 0.1;
+/// Departure that is none: printed times are rounded.
+const SAME: f64 = 1e-4;
+
+/// The recording at the sampling time that a diagnoser has, where its own is near; one of another
+/// rate is left as it is, to be refused with its name.
+///
+/// # Errors
+/// A recording that cannot be resampled.
+pub(crate) fn at_period(
+    recording: Recording,
+    period_s: f64,
+    session: &Session,
+) -> miette::Result<Recording> {
+    let off = (recording.period_s / period_s - 1.0).abs();
+    // Not a number either way: left to be refused.
+    if !(SAME..NEAR).contains(&off) {
+        return Ok(recording);
+    }
+    session.remark(format_args!(
+        "{}: resampled from {} s to the diagnoser's {} s",
+        recording.name,
+        rounded(recording.period_s),
+        rounded(period_s)
+    ));
+    recording.resample(period_s).map_err(told)
 }
 
 /// Says what was assumed and what deserves attention.

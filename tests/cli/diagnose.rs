@@ -77,7 +77,7 @@ fn a_machine_of_another_kind_is_diagnosed() {
     let here = here.path();
     trained(here, "recurrent");
     let file = std::fs::read_to_string(here.join("heater.toml")).expect("it was written");
-    assert!(file.starts_with("schema = 2") && file.contains("name = \"y\""), "{file}");
+    assert!(file.starts_with("schema = 3") && file.contains("name = \"y\""), "{file}");
     put(here, "ill.csv", heater(held, 5000, 4, 4000, 1.1));
     put(here, "well.csv", heater(held, 5000, 5, usize::MAX, 1.0));
     let ask = |recording: &str| {
@@ -229,7 +229,7 @@ fn a_diagnoser_is_not_run_on_what_it_was_not_made_for() {
     put(here, "good.csv", &good);
     let file = std::fs::read_to_string(here.join("heater.toml")).expect("written");
     for (file, said) in [
-        (file.replacen("schema = 2", "schema = 7", 1), "schema 7"),
+        (file.replacen("schema = 3", "schema = 7", 1), "schema 7"),
         (file.replacen("run_up = 500", "run_up = \"long\"", 1), "line 2"),
         ("what = 1".to_owned(), "schema"),
     ] {

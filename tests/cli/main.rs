@@ -1,6 +1,7 @@
 //! The program from outside: what a command prints, writes and answers, and that bad input ends
 //! with exit code 2, a message that names the place, and nothing half-written.
 
+mod bank;
 mod benchmark;
 mod compare;
 mod diagnose;
@@ -15,6 +16,7 @@ mod help;
 mod init;
 mod interrupt;
 mod manners;
+mod rosa;
 mod serve;
 mod simulate;
 mod worked_example;

@@ -3,10 +3,11 @@
 use std::io;
 
 use drivescope_diagnoser::Diagnoser;
-use drivescope_recording::{CsvStream, Mapping, ReadOptions, rounded};
+use drivescope_recording::{CsvStream, Mapping, ReadOptions, Recording, rounded};
 
-use super::Diagnose;
-use super::watch::{Event, Watch};
+use super::method::Method;
+use super::watch::Event;
+use super::{Diagnose, Happened, Working};
 use crate::failure::{Failure, told};
 use crate::session::Session;
 use crate::{interrupt, output};
@@ -16,9 +17,10 @@ impl Diagnose {
     pub(super) fn live(
         &self,
         diagnoser: &Diagnoser,
-        mut watch: Watch,
+        baseline: Option<&Recording>,
+        asked: Method,
         session: &Session,
-    ) -> miette::Result<Watch> {
+    ) -> miette::Result<Working> {
         /// Departure of the mean sampling time from the diagnoser's that is taken for jitter.
         const SAME_PERIOD: f64 = 0.01;
         let columns = self.reading.columns().map(Mapping::parse_list).transpose();
@@ -50,6 +52,9 @@ impl Diagnose {
         };
         let inputs = interface.inputs.iter().map(place).collect::<miette::Result<Vec<_>>>()?;
         let watched = place(&interface.output)?;
+        let columns = rows.columns().iter();
+        let columns: Vec<(&str, &str)> = columns.map(|it| (&*it.signal, &*it.unit)).collect();
+        let mut working = self.working(diagnoser, baseline, (asked, &columns), session)?;
         let mut u = vec![0.0; inputs.len()];
         let mut last = None;
         loop {
@@ -73,22 +78,30 @@ impl Diagnose {
                     .into());
                 }
             }
-            for event in watch.step(&u, y, time)? {
-                let (said, of_asked) = match event {
-                    Event::Declared(method) if method == self.method.into() => {
+            for happened in working.step((&u, y), |at| row.values[at], time)? {
+                let (said, of_asked) = match happened {
+                    Happened::Decision(decision) => {
+                        let of_asked = asked == Method::Bank;
+                        match of_asked && session.prints_json() {
+                            true => (output::json_line(&decision)?, true),
+                            false => (decision.text(), of_asked),
+                        }
+                    }
+                    Happened::Event(Event::Declared(method)) if method == asked => {
                         (format!("fault declared at {} s (line {line})", rounded(time)), true)
                     }
-                    Event::Declared(method) => {
+                    Happened::Event(Event::Declared(method)) => {
                         (format!("{}: declared at {} s", method.label(), rounded(time)), false)
                     }
-                    Event::Named(fault) => {
+                    Happened::Event(Event::Named(fault)) => {
                         (format!("at {} s: {}", rounded(time), fault.text()), true)
                     }
                 };
-                if of_asked && !session.prints_json() {
+                let printed = of_asked && (asked == Method::Bank || !session.prints_json());
+                if printed {
                     match output::print(&format!("{said}\n")) {
                         // Nobody reads any more: what was found until now is the verdict.
-                        Err(Failure::Unread) => return Ok(watch),
+                        Err(Failure::Unread) => return Ok(working),
                         printed => printed?,
                     }
                 } else {
@@ -96,6 +109,6 @@ impl Diagnose {
                 }
             }
         }
-        Ok(watch)
+        Ok(working)
     }
 }

@@ -2,10 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use drivescope_diagnoser::{BandDesign, Channel, FaultsReport, KnownFaults, Learned};
+use drivescope_diagnoser::{
+    BandDesign, Channel, FaultsReport, KnownFaults, Learned, ThresholdKind,
+};
 use drivescope_scenarios::results::SizeGroup;
 use serde::Serialize;
 
+use super::bank::BankAnswer;
 use crate::report::words::{number, p_is, percent};
 
 #[derive(Debug, Serialize)]
@@ -23,9 +26,13 @@ pub(super) struct Answer {
     recurrent_error: Option<BandsAnswer>,
     constant: ConstantAnswer,
     #[serde(skip_serializing_if = "Option::is_none")]
+    windows: Option<WindowsAnswer>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     gmdh: Option<GmdhAnswer>,
     #[serde(skip_serializing_if = "Option::is_none")]
     faults: Option<FaultsAnswer>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bank: Option<BankAnswer>,
 }
 
 #[derive(Debug, Serialize)]
@@ -40,6 +47,19 @@ struct BandsAnswer {
     samples: usize,
     whiteness_p: Option<f64>,
     normality_p: Option<f64>,
+    /// Whether `diagnose` uses it: not where its bands are wider than the plain residual's.
+    used: bool,
+}
+
+/// Windows against a baseline.
+#[derive(Debug, Serialize)]
+struct WindowsAnswer {
+    samples: usize,
+    baseline_samples: usize,
+    /// Greatest departure of the mean, output unit, and greatest logarithm of the spread's ratio.
+    mean: f64,
+    spread: f64,
+    runs: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -76,11 +96,17 @@ struct FaultAnswer {
 }
 
 impl Answer {
-    pub(super) fn new(output: &Path, learned: &Learned, faults: Option<&FaultsReport>) -> Self {
+    pub(super) fn new(
+        output: &Path,
+        learned: &Learned,
+        faults: Option<&FaultsReport>,
+        bank: Option<BankAnswer>,
+    ) -> Self {
         let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
         let unit = process.network.output_scales[0].deviation;
         let start = process.starts[process.best];
-        let bands = |bands: &BandDesign| BandsAnswer {
+        let bands = |bands: &BandDesign, kind: ThresholdKind| BandsAnswer {
+            used: diagnoser.explains(kind),
             v: bands.deviation,
             samples: bands.samples,
             whiteness_p: bands.whiteness.as_ref().map(|test| test.p_value),
@@ -100,9 +126,18 @@ impl Answer {
                 estimation_rms: unit * start.estimation,
                 validation_rms: unit * start.validation,
             },
-            bands: bands(&design.bands),
-            recurrent_error: recurrent_error.as_ref().map(bands),
+            bands: bands(&design.bands, ThresholdKind::ModelError),
+            recurrent_error: recurrent_error
+                .as_ref()
+                .map(|error| bands(error, ThresholdKind::RecurrentModelError)),
             constant: ConstantAnswer { lower: constant.lower, upper: constant.upper },
+            windows: diagnoser.windows.as_ref().map(|windows| WindowsAnswer {
+                samples: windows.samples,
+                baseline_samples: windows.baseline,
+                mean: windows.mean,
+                spread: windows.spread,
+                runs: windows.runs,
+            }),
             gmdh: network.map(|(robust, report)| GmdhAnswer {
                 layers: report.kept,
                 neurons: robust.network.neurons.len(),
@@ -114,6 +149,7 @@ impl Answer {
                 .as_deref()
                 .zip(faults)
                 .map(|(known, report)| FaultsAnswer::new(known, report)),
+            bank,
         }
     }
 }
@@ -165,11 +201,12 @@ impl Answer {
         let p = |p: Option<f64>| p.map_or_else(|| "not computed".to_owned(), p_is);
         let bands = |name: &str, bands: &BandsAnswer| {
             format!(
-                "{name}: v = {} {unit} over {} samples; white? {}, normal? {}\n",
+                "{name}: v = {} {unit} over {} samples; white? {}, normal? {}{}\n",
                 number(bands.v),
                 bands.samples,
                 p(bands.whiteness_p),
-                p(bands.normality_p)
+                p(bands.normality_p),
+                if bands.used { "" } else { "; wider than the plain residual: not used" }
             )
         };
         let mut text = format!(
@@ -191,6 +228,14 @@ impl Answer {
             number(answer.constant.lower),
             number(answer.constant.upper)
         );
+        if let Some(WindowsAnswer { samples, mean, spread, runs, .. }) = &answer.windows {
+            text += &format!(
+                "windows of {samples} samples against a baseline, from {runs} healthy runs: mean \
+                 within {} {unit}, spread within {} %\n",
+                number(*mean),
+                percent(spread.exp() - 1.0, 0)
+            );
+        }
         if let Some(GmdhAnswer { layers, neurons, validation_rms, noise }) = &answer.gmdh {
             let noise = noise.map_or_else(String::new, |[lower, upper]| {
                 format!(", noise bounds {} to {} {unit}", number(lower), number(upper))
@@ -202,6 +247,9 @@ impl Answer {
         }
         if let Some(faults) = &answer.faults {
             text += &faults.text();
+        }
+        if let Some(bank) = &answer.bank {
+            text += &bank.text();
         }
         text + &format!("written to {}\n", answer.output.display())
     }

@@ -1,6 +1,8 @@
 //! `train`: healthy recordings, and labelled faulty ones, to a diagnoser file.
 
 mod answer;
+mod bank;
+mod joined;
 mod labelled;
 
 use std::path::PathBuf;
@@ -14,7 +16,7 @@ use drivescope_recording::Recording;
 
 use self::answer::Answer;
 use self::labelled::Labelled;
-use super::{RecordingOptions, Run};
+use super::{RecordingOptions, Run, at_period};
 use crate::failure::{Ending, Failure, told};
 use crate::interrupt;
 use crate::next::Next;
@@ -24,10 +26,28 @@ use crate::session::Session;
 /// recordings of faults are given, a classifier that names them.
 #[derive(Debug, Args)]
 pub(crate) struct Train {
-    /// Healthy recordings of the kind that will be watched: on the first the error models are
-    /// fitted, on the second, which should be long, the bands are measured. A single one is halved.
-    #[arg(required = true, num_args = 1..=2, value_name = "REC")]
+    /// Healthy recordings of the kind that will be watched, any number: on the first, third, ... the
+    /// error models are fitted, on the others, which should be long, the bands are measured. A single
+    /// one is halved.
+    #[arg(required = true, value_name = "REC")]
     healthy: Vec<PathBuf>,
+    /// The drive, where its equations are known: a drive file as `fit` or `discover` wrote it, or a
+    /// built-in drive. The diagnoser then holds a bank of hypotheses over it, which names mechanism,
+    /// size and onset without having been shown a fault.
+    #[arg(long, value_name = "DRIVE")]
+    drive: Option<String>,
+    /// Mean number of samples between false alarms that the bank's limits are designed for.
+    #[arg(
+        long = "arl0",
+        value_name = "N",
+        default_value_t = 1e6,
+        requires = "drive",
+        allow_negative_numbers = true
+    )]
+    arl_0: f64,
+    /// Fresh healthy samples, simulated, that these limits are verified on.
+    #[arg(long = "verify", value_name = "N", default_value_t = 3_000_000, requires = "drive")]
+    verified: usize,
     /// Healthy recordings in which the input goes through its range (an open loop, say): on the
     /// first the process model is trained, on the second it is judged. A single one is divided;
     /// without any, the others serve.
@@ -79,11 +99,15 @@ impl Run for Train {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         session.check_writable(&[&self.output])?;
         let healthy = self.read(&self.healthy, session)?;
-        let excited = self.read(&self.excited, session)?;
-        let files: Vec<PathBuf> = self.fault.iter().map(|fault| fault.file.clone()).collect();
-        let faulty = self.read(&files, session)?;
         let interface = self.interface(&healthy[0])?;
         let period = interface.period_s;
+        let at_one_rate = |recordings: Vec<Recording>| -> miette::Result<Vec<Recording>> {
+            recordings.into_iter().map(|it| at_period(it, period, session)).collect()
+        };
+        let healthy = at_one_rate(healthy)?;
+        let excited = at_one_rate(self.read(&self.excited, session)?)?;
+        let files: Vec<PathBuf> = self.fault.iter().map(|fault| fault.file.clone()).collect();
+        let faulty = at_one_rate(self.read(&files, session)?)?;
         let samples = |name: &str, seconds: f64, least: usize| -> miette::Result<usize> {
             // Written so that NaN is refused.
             if !(0.0..=1e6).contains(&seconds) {
@@ -98,6 +122,17 @@ impl Run for Train {
         let run_up = samples("run-up", self.run_up, 0)?;
         let window = samples("window", self.window, 1)?;
         let data = |recording| interface.select(recording).map_err(told);
+        let bank = self.drive.as_deref().map(|drive| {
+            let spinner = session.spinner();
+            let designed = bank::design(drive, &healthy, (self.arl_0, self.verified, session.seed));
+            spinner.finish_and_clear();
+            designed
+        });
+        let bank = bank.transpose()?;
+        // Each by itself first: what is wrong is said of the file that it is in.
+        healthy.iter().try_for_each(|recording| data(recording).map(|_| ()))?;
+        let two = if healthy.len() > 2 { joined::alternating(&healthy) } else { Vec::new() };
+        let healthy = if two.is_empty() { &healthy } else { &two };
         let healthy: Vec<Data> = healthy.iter().map(data).collect::<Result<_, _>>()?;
         let excited: Vec<Data> = excited.iter().map(data).collect::<Result<_, _>>()?;
         let faulty = self.fault.iter().zip(&faulty).map(|(Labelled { name, .. }, recording)| {
@@ -139,11 +174,15 @@ impl Run for Train {
             let (diagnoser, report) = found.map_err(told)?;
             (learned.diagnoser, faults) = (diagnoser, Some(report));
         }
+        let bank = bank.map(|(design, answer)| {
+            learned.diagnoser.bank = Some(design);
+            answer
+        });
         {
             let _not_now = interrupt::writing();
             learned.diagnoser.save(&self.output).map_err(told)?;
         }
-        let answer = Answer::new(&self.output, &learned, faults.as_ref());
+        let answer = Answer::new(&self.output, &learned, faults.as_ref(), bank);
         let next = Next::new("diagnose").files([&self.output]).options(" REC --check");
         session.wrote(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)

@@ -72,7 +72,7 @@ fn faults_are_named_with_size_and_time_live_or_not() {
     assert!(blind.as_array().is_some_and(|set| !set.is_empty()), "{bank}");
 
     for (kind, size, seed) in
-        [("tacho", 0.05, 11), ("flux", -0.1, 12), ("actuator", 0.1, 13), ("load", 0.2, 14)]
+        [("tacho", 0.05, 11), ("flux", -0.1, 12), ("actuator", 0.1, 13), ("resistance", 0.2, 14)]
     {
         let fault = format!("{kind}={}%@8..10", 100.0 * size);
         let fault = ["--duration", "12", "--reference", "2000 [rpm]", "--fault", &fault];

@@ -223,7 +223,7 @@ fn a_file_that_cannot_run_is_refused() {
     let error = refused(&|d| d.interface.inputs.push(Channel::new("I_m", "A")));
     assert!(matches!(error, FileError::Shape { inputs: 2, .. }), "{error}");
     let error = refused(&|d| d.schema = 4);
-    assert!(matches!(error, FileError::Schema { found: 3, .. }), "{error}");
+    assert!(matches!(error, FileError::Schema { found: 4, .. }), "{error}");
     let error = refused(&|d| d.model_error.deviation = -1.0);
     assert!(error.to_string().contains("model_error.deviation = -1 must be positive"));
     std::fs::write(&path, "schema = 1\nrun_up = \"long\"\n").unwrap();

@@ -28,9 +28,6 @@ const FEW: usize = 8;
 const FEWEST: usize = 5;
 /// A baseline may be so many times shorter than those of the design.
 const SHORTER: usize = 4;
-/// Halves that differ by so many times what a window may be off show that something changes: a
-/// baseline that is merely restless still tells more than none.
-const PLAINLY: f64 = 2.0;
 /// Stretches are so many windows long.
 const STRETCH: usize = 10;
 
@@ -157,8 +154,7 @@ impl Windows {
         let (first, second) = residual.split_at(samples / 2);
         let by = (mean(first) - mean(second)).abs();
         // Means over less than a window scatter more.
-        let limit =
-            PLAINLY * self.mean * (self.samples as f64 / first.len() as f64).sqrt().max(1.0);
+        let limit = self.mean * (self.samples as f64 / first.len() as f64).sqrt().max(1.0);
         if by > limit {
             return Err(WindowError::Changes { by, limit });
         }

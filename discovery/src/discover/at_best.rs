@@ -104,8 +104,7 @@ impl Round<'_> {
             if it.is_linear() && it.coefficients.iter().zip(&it.ranges).all(at_end) {
                 return None;
             }
-            let [fitted, all] = [own.fitted - ground.base.fitted, own.all - ground.base.all];
-            let weighed = Weighed::of(fitted, all, own.size);
+            let weighed = Weighed::of(own.over(&ground.base), own.size);
             let mut model = self.model.clone();
             model.fitted.drive = scene.drive;
             for name in &it.frozen {
@@ -119,7 +118,7 @@ impl Round<'_> {
                 self.is_foretold(it).then(|| self.foretold(ground, it, &weight.variants)).flatten();
             let by_filter = filtered(weight, found.as_ref().map(|it| &it.model));
             let foretold = found.map(|found| {
-                let weighed = Weighed::of(found.fitted, found.all, found.size);
+                let weighed = Weighed::of(found.evidence, found.size);
                 let model = found.model;
                 Judged { candidate: weight.candidate, model, weighed, refused: None }
             });

@@ -27,9 +27,8 @@ impl Round<'_> {
     pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
         let seen = |_| self.watch.stopped();
         let (estimation, validation) = (self.estimation, self.validation);
-        let left = |drive: &Drive| unexplained(drive, validation)[0].map(|it| it.rms);
+        let left = |drive: &Drive| self.torque_left(drive);
         let before = left(&ground.scene.drive);
-        let of_base = left(&self.model.fitted.drive);
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
@@ -52,12 +51,11 @@ impl Round<'_> {
             let error = |model: &Model| model.validation.squares.error();
             let (was, is) = (error(self.model), error(&model));
             let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
-            let after = left(&model.fitted.drive);
             one.model = model;
             if fits && is <= (1.0 - FALLS) * was {
                 break;
             }
-            if of_base.zip(after).is_some_and(|(of_base, after)| after < MUCH * of_base) {
+            if self.explains_torque(&one.model.fitted.drive) {
                 one.weighed.by_balance = true;
                 break;
             }
@@ -77,6 +75,18 @@ impl Round<'_> {
                 failed.push((&candidate.fails_over, decision::SHARE * one.weighed.evidence));
             }
         }
+    }
+
+    /// Torque that a drive leaves unexplained in the recordings held out, rms; none where they do not
+    /// tell it.
+    fn torque_left(&self, drive: &Drive) -> Option<f64> {
+        unexplained(drive, self.validation)[0].map(|it| it.rms)
+    }
+
+    /// Whether a drive explains most of the torque that the round's own leaves.
+    pub(super) fn explains_torque(&self, drive: &Drive) -> bool {
+        let both = self.torque_left(&self.model.fitted.drive).zip(self.torque_left(drive));
+        both.is_some_and(|(of_base, after)| after < MUCH * of_base)
     }
 
     /// Names one that is small where the error falls to its floor with it: what the formulas of the
@@ -113,6 +123,13 @@ impl Round<'_> {
         let fitted = self.all[one.candidate].info.knocks;
         let begins = if fitted { vec![drive] } else { vec![drive, &beside] };
         let ends = begins.into_par_iter().filter_map(fit);
+        // The filter does not see the sensors that such a law is about: all its shapes are tried.
+        let it = &self.all[one.candidate];
+        let shapes: Vec<usize> =
+            if self.acts_beside(it) { (0..it.variants.len()).collect() } else { Vec::new() };
+        let from_shapes =
+            || refit(self.model, it, &shapes, self.estimation, self.validation, &seen).ok();
+        let ends = ends.chain((!shapes.is_empty()).then(from_shapes).flatten());
         let sum = |model: &Model| model.fitted.squares.sum;
         ends.min_by(|a, b| sum(a).total_cmp(&sum(b)))
     }

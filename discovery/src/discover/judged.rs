@@ -18,7 +18,9 @@ pub(crate) struct Judged {
 pub(crate) struct Weighed {
     /// ln of it over that of the base, of all recordings.
     pub(crate) evidence: f64,
-    /// The part of those held out, given the others.
+    /// The same in the recordings of the fit.
+    pub(crate) fitted: f64,
+    /// The same in those held out, given the others.
     pub(crate) repeats: f64,
     /// Root of the mean square of what it does, of what the balance holds.
     pub(crate) size: f64,
@@ -31,10 +33,10 @@ pub(crate) struct Weighed {
 }
 
 impl Weighed {
-    /// From ln of the evidence in the recordings of the fit and in all, not yet among others. What the
-    /// recordings of the fit deny no others make good.
-    pub(crate) fn of(fitted: f64, all: f64, size: f64) -> Self {
-        let (evidence, repeats) = (if fitted > 0.0 { all } else { all.min(fitted) }, all - fitted);
-        Self { evidence, repeats, size, probability: 0.0, small: false, by_balance: false }
+    /// From the evidence over that of the base in the recordings of the fit, in all, and in those held
+    /// out, not yet among others. What the recordings of the fit deny no others make good.
+    pub(crate) fn of([fitted, all, repeats]: [f64; 3], size: f64) -> Self {
+        let evidence = if fitted > 0.0 { all } else { all.min(fitted) };
+        Self { evidence, fitted, repeats, size, probability: 0.0, small: false, by_balance: false }
     }
 }

@@ -20,10 +20,8 @@ use crate::measured::{Measured, Output};
 /// A law fitted in free run, with ln of its evidence over that of the base.
 pub(super) struct Foretold {
     pub(super) model: Model,
-    /// In the recordings of the fit.
-    pub(super) fitted: f64,
-    /// In these and those held out.
-    pub(super) all: f64,
+    /// In the recordings of the fit, in all, and in those held out.
+    pub(super) evidence: [f64; 3],
     /// What it does, of what the balance holds.
     pub(super) size: f64,
 }
@@ -33,8 +31,14 @@ impl Round<'_> {
     /// and one with states of its own where sensors beside the motor show them.
     pub(super) fn is_foretold(&self, it: &Candidate) -> bool {
         let knocks = |entry: &Entry| entry.info.knocks && entry.info.excludes.contains(&it.info.id);
+        it.info.knocks || REGISTRY.iter().any(knocks) || self.acts_beside(it)
+    }
+
+    /// Whether sensors beside the motor were recorded that it acts on: the motor's balance does not
+    /// tell its size.
+    pub(super) fn acts_beside(&self, it: &Candidate) -> bool {
         let has_states = || Entry::find(it.info.id).is_some_and(|entry| !entry.states.is_empty());
-        it.info.knocks || REGISTRY.iter().any(knocks) || (self.looks_beside() && has_states())
+        self.looks_beside() && has_states()
     }
 
     /// Whether sensors beside the motor were recorded, which the filter does not look at.
@@ -75,7 +79,7 @@ impl Round<'_> {
         let by_filter = |evidence: f64| if self.looks_beside() { f64::MIN } else { evidence };
         let fitted = own - price - before.max(by_filter(ground.base.fitted));
         let all = own + others - price - both.max(by_filter(ground.base.all));
-        Some(Foretold { model, fitted, all, size })
+        Some(Foretold { model, evidence: [fitted, all, all - fitted], size })
     }
 
     /// ln of the probability of the estimation data in free run, without its constant, and of those

@@ -44,9 +44,7 @@ impl Round<'_> {
     ) -> Option<String> {
         let it = one.weighed;
         let (evidence, size) = self.asked(self.is_further(one));
-        let share = curve.map_or(1.0, |(_, explains)| {
-            (it.evidence - it.repeats) / explains.max(f64::MIN_POSITIVE)
-        });
+        let share = curve.map_or(1.0, |(_, explains)| it.fitted / explains.max(f64::MIN_POSITIVE));
         if it.evidence + decision::LAW_ODDS.ln() <= evidence {
             Some(format!("its evidence is {:.1} only, and {evidence} is asked for", it.evidence))
         } else if self.is_disturbance(one) {
@@ -54,14 +52,15 @@ impl Round<'_> {
                 "its phase changes from recording to recording: it does not belong to the machine"
                     .to_owned(),
             )
-        } else if it.repeats <= 0.0 {
+        } else if it.repeats <= 0.0 && !self.explains_torque(&one.model.fitted.drive) {
+            // A slow random load explains what never changes in them, at the price of one value.
             Some("the validation data do not speak for it".to_owned())
         } else if share < decision::SHARE
             && !curve.is_some_and(|(it, _)| self.is_apart(ground, one, it))
         {
             let share = 100.0 * share.max(0.0);
             Some(format!("it has {share:.0} % of the evidence of a free curve"))
-        } else if it.size < size {
+        } else if it.size < size && !self.acts_beside(&self.all[one.candidate]) {
             one.weighed.small = true;
             let (is, asked) = (100.0 * it.size, 100.0 * size);
             Some(format!("it makes {is:.1} % of the balance only, and {asked} % are asked for"))
@@ -83,7 +82,7 @@ impl Round<'_> {
     pub(super) fn is_disturbance(&self, one: &Judged) -> bool {
         let it = one.weighed;
         let locked = self.all[one.candidate].coefficients == ["a", "b"];
-        locked && it.evidence - it.repeats > decision::EVIDENCE && it.repeats <= 0.0
+        locked && it.fitted > decision::EVIDENCE && it.repeats <= 0.0
     }
 
     /// Whether a curve that repeats shows that something is missing.

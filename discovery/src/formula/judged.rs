@@ -71,9 +71,10 @@ fn judged(ground: &Ground, drive: &Drive, it: &Weighed, visited: &Visited) -> Op
     let law = LawData::Typed { target: it.form.target, text: written.text.clone() };
     let effect = EffectData { kind: CUSTOM.to_owned(), id: id.clone(), parameters, law: Some(law) };
     let (scene, optimum) = ground.with(&[effect], &free, &own)?;
-    let [fitted, all] = [optimum.fitted - ground.base.fitted, optimum.all - ground.base.all];
-    // What was held out speaks for it too.
-    let evidence = if all > fitted { all } else { return None };
+    let [_, evidence, repeats] = optimum.over(&ground.base);
+    if repeats <= 0.0 {
+        return None;
+    }
     let fitted = scene.drive.effects.iter().find(|effect| effect.id == id)?;
     let parameters: BTreeMap<String, f64> = fitted.parameters.iter().cloned().collect();
     let formula = Formula {

@@ -193,7 +193,8 @@ fn in_all_at_its_best(
     let part = refined(scene.clone().shortened(ENOUGH), randomness, references);
     let there = part.map(|part| scene.clone().with_values_of(&part.scene));
     let all = there.and_then(|there| at_its_best(&there, (law, None), randomness, references));
-    Some(Optimum { all: all.map_or(of_fit.all, |it| it.all.max(of_fit.all)), ..of_fit })
+    let more = all.filter(|it| it.all > of_fit.all);
+    Some(more.map_or(of_fit, |it| of_fit.with_all_of(&it)))
 }
 
 /// The evidence of a structure with the random load with which it is most probable, in the recordings
@@ -216,8 +217,9 @@ fn at_its_best(
     let mut tried: [Option<Option<Optimum>>; LOADS.len()] = [None; LOADS.len()];
     let mut at = |place: usize| *tried[place].get_or_insert_with(|| with(&LOADS[place]));
     let fitted = climbed(&mut at, |it| it.fitted)?;
-    let all = climbed(&mut at, |it| it.all)?.all;
-    Some(Optimum { all, ..fitted })
+    // What the recordings held out say is asked under one load, that of all.
+    let all = climbed(&mut at, |it| it.all)?;
+    Some(fitted.with_all_of(&all))
 }
 
 /// From the base's own load on to the side where a structure is more probable, to the best.

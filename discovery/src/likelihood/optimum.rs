@@ -35,10 +35,24 @@ pub(super) struct BackgroundCurve {
 pub(crate) struct Optimum {
     pub(crate) fitted: f64,
     pub(crate) all: f64,
+    /// Of those held out, given the others.
+    pub(crate) repeats: f64,
     /// Root of the mean square of what the law does, of the balance's size.
     pub(crate) size: f64,
     /// By how much all recordings together move a parameter of the machine at most, ln.
     pub(super) moves: f64,
+}
+
+impl Optimum {
+    /// `fitted`, `all` and `repeats` over those of a base.
+    pub(crate) fn over(&self, base: &Self) -> [f64; 3] {
+        [self.fitted - base.fitted, self.all - base.all, self.repeats - base.repeats]
+    }
+
+    /// The same where all recordings are as they are in another.
+    pub(super) fn with_all_of(self, other: &Self) -> Self {
+        Self { all: other.all, repeats: other.repeats, ..self }
+    }
 }
 
 /// A law, and what is lost in each recording without it.
@@ -142,7 +156,7 @@ pub(super) fn optimum(
         0.0
     };
     let (fitted, all) = (evidence(&|held_out| !held_out), evidence(&|_| true));
-    Some(Optimum { fitted, all, size, moves: moves(scene, &pooled, &terms) })
+    Some(Optimum { fitted, all, repeats: all - fitted, size, moves: moves(scene, &pooled, &terms) })
 }
 
 /// By how much all recordings together move a parameter of the machine that is positive, ln, where

@@ -73,10 +73,25 @@ pub(crate) fn effect(given: &str, drive: &Drive) -> Result<EffectData, Failure> 
     if parameters.is_empty() {
         return Err(wrong("it has no coefficient".to_owned()));
     }
+    let coefficients: Vec<String> =
+        parameters.iter().map(|(name, _)| format!("`{name}`")).collect();
     parameters.append(&mut shapes);
     let values: Vec<f64> = parameters.iter().map(|(_, value)| *value).collect();
     if !law.vanishes(&values) {
         return Err(wrong("it does not vanish where its coefficients are 0".to_owned()));
+    }
+    // A mistyped variable, or a shape without its value, is a coefficient that multiplies another.
+    let does_nothing = |k: &usize| {
+        let mut alone = values.clone();
+        alone[*k] = 1.0;
+        law.vanishes(&alone)
+    };
+    if let Some(k) = (0..coefficients.len()).find(does_nothing) {
+        let all = coefficients.join(", ");
+        return Err(wrong(format!(
+            "{} does nothing alone: {all} are no variables of a drive and have no value",
+            coefficients[k]
+        )));
     }
     let taken = |id: &String| drive.effects.iter().any(|effect| effect.id == *id);
     let ids = std::iter::once(ID.to_owned()).chain((2..).map(|k| format!("{ID}_{k}")));
@@ -92,6 +107,16 @@ mod tests {
     fn drive() -> Drive {
         let text = include_str!("../scenarios/drives/dr300.toml");
         Drive::parse(text, "dr300.toml").expect("a right drive file")
+    }
+
+    #[test]
+    fn a_mistyped_variable_is_no_coefficient() {
+        for (given, said) in
+            [("torque = c * omeg^3", "`c`, `omeg`"), ("torque = c * abs(i)^n", "`n`")]
+        {
+            let failure = effect(given, &drive()).expect_err("it is wrong").to_string();
+            assert!(failure.contains(said), "{failure}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::place::Lines;
 use crate::quantum::{Quantum, quantum};
 use crate::report::Stretches;
+use crate::rounded;
 
 /// A signal with so few values is switched, not limited.
 const SWITCHED_LEVELS: usize = 16;
@@ -65,7 +66,7 @@ impl SignalQuality {
         let SignalQuality { name, unit, .. } = self;
         let mut warnings = Vec::new();
         if self.constant {
-            let value = self.min;
+            let value = rounded(self.min);
             warnings.push(format!(
                 "{name} is constant at {value} {unit}: what only its changes show cannot be told"
             ));
@@ -73,6 +74,7 @@ impl SignalQuality {
         }
         for Limit { value, share, longest, at } in &self.limits {
             let (share, stay) = (100.0 * share, *longest as f64 * period_s);
+            let value = rounded(*value);
             warnings.push(format!(
                 "{name} sits at {value} {unit} for {share:.1} % of the samples, at most {stay:.3} s \
                  (from {at}): is it saturated?"
@@ -83,9 +85,10 @@ impl SignalQuality {
             warnings.push(format!("{name} is quantised in steps of {step:.6e} {unit}"));
         }
         if matches!(name.as_str(), "u" | "reference") && self.swings < 2 {
-            let swings = self.swings;
+            let swings =
+                if self.swings == 1 { "once".to_owned() } else { format!("{} times", self.swings) };
             warnings.push(format!(
-                "{name} swings {swings} times only: fast and slow parts are hard to tell apart"
+                "{name} swings {swings} only: fast and slow parts are hard to tell apart"
             ));
         }
         if matches!(name.as_str(), "omega" | "v") && !self.both_signs {

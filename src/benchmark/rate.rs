@@ -37,6 +37,11 @@ impl Rate {
         Self { bar: Some(bar), ..self }
     }
 
+    /// Fraction; absent where there are no cases.
+    pub(super) fn share(&self) -> Option<f64> {
+        self.rate
+    }
+
     /// A line of a table, in per cent.
     pub(super) fn line(&self) -> String {
         let what = &self.what;

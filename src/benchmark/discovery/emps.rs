@@ -1,19 +1,12 @@
 //! EMPS, a real positioning axis, unaided: what a discovery makes of measurements.
 //!
 //! Janot, Gautier and Brunot, "Data set and reference models of EMPS" (2019). Its authors found
-//! that its friction differs by direction. The data are not shipped: they are found through
-//! `DRIVESCOPE_DATA`, and the row is left out, and said to be, where they are not.
+//! that its friction differs by direction.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
-use drivescope_discovery::{Rung, Unwatched, discover};
-use drivescope_recording::{ReadOptions, read};
+use drivescope_discovery::{Discovery, Rung};
 use serde::Serialize;
-
-use super::{Record, evidence};
-use crate::drive_source;
-use crate::failure::told;
 
 /// What has to come out.
 const NAME: &str = "asymmetric_friction";
@@ -35,25 +28,9 @@ pub(crate) struct Emps {
     refused: Vec<(String, String)>,
 }
 
-/// The folder of the data, where there is one.
-pub(super) fn folder() -> Option<PathBuf> {
-    let data = std::env::var_os("DRIVESCOPE_DATA")?;
-    Some(PathBuf::from(data).join("emps")).filter(|folder| folder.is_dir())
-}
-
 impl Emps {
-    /// Discovers on the data of that folder.
-    ///
-    /// # Errors
-    /// The files cannot be read, or the base drive cannot be fitted to them.
-    pub(super) fn of(folder: &Path) -> miette::Result<Self> {
-        let drive = drive_source::drive("emps")?;
-        let [estimation, validation] = ["emps_estimation.csv", "emps_validation.csv"].map(|name| {
-            let (recording, _) = read(folder.join(name), &ReadOptions::default()).map_err(told)?;
-            let record = Record { recording, noise: Vec::new() };
-            evidence(&drive, &record, false).map_err(told)
-        });
-        let found = discover(&drive, &estimation?, &validation?, &Unwatched).map_err(told)?;
+    /// Of a discovery on its data.
+    pub(super) fn of(found: &Discovery) -> Self {
         let all = found.drive.parameters();
         let value = |name: &str| all.iter().find(|it| it.name == name).map(|it| it.value);
         let error = |rung: Option<&Rung>| rung.map_or(f64::NAN, |it| it.validation_error);
@@ -62,13 +39,13 @@ impl Emps {
             .iter()
             .filter_map(|it| it.refused.as_ref().map(|reason| (it.effect.clone(), reason.clone())));
         let not = found.not_judged.iter().map(|it| (it.effect.clone(), it.reason.clone()));
-        Ok(Self {
+        Self {
             refused: refused.chain(not).collect(),
             difference: value(&format!("{NAME}.dB_m")).map(|half| 2.0 * half),
             mean: found.drive.motor.b_m,
             validation_ratio: error(found.ladder.last()) / error(found.ladder.first()),
-            named: found.named,
-        })
+            named: found.named.clone(),
+        }
     }
 
     /// The row of the table.

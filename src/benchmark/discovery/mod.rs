@@ -9,7 +9,11 @@
 mod emps;
 mod foreign;
 mod own;
+mod real;
+mod reliability;
 mod tally;
+#[cfg(test)]
+mod testing;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -144,6 +148,8 @@ pub(crate) struct Answer {
     /// What was named, with its confusion sets.
     sets: Vec<Vec<String>>,
     verdict: Verdict,
+    /// What was ranked, with the probability that it was given.
+    probabilities: Vec<(String, f64)>,
     /// Formulas that are offered.
     formulas: usize,
     /// Place of the first formula that has the form of the hidden law, from 1: equal where the
@@ -160,8 +166,7 @@ pub(crate) struct Answer {
 #[derive(Debug)]
 pub(crate) struct Found {
     pub(crate) outcomes: Vec<Outcome>,
-    /// Absent where the data are not there.
-    pub(crate) emps: Option<emps::Emps>,
+    pub(crate) real: real::Real,
 }
 
 /// Draws and judges that many cases, and times some of them ([`timed`]); each counts as an advance.
@@ -195,8 +200,7 @@ pub(crate) fn run(
         outcomes[number].alone_s = Some(start.elapsed().as_secs_f64());
         advance();
     }
-    let emps = emps::folder().map(|folder| emps::Emps::of(&folder)).transpose()?;
-    Ok(Found { outcomes, emps })
+    Ok(Found { outcomes, real: real::Real::run()? })
 }
 
 /// Cases beside so many that hide a law that nobody programmed.
@@ -287,6 +291,7 @@ fn answer(case: &Case, noise_given: bool) -> Result<Answer, String> {
         found.formulas.iter().position(right).map(|place| place + 1)
     };
     Ok(Answer {
+        probabilities: found.ranking.iter().map(|it| (it.effect.clone(), it.probability)).collect(),
         formulas: found.formulas.len(),
         form: form(|it| it.of_law),
         strict_form: form(|it| it.of_rest),

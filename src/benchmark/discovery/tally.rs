@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use drivescope_discovery::Verdict;
 use serde::Serialize;
 
-use super::emps::Emps;
+use super::real::Real;
+use super::reliability::{Bin, reliability};
 use super::{Answer, Found, Grade, Group, Noise, Outcome};
 use crate::benchmark::rate::{Bar, Rate};
 
@@ -22,9 +23,9 @@ pub(crate) struct Table {
     /// Must collapse: every case held against the truth of another.
     shuffled: Vec<Rate>,
     medians: Vec<Median>,
-    /// Measured data; absent where they are not there.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    emps: Option<Emps>,
+    /// Whether probabilities are true.
+    reliability: Vec<Bin>,
+    real: Real,
     cases: Vec<Outcome>,
 }
 
@@ -68,7 +69,7 @@ impl<'a> Cases<'a> {
 
 impl Table {
     pub(crate) fn new(seed: u64, found: Found) -> Self {
-        let Found { outcomes: cases, emps } = found;
+        let Found { outcomes: cases, real } = found;
         let of = |groups: &[Group]| Cases::of(&cases, groups);
         let detectable = |groups: &[Group]| of(groups).only(|it| it.detectable == Some(true));
         let (white, loaded) = (detectable(&[Group::Hidden]), detectable(&[Group::HiddenLoaded]));
@@ -134,7 +135,17 @@ impl Table {
             Grade::OTHERS.map(|grade| is(grade).rate(&grade.told(), by_name)).into_iter().collect();
         let by_effect = by_effect(&both);
         let medians = medians(&both.only(by_name), &every);
-        Self { seed, rates, by_effect, by_grade, shuffled, medians, emps, cases }
+        Self {
+            seed,
+            rates,
+            by_effect,
+            by_grade,
+            shuffled,
+            medians,
+            reliability: reliability(&cases),
+            real,
+            cases,
+        }
     }
 
     /// The table for a person.
@@ -148,6 +159,13 @@ impl Table {
         block("Named right by effect, both noises", &self.by_effect);
         block("Named right by size and noise", &self.by_grade);
         block("Broken: truths exchanged, must collapse", &self.shuffled);
+        let _ = writeln!(
+            text,
+            "Reliability: of the names told with that probability, how many are right"
+        );
+        for bin in &self.reliability {
+            let _ = writeln!(text, "{}", bin.line());
+        }
         let _ = writeln!(text, "Medians");
         for Median { what, unit, median, bar } in &self.medians {
             let Some(median) = median else { continue };
@@ -158,11 +176,7 @@ impl Table {
             let _ =
                 writeln!(text, "  {what:<52} {median:>6.3} {unit:<1} (bar: {side} {bar}{unit})");
         }
-        text += &self.emps.as_ref().map_or_else(
-            || "EMPS: not run, DRIVESCOPE_DATA names no folder with emps/\n".to_owned(),
-            Emps::text,
-        );
-        text
+        text + &self.real.text()
     }
 }
 
@@ -272,36 +286,11 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::outcome;
     use super::*;
 
-    fn outcome(group: Group, hidden: &[&str], named: Option<&[&str]>) -> Outcome {
-        let own = |some: &[&str]| some.iter().map(|it| (*it).to_owned()).collect::<Vec<_>>();
-        let answer = |named: &[&str]| Answer {
-            named: own(named),
-            sets: own(named).into_iter().map(|it| vec![it]).collect(),
-            verdict: if named.is_empty() { Verdict::None } else { Verdict::Named },
-            formulas: 0,
-            form: None,
-            strict_form: None,
-            before: 3.0,
-            after: 1.0,
-            validation_before: 3.0,
-            validation_after: 1.0,
-        };
-        Outcome {
-            group,
-            foreign: false,
-            grade: Grade::USUAL,
-            noise_given: true,
-            hidden: own(hidden),
-            detectable: (!hidden.is_empty()).then_some(true),
-            answer: named.map(answer).ok_or_else(|| "it failed".to_owned()),
-            alone_s: Some(0.5),
-        }
-    }
-
     fn table(outcomes: Vec<Outcome>) -> Table {
-        Table::new(1, Found { outcomes, emps: None })
+        Table::new(1, Found { outcomes, real: Real::default() })
     }
 
     fn hits(table: &Table, what: &str) -> (usize, usize) {

@@ -16,8 +16,9 @@ const FEWEST: usize = 40;
 /// How often hidden effects are named right, and what is named where nothing is hidden.
 ///
 /// Half of the cases come from independent generators, Python programs that need numpy: the
-/// Python of DRIVESCOPE_PYTHON, or python3 on the path. Where DRIVESCOPE_DATA names a folder with
-/// `emps/`, the measured data of that axis are a row of the table.
+/// Python of DRIVESCOPE_PYTHON, or python3 on the path. Machines that other people
+/// recorded are rows of the table where DRIVESCOPE_DATA names a folder that holds them: `emps/`,
+/// `hsm150/`, `odrive/`, `flexible_link/`.
 #[derive(Debug, Args)]
 pub(super) struct OfDiscovery {
     /// Cases to draw; 1000 hold more than 300 without a hidden effect. A tenth more hide laws that

@@ -132,7 +132,8 @@ fn table(all: &[Shown]) -> String {
         ]);
     }
     format!(
-        "{table}\n`drivescope effects ID` shows one in detail; `{CUSTOM}` is a law of your own, \
+        "{table}\nA torque or a voltage of a law drives in the positive direction, as in a law that you \
+         type.\n`drivescope effects ID` shows one in detail; `{CUSTOM}` is a law of your own, \
          `{LEARNED}` a curve.\n"
     )
 }

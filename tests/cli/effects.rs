@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use drivescope_plant::effects::custom::Target;
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
 use crate::{column, done, folder, put, refused};
@@ -42,6 +43,67 @@ fn apart(here: &Path, effect: &str, kind: &str) -> f64 {
         native.iter().zip(&fmu).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
     };
     of("i [A]").max(of("omega [rad/s]")).max(of("theta [rad]"))
+}
+
+/// The statements of a printed law that can be typed, as effects with their nominal values.
+fn typed(entry: &Entry, k_m: f64) -> Option<String> {
+    let statements = entry.info.law.split("; ").filter_map(|it| it.split_once(" = "));
+    let given = |(key, _): &(&str, &str)| Target::ALL.iter().any(|(target, _)| target == key);
+    let mut text = String::new();
+    for (number, (key, formula)) in statements.filter(given).enumerate() {
+        let names = || formula.split(|it: char| !(it.is_alphanumeric() || it == '_'));
+        let own = entry.parameters.iter().map(|it| (it.name, it.nominal));
+        let used = own.chain([("K_m", k_m)]).filter(|(name, _)| names().any(|it| it == *name));
+        let values: Vec<String> = used.map(|(name, value)| format!("{name} = {value:?}")).collect();
+        let id = format!("the_{}_{number}", entry.info.id);
+        let _ =
+            writeln!(text, "[[effect]]\nkind = \"custom\"\nid = \"{id}\"\n{key} = \"{formula}\"");
+        let _ = writeln!(text, "parameters = {{ {} }}", values.join(", "));
+    }
+    (!text.is_empty()).then_some(text)
+}
+
+/// Laws of the library that are one formula or several.
+const FORMULAS: usize = 17;
+
+#[test]
+fn a_printed_law_that_is_typed_is_the_effect() {
+    let here = folder();
+    let here = here.path();
+    let table: toml::Table = DR300.parse().expect("it is TOML");
+    let k_m = table["motor"]["K_m"].as_float().expect("a number");
+    let mut found = 0;
+    for entry in REGISTRY {
+        let Some(typed) = typed(entry, k_m) else { continue };
+        found += 1;
+        put(here, "library.toml", format!("{DR300}\n{}", nominal(entry)));
+        put(here, "typed.toml", format!("{DR300}\n{typed}"));
+        put(here, "without.toml", DR300);
+        // In one direction: a typed sign has no friction at rest. After a while what the start
+        // from rest changed is forgotten.
+        for direction in ["", "-"] {
+            let run = |name: &str| {
+                let file = format!("{name}.toml");
+                let input = format!("{direction}(4.5 + 2.6 * sin(2 * t))");
+                let run = ["simulate", file.as_str(), "--noise", "off", "--duration", "3"];
+                done(here, &[&run[..], &["--input", input.as_str(), "-o", "run.csv"]].concat());
+                ["i [A]", "omega [rad/s]"].map(|name| column(here, "run.csv", name).split_off(100))
+            };
+            let [library, typed, without] = ["library", "typed", "without"].map(run);
+            let apart = |one: &[Vec<f64>; 2], other: &[Vec<f64>; 2]| {
+                let of = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+                    let scale = a.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+                    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
+                };
+                one.iter().zip(other).map(of).fold(0.0, f64::max)
+            };
+            let (off, does) = (apart(&library, &typed), apart(&library, &without));
+            // A wrong sign would be twice as far as no law; the steps of typed laws are coarser.
+            assert!(off < 0.02 * does, "{}: {off:e} apart", entry.info.id);
+            assert!(does > 1e-5, "{} does {does:e}: nothing was compared", entry.info.id);
+        }
+    }
+    assert_eq!(found, FORMULAS);
 }
 
 /// Co-simulation is the same code over the same steps.

@@ -16,7 +16,7 @@ impl Effect<1, 0> for ArmatureReaction {
         aliases: &["saturation"],
         excludes: &["armature_reaction"],
         nulls: &[("c", 0.0)],
-        ..Info::new("armature_reaction", "K_m, K_e *= 1 - c |i|", "i, even, from zero on")
+        ..Info::new("armature_reaction", "K_m, K_e times 1 - c |i|", "i, even, from zero on")
     };
     const PARAMETERS: [Parameter; 1] = [Parameter {
         name: "c",

@@ -21,8 +21,8 @@ impl Effect<2, 0> for AsymmetricFriction {
         nulls: &[("dT_c", 0.0), ("dB_m", 0.0)],
         ..Info::new(
             "asymmetric_friction",
-            "torque -= dT_c + dB_m |omega|: forward T_c - dT_c, F_v+ = B_m - dB_m; backward \
-             T_c + dT_c, F_v- = B_m + dB_m",
+            "torque = dT_c + dB_m * abs(omega); forward T_c - dT_c and F_v+ = B_m - dB_m, backward \
+             T_c + dT_c and F_v- = B_m + dB_m",
             "sign of omega, and omega with another slope in each direction",
         )
     };

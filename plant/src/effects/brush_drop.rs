@@ -17,7 +17,7 @@ impl Effect<2, 0> for BrushDrop {
         nulls: &[("V_b", 0.0)],
         ..Info::new(
             "brush_drop",
-            "voltage += V_b tanh(i / i_b)",
+            "voltage = -V_b * tanh(i / i_b)",
             "sign of i, rounded near zero; in the voltage, not in the torque",
         )
     };

@@ -23,7 +23,11 @@ impl Effect<3, 0> for Cogging {
         fails_over: &[Variable::Theta],
         aliases: &["torque_ripple", "unbalance"],
         nulls: &[("a", 0.0), ("b", 0.0)],
-        ..Info::new("cogging", "torque += a cos(N theta) + b sin(N theta)", "theta, N periods")
+        ..Info::new(
+            "cogging",
+            "torque = -(a * cos(N * theta) + b * sin(N * theta))",
+            "theta, N periods",
+        )
     };
     const PARAMETERS: [Parameter; 3] = [
         Parameter {

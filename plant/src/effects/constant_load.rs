@@ -16,7 +16,7 @@ impl Effect<1, 0> for ConstantLoad {
         nulls: &[("T_0", 0.0)],
         ..Info::new(
             "constant_load",
-            "torque += T_0",
+            "torque = -T_0",
             "an offset in both directions, whatever the speed",
         )
     };

@@ -14,7 +14,7 @@ impl Effect<1, 0> for Coulomb {
         fails_over: &[Variable::OmegaSign],
         aliases: &["iron_loss"],
         nulls: &[("T_c", 0.0)],
-        ..Info::new("coulomb", "torque += T_c sgn(omega)", "sign of omega")
+        ..Info::new("coulomb", "torque = -T_c * sign(omega)", "sign of omega")
     };
     const PARAMETERS: [Parameter; 1] = [Parameter {
         name: "T_c",

@@ -16,7 +16,7 @@ impl Effect<1, 0> for CurrentOffset {
         nulls: &[("i_0", 0.0)],
         ..Info::new(
             "current_offset",
-            "i shown = i + i_0",
+            "i = i + i_0",
             "a constant in i, at rest without u too; not in omega",
         )
     };

@@ -21,7 +21,7 @@ impl Effect<2, 0> for DeadTime {
         nulls: &[("V_d", 0.0)],
         ..Info::new(
             "dead_time",
-            "voltage += V_d i / sqrt(i^2 + i_d^2)",
+            "voltage = -V_d * i / sqrt(i^2 + i_d^2)",
             "sign of i, where u is the commanded voltage",
         )
     };

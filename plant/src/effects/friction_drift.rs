@@ -16,7 +16,7 @@ impl Effect<3, 0> for FrictionDrift {
         nulls: &[("T_d", 0.0), ("B_d", 0.0)],
         ..Info::new(
             "friction_drift",
-            "torque += (T_d sgn(omega) + B_d omega) (1 - exp(-t / tau))",
+            "torque = -(T_d * sign(omega) + B_d * omega) * (1 - exp(-t / tau))",
             "time, in the torque, with the sign of omega",
         )
     };

@@ -122,7 +122,8 @@ impl Place {
 pub struct Info {
     /// Identifier in files and commands.
     pub id: &'static str,
-    /// The law, in the symbols of the equations.
+    /// The law in the symbols of the equations; where it can be typed, as a custom law is
+    /// ([`super::custom`]), with its signs: `target = formula`, statements parted by semicolons.
     pub law: &'static str,
     /// The same for a person: what a model without the effect looks like.
     pub fingerprint: &'static str,

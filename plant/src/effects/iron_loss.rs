@@ -21,7 +21,7 @@ impl Effect<2, 0> for IronLoss {
         nulls: &[("k_h", 0.0), ("k_e", 0.0)],
         ..Info::new(
             "iron_loss",
-            "torque += k_h sgn(omega) + k_e omega; heat += k_h |omega| + k_e omega^2",
+            "torque = -(k_h * sign(omega) + k_e * omega); heat = k_h * abs(omega) + k_e * omega^2",
             "sign of omega and omega, in proportion; the winding warms at speed without current",
         )
     };

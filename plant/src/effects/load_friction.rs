@@ -20,7 +20,7 @@ impl Effect<1, 0> for LoadFriction {
         nulls: &[("c", 0.0)],
         ..Info::new(
             "load_friction",
-            "torque += c |K_m i| sgn(omega)",
+            "torque = -c * abs(K_m * i) * sign(omega)",
             "i, a V with its sides turned by the sign of omega",
         )
     };

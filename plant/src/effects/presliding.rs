@@ -39,7 +39,7 @@ impl Effect<1, 1> for Presliding {
         nulls: &[("sigma_0", f64::INFINITY)],
         ..Info::new(
             "presliding",
-            "torque = sigma_0 z instead of dry friction; dz/dt = omega - sigma_0 |omega| z / g(omega)",
+            "friction of sigma_0 z instead of dry friction; dz/dt = omega - sigma_0 |omega| z / g(omega)",
             "reversals",
         )
     };

@@ -12,7 +12,7 @@ impl Effect<1, 0> for QuadraticDrag {
         dissipates: true,
         fails_over: &[Variable::Omega],
         nulls: &[("c", 0.0)],
-        ..Info::new("quadratic_drag", "torque += c omega |omega|", "omega, curved")
+        ..Info::new("quadratic_drag", "torque = -c * omega * abs(omega)", "omega, curved")
     };
     const PARAMETERS: [Parameter; 1] = [Parameter {
         name: "c",

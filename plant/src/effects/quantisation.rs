@@ -33,7 +33,7 @@ impl Effect<3, 0> for Quantisation {
         nulls: &[("q_omega", 0.0), ("q_i", 0.0), ("q_theta", 0.0)],
         ..Info::new(
             "quantisation",
-            "omega, i, theta shown = the nearest multiple of q_omega, q_i, q_theta",
+            "shown: the nearest multiple of q_omega, q_i, q_theta",
             "a residual within half a step, as noise where the signal moves over many",
         )
     };

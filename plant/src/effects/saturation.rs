@@ -14,7 +14,7 @@ impl Effect<1, 0> for Saturation {
         aliases: &["armature_reaction"],
         excludes: &["saturation"],
         nulls: &[("c", 0.0)],
-        ..Info::new("saturation", "K_m, K_e *= 1 / (1 + c i^2)", "i, even")
+        ..Info::new("saturation", "K_m, K_e times 1 / (1 + c i^2)", "i, even")
     };
     const PARAMETERS: [Parameter; 1] = [Parameter {
         name: "c",

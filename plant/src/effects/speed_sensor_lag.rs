@@ -33,7 +33,7 @@ impl Effect<1, 1> for SpeedSensorLag {
         nulls: &[("tau", 0.0)],
         ..Info::new(
             "speed_sensor_lag",
-            "tau domega_f/dt = omega - omega_f; omega shown = omega_f",
+            "tau domega_f/dt = omega - omega_f; shown: omega_f",
             "acceleration, in proportion; not in i",
         )
     };

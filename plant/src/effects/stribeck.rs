@@ -19,7 +19,7 @@ impl Effect<2, 0> for Stribeck {
         nulls: &[("T_b", 0.0)],
         ..Info::new(
             "stribeck",
-            "torque += T_b exp(-(omega/omega_s)^2) sgn(omega); T_s = T_c + T_b",
+            "torque = -T_b * exp(-(omega / omega_s)^2) * sign(omega); T_s = T_c + T_b",
             "omega near zero",
         )
     };

@@ -20,7 +20,7 @@ impl Effect<1, 0> for SupplySag {
         nulls: &[("s", 0.0)],
         ..Info::new(
             "supply_sag",
-            "voltage += s u^2 i, s = R_s / V_0^2",
+            "voltage = -s * u^2 * i; s = R_s / V_0^2",
             "i where u is great: R seems to rise at the limit of u",
         )
     };

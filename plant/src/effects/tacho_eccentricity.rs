@@ -15,7 +15,7 @@ impl Effect<2, 0> for TachoEccentricity {
         nulls: &[("a", 0.0), ("b", 0.0)],
         ..Info::new(
             "tacho_eccentricity",
-            "omega shown = omega (1 + a cos theta + b sin theta)",
+            "omega = omega * (1 + a * cos(theta) + b * sin(theta))",
             "theta, once a revolution, in proportion to omega, not in i",
         )
     };

@@ -18,7 +18,7 @@ impl Effect<1, 0> for TachoGain {
         nulls: &[("g", 0.0)],
         ..Info::new(
             "tacho_gain",
-            "omega shown = omega (1 + g)",
+            "omega = omega * (1 + g)",
             "omega, in proportion; against a measured theta, not in i",
         )
     };

@@ -18,7 +18,7 @@ impl Effect<3, 0> for TorqueRipple {
         nulls: &[("a", 0.0), ("b", 0.0)],
         ..Info::new(
             "torque_ripple",
-            "K_m, K_e *= 1 + a cos(N theta) + b sin(N theta)",
+            "K_m, K_e times 1 + a cos(N theta) + b sin(N theta)",
             "theta, N periods: in the torque in proportion to i, in the back-EMF to omega",
         )
     };

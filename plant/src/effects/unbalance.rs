@@ -15,7 +15,7 @@ impl Effect<2, 0> for Unbalance {
         nulls: &[("a", 0.0), ("b", 0.0)],
         ..Info::new(
             "unbalance",
-            "torque += a cos(theta) + b sin(theta)",
+            "torque = -(a * cos(theta) + b * sin(theta))",
             "theta, once a revolution, at every speed and current",
         )
     };

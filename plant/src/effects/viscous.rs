@@ -13,7 +13,7 @@ impl Effect<1, 0> for Viscous {
         fails_over: &[Variable::Omega],
         aliases: &["B_m", "iron_loss"],
         nulls: &[("B", 0.0)],
-        ..Info::new("viscous", "torque += B omega", "omega, in proportion")
+        ..Info::new("viscous", "torque = -B * omega", "omega, in proportion")
     };
     const PARAMETERS: [Parameter; 1] = [Parameter {
         name: "B",

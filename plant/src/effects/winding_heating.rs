@@ -19,7 +19,7 @@ impl Effect<3, 1> for WindingHeating {
         nulls: &[("alpha", 0.0)],
         ..Info::new(
             "winding_heating",
-            "R *= 1 + alpha T; C_th dT/dt = R i^2 - T / R_th",
+            "R times 1 + alpha T; C_th dT/dt = R i^2 - T / R_th",
             "time, temperature",
         )
     };

@@ -1,6 +1,7 @@
 //! The program from outside: what a command prints, writes and answers, and that bad input ends
 //! with exit code 2, a message that names the place, and nothing half-written.
 
+mod architecture;
 mod bank;
 mod benchmark;
 mod compare;

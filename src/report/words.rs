@@ -25,6 +25,15 @@ pub(crate) fn number(value: f64) -> String {
     significant(value, 3)
 }
 
+/// Error, in units of the sensors' noise, up to which the noise floor is in reach, and that unit says
+/// something to a person. Of an encoder with steps of a nanometre it says nothing.
+const REACHABLE: f64 = 10.0;
+
+/// Whether an error is told in units of the noise.
+pub(crate) fn in_units_of_noise(error: f64) -> bool {
+    error <= REACHABLE
+}
+
 /// So many significant digits; powers of ten where the number is far from 1.
 pub(crate) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {

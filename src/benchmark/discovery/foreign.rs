@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 use drivescope_plant::drive::Drive;
 use drivescope_recording::{ReadOptions, read};
-use miette::{IntoDiagnostic as _, WrapErr as _};
+use miette::IntoDiagnostic as _;
 use serde::Deserialize;
 
 use super::{Case, Grade, Group, Record};
@@ -33,18 +33,30 @@ const PACKAGE: &[(&str, &str)] = package![
     "axis.py",
     "balance.py",
     "cases.py",
+    "channels.py",
+    "control.py",
     "electrical.py",
     "excitation.py",
     "files.py",
     "friction.py",
     "laws.py",
+    "loads/__init__.py",
+    "loads/ornstein_uhlenbeck.py",
+    "loads/oscillation.py",
+    "loads/random_walk.py",
+    "loads/shots.py",
+    "loads/sine.py",
+    "loads/telegraph.py",
     "machine.py",
     "measuring.py",
     "mechanism.py",
+    "operating.py",
     "position.py",
     "sensing.py",
+    "sizes.py",
     "stepping.py",
     "unknown.py",
+    "wide.py",
 ];
 
 /// What is asked of the generators in each group, and its share of their cases.
@@ -90,9 +102,12 @@ impl Python {
             return Err(Failure::Usage { what, instead }.into());
         }
         let folder = tempfile::tempdir().into_diagnostic()?;
-        std::fs::create_dir(folder.path().join("generators")).into_diagnostic()?;
         for (name, text) in PACKAGE {
-            std::fs::write(folder.path().join(name), text).into_diagnostic()?;
+            let file = folder.path().join(name);
+            if let Some(parent) = file.parent() {
+                std::fs::create_dir_all(parent).into_diagnostic()?;
+            }
+            std::fs::write(file, text).into_diagnostic()?;
         }
         let mut all = Vec::new();
         for (number, order) in orders(count).into_iter().enumerate() {
@@ -120,7 +135,8 @@ impl Python {
             return Ok(());
         }
         let told = String::from_utf8_lossy(&made.stderr).into_owned();
-        Err(miette::miette!("{told}")).wrap_err("the generators of recordings failed")
+        let last = told.lines().last().unwrap_or("it says nothing").to_owned();
+        Err(miette::miette!("the generators of recordings failed: {last}"))
     }
 }
 
@@ -188,16 +204,42 @@ fn read_one(folder: &Path, order: &Order) -> miette::Result<Case> {
 mod tests {
     use super::*;
 
+    /// Every Python file below a folder but tests, from there on.
+    fn python_files(folder: &Path) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).expect("it can be read");
+        let of = |path: PathBuf| if path.is_dir() { python_files(&path) } else { vec![path] };
+        let all = entries.flat_map(|entry| of(entry.expect("an entry").path()));
+        let name = |path: &PathBuf| path.file_name().map(|it| it.to_string_lossy().into_owned());
+        let of_python = |name: String| name.ends_with(".py") && !name.starts_with("test_");
+        all.filter(|path| name(path).is_some_and(of_python)).collect()
+    }
+
     #[test]
     fn the_package_is_whole() {
-        for (name, text) in PACKAGE {
-            for line in text.lines().filter_map(|line| line.strip_prefix("from .")) {
-                let module = line.split_whitespace().next().unwrap_or_default();
-                let needed = format!("generators/{module}.py");
-                let there = PACKAGE.iter().any(|(other, _)| *other == needed);
-                assert!(module == "import" || there, "{name} needs {needed}");
+        let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools");
+        let there = python_files(&tools.join("generators"));
+        let names = there.iter().map(|path| path.strip_prefix(&tools).expect("it is below"));
+        let mut names: Vec<String> = names.map(|it| it.display().to_string()).collect();
+        names.push("make_recordings.py".to_owned());
+        names.sort();
+        let mut shipped: Vec<&str> = PACKAGE.iter().map(|(name, _)| *name).collect();
+        shipped.sort_unstable();
+        assert_eq!(shipped, names);
+    }
+
+    #[test]
+    fn the_generators_that_are_shipped_run() {
+        let python = Python::new(std::env::var_os("DRIVESCOPE_PYTHON").map(PathBuf::from));
+        let cases = match python.cases(ORDERS.len(), 1) {
+            Ok(cases) => cases,
+            Err(error) if format!("{error:?}").contains("no numpy") => {
+                println!("NOT RUN: no Python with numpy; name one by DRIVESCOPE_PYTHON");
+                return;
             }
-        }
+            Err(error) => panic!("{error:?}"),
+        };
+        assert!(cases.len() >= ORDERS.len(), "{}", cases.len());
+        assert!(cases.iter().all(|case| case.foreign));
     }
 
     #[test]

@@ -1,9 +1,12 @@
 //! What a discovery says while it runs: its ladder, rung by rung, on standard error.
 
+use std::fmt::Write as _;
+
 use drivescope_discovery::{BothUnexplained, Rung, Step, Unexplained, Watch};
 use indicatif::ProgressBar;
 
 use crate::interrupt;
+use crate::report::words::in_units_of_noise;
 use crate::session::Session;
 
 /// Prints rungs as they come, and ends the loop when the user wants that.
@@ -37,19 +40,23 @@ impl Watch for Watching<'_> {
     }
 }
 
-/// A rung in words: its errors, and what the balances of the validation data leave unexplained.
+/// A rung in words: what the balances of the validation data leave unexplained, and its errors where
+/// the noise is in reach.
 pub(crate) fn line(rung: &Rung) -> String {
     let what = rung.added.as_ref().map_or("the base".to_owned(), |it| format!("+ {it}"));
-    let errors =
-        format!("{what:<24} error {:>9.4}   validation {:>9.4}", rung.error, rung.validation_error);
     let BothUnexplained { torque, voltage } = rung.validation_unexplained;
     let share = |of: Option<Unexplained>, balance: &str| {
         of.map(|it| format!("{:.1} % of the {balance}", 100.0 * it.share))
     };
     let shares: Vec<String> =
         [share(torque, "torque"), share(voltage, "voltage")].into_iter().flatten().collect();
-    if shares.is_empty() {
-        return errors;
+    let mut line = format!("{what:<24}");
+    if !shares.is_empty() {
+        let _ = write!(line, " unexplained {}", shares.join(", "));
     }
-    format!("{errors}   unexplained {}", shares.join(", "))
+    let [error, validation] = [rung.error, rung.validation_error];
+    if shares.is_empty() || (in_units_of_noise(error) && in_units_of_noise(validation)) {
+        let _ = write!(line, "   error {error:>9.4}   validation {validation:>9.4}");
+    }
+    line
 }

@@ -6,14 +6,15 @@ use std::path::{Path, PathBuf};
 
 use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
-    Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Setting, USUAL_BAND_HZ,
-    relative_force_error, with_own,
+    BothUnexplained, Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Setting,
+    USUAL_BAND_HZ, Unexplained, relative_force_error, unexplained, with_own,
 };
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
 use crate::evidence::Gathered;
 use crate::read_evidence::{KnownNoise, unusable};
+use crate::report::words::in_units_of_noise;
 
 /// Correlation from which on two parameters are named together.
 const STRONG: f64 = 0.9;
@@ -81,6 +82,15 @@ struct ForceError {
     validation_after: Option<f64>,
 }
 
+/// What the balances leave unexplained, of the drive as it was given and fitted.
+#[derive(Debug, Serialize)]
+struct Left {
+    before: BothUnexplained,
+    after: BothUnexplained,
+    validation_before: BothUnexplained,
+    validation_after: BothUnexplained,
+}
+
 #[derive(Debug, Serialize)]
 struct OfRecording {
     file: String,
@@ -107,6 +117,7 @@ pub(super) struct Answer {
     error: f64,
     validation_error: f64,
     before: Before,
+    unexplained: Left,
     /// Noise of the first recording, by output; each recording has its own below.
     noise: BTreeMap<&'static str, f64>,
     noise_source: BTreeMap<&'static str, drivescope_discovery::NoiseSource>,
@@ -186,6 +197,12 @@ impl Answer {
             error: after[0].error,
             validation_error: after[1].error,
             before: Before { error: error(&before[0]), validation_error: error(&before[1]) },
+            unexplained: Left {
+                before: unexplained(base, &gathered.estimation).into(),
+                after: unexplained(&fitted.drive, &gathered.estimation).into(),
+                validation_before: unexplained(base, &gathered.validation).into(),
+                validation_after: unexplained(&fitted.drive, &gathered.validation).into(),
+            },
             noise: gathered.noise[0].iter().map(|noise| (noise.name, noise.sd)).collect(),
             noise_source: gathered.noise[0]
                 .iter()
@@ -312,16 +329,41 @@ impl Answer {
     }
 
     fn errors(&self, text: &mut String) {
-        let shown = |error: Option<f64>| error.map_or("overflow".to_owned(), |e| format!("{e:.4}"));
-        let mut line = |what: &str, before: Option<f64>, after: f64| {
-            let _ = writeln!(text, "{what:<42} {:>10} -> {after:.4}", shown(before));
-        };
+        let told = self.left(text);
+        let in_reach = in_units_of_noise(self.error) && in_units_of_noise(self.validation_error);
+        if told && !in_reach {
+            return;
+        }
+        let mut line = |what: &str, before, after| compared(text, what, before, after);
         line("error in units of the noise, estimation", self.before.error, self.error);
         line(
             "error in units of the noise, validation",
             self.before.validation_error,
             self.validation_error,
         );
+    }
+
+    /// What people know first, what is left of torque, voltage and force; whether there is any.
+    fn left(&self, text: &mut String) -> bool {
+        let already = text.len();
+        let both = |of: fn(&BothUnexplained) -> Option<Unexplained>| {
+            let it = &self.unexplained;
+            [
+                ("estimation", of(&it.before), of(&it.after)),
+                ("validation", of(&it.validation_before), of(&it.validation_after)),
+            ]
+        };
+        for (balance, both) in
+            [("torque", both(|it| it.torque)), ("voltage", both(|it| it.voltage))]
+        {
+            for (data, before, after) in both {
+                let Some((before, after)) = before.zip(after) else { continue };
+                let what = format!("unexplained {balance}, {data}");
+                let [before, after] = [before, after].map(|it| 100.0 * it.share);
+                let _ = writeln!(text, "{what:<42} {before:>8.1} % -> {after:.1} %");
+            }
+        }
+        let mut line = |what: &str, before, after| compared(text, what, before, after);
         if let Some(force) = &self.relative_force_error {
             let what = |of: &str| format!("relative force error below {} Hz, {of}", force.band_hz);
             line(&what("estimation"), force.before, force.after);
@@ -329,7 +371,14 @@ impl Answer {
                 line(&what("validation"), force.validation_before, after);
             }
         }
+        text.len() > already
     }
+}
+
+/// A line: an error before and after.
+fn compared(text: &mut String, what: &str, before: Option<f64>, after: f64) {
+    let before = before.map_or("overflow".to_owned(), |before| format!("{before:.4}"));
+    let _ = writeln!(text, "{what:<42} {before:>10} -> {after:.4}");
 }
 
 /// A value with the digits that a table has room for.

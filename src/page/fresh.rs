@@ -2,7 +2,7 @@
 
 use drivescope_discovery::compare::{Options, compare};
 use drivescope_discovery::{
-    Discovery, Estimate, Evidence, Fitted, NotIdentifiable, Setting, evaluate,
+    Discovery, Estimate, Evidence, Fitted, NotIdentifiable, Setting, evaluate, unexplained,
 };
 use drivescope_plant::drive::Drive;
 
@@ -79,6 +79,7 @@ impl Fresh {
         about.step = Some(OfStep { estimation_error: error, fitted });
         let Self { parent, label, command, text } = self;
         Ok(Rung {
+            unexplained: unexplained(&drive, validation).into(),
             parent,
             label,
             command,

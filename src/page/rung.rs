@@ -1,7 +1,7 @@
 //! A rung of the ladder: a drive, how well it explains the recordings, and what it lacks.
 
 use drivescope_discovery::compare::Comparison;
-use drivescope_discovery::{Estimate, NotIdentifiable, Setting};
+use drivescope_discovery::{BothUnexplained, Estimate, NotIdentifiable, Setting};
 use drivescope_plant::drive::Drive;
 
 use crate::report::compare::Setting as About;
@@ -25,6 +25,8 @@ pub(super) struct Rung {
     pub(super) parameters: Vec<Estimate>,
     /// What the recordings do not tell.
     pub(super) not_identifiable: Vec<NotIdentifiable>,
+    /// What the balances leave unexplained of those that only judge.
+    pub(super) unexplained: BothUnexplained,
     /// Error on the recordings, or parts of them, that it was fitted to.
     pub(super) error: f64,
     /// Error on those that only judge.

@@ -14,7 +14,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::units::for_motion;
 use serde::Serialize;
 
-use super::watch::line;
+use super::watch::{has_errors, line};
 use crate::evidence::Gathered;
 use crate::formula_text::{self, PREFIX};
 use crate::read_evidence::unusable;
@@ -151,10 +151,15 @@ impl Answer {
         }
         text += &unusable(&self.signals);
         let _ = writeln!(text, "{name}: {}", self.split);
-        let _ = match self.observer_hz {
-            0.0 => writeln!(text, "free run from u; errors in units of the noise, floor 1"),
-            hz => writeln!(text, "observer of {hz} Hz, frozen; errors in units of the noise"),
+        let how = match self.observer_hz {
+            0.0 => "free run from u".to_owned(),
+            hz => format!("observer of {hz} Hz, frozen"),
         };
+        let unit = match self.ladder.iter().any(has_errors) {
+            true => "; errors in units of the noise, floor 1",
+            false => "",
+        };
+        let _ = writeln!(text, "{how}{unit}");
         for doubt in &self.new_doubts {
             let _ = writeln!(text, "{doubt}");
         }

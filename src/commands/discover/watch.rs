@@ -54,9 +54,16 @@ pub(crate) fn line(rung: &Rung) -> String {
     if !shares.is_empty() {
         let _ = write!(line, " unexplained {}", shares.join(", "));
     }
-    let [error, validation] = [rung.error, rung.validation_error];
-    if shares.is_empty() || (in_units_of_noise(error) && in_units_of_noise(validation)) {
+    if has_errors(rung) {
+        let [error, validation] = [rung.error, rung.validation_error];
         let _ = write!(line, "   error {error:>9.4}   validation {validation:>9.4}");
     }
     line
+}
+
+/// Whether a rung's errors are told: where the noise is in reach, or nothing else is known.
+pub(crate) fn has_errors(rung: &Rung) -> bool {
+    let BothUnexplained { torque, voltage } = rung.validation_unexplained;
+    let in_reach = in_units_of_noise(rung.error.max(rung.validation_error));
+    in_reach || (torque.is_none() && voltage.is_none())
 }

@@ -102,6 +102,7 @@ fn steps(state: &State, now: usize) -> Markup {
         .enumerate()
         .map(|(number, rung)| Step {
             label: rung.label.clone(),
+            unexplained: rung.unexplained,
             error: rung.error,
             validation_error: rung.validation_error,
             depth: Rung::depth(&state.rungs, number),

@@ -1,16 +1,19 @@
 //! The ladder: what was added, and how the error fell.
 
+use drivescope_discovery::{BothUnexplained, Unexplained};
 use maud::{Markup, PreEscaped, html};
 
 use crate::report::page::table;
 use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
-use crate::report::words::number;
+use crate::report::words::{in_units_of_noise, number, percent};
 
 /// A step of the ladder.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Step {
     /// What was done.
     pub(crate) label: String,
+    /// What the balances of the validation data leave unexplained.
+    pub(crate) unexplained: BothUnexplained,
     /// Error on the estimation data, in units of the noise.
     pub(crate) error: f64,
     /// Error on the validation data.
@@ -19,52 +22,116 @@ pub(crate) struct Step {
     pub(crate) depth: usize,
 }
 
+/// A column of what is left of a balance, in per cent.
+type Left = (&'static str, fn(&Step) -> Option<Unexplained>);
+
+const LEFT: [Left; 2] =
+    [("torque", |step| step.unexplained.torque), ("voltage", |step| step.unexplained.voltage)];
+
 /// The table of the steps and its picture; `action` is what may be done with the step of a number.
 pub(crate) fn ladder(steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup {
+    let told = |left: &&Left| steps.iter().any(|step| left.1(step).is_some());
+    let left: Vec<&Left> = LEFT.iter().filter(told).collect();
+    let in_reach = |step: &Step| in_units_of_noise(step.error.max(step.validation_error));
+    let errors = left.is_empty() || steps.iter().any(in_reach);
+    let actions: Vec<Markup> = (0..steps.len()).map(action).collect();
+    let any = actions.iter().any(|it| !it.0.is_empty());
     let head = html! {
         tr {
             th.name scope="col" { "Step" }
-            th scope="col" { "Error, estimation" }
-            th scope="col" { "Error, validation" }
-            th.name scope="col" { span.unseen { "what can be done" } }
+            @for (balance, _) in &left {
+                th scope="col" { "Unexplained " (balance) ", %" }
+            }
+            @if errors {
+                th scope="col" { "Error, estimation" }
+                th scope="col" { "Error, validation" }
+            }
+            @if any { th.name scope="col" { span.unseen { "what can be done" } } }
         }
     };
     let body = html! {
-        @for (place, step) in steps.iter().enumerate() {
+        @for ((place, step), action) in steps.iter().enumerate().zip(&actions) {
             tr data-step=(place) {
                 th scope="row" { span.branch { ("\u{2003}".repeat(step.depth)) } (place) ": " (step.label) }
-                td { (number(step.error)) }
-                td { (number(step.validation_error)) }
-                td.name { (action(place)) }
+                @for (_, of) in &left {
+                    td { (of(step).map_or("-".to_owned(), |it| percent(it.share, 1))) }
+                }
+                @if errors {
+                    td { (number(step.error)) }
+                    td { (number(step.validation_error)) }
+                }
+                @if any { td.name { (action) } }
             }
         }
     };
+    let mut title = Vec::new();
+    if !left.is_empty() {
+        title.push("What the balances leave unexplained of the recordings that judge");
+    }
+    if errors {
+        title.push("errors in units of the sensors\u{2019} noise, 1 is the floor");
+    }
     html! {
-        (table("Errors in units of the sensors\u{2019} noise; 1 is the floor", &head, &body))
+        (table(&title.join("; "), &head, &body))
         @if steps.len() > 1 {
             div.scroll role="region" tabindex="0" aria-label="Errors, step by step" {
-                (PreEscaped(picture(steps).svg()))
+                (PreEscaped(if errors { of_errors(steps) } else { of_left(steps, &left) }.svg()))
             }
         }
     }
 }
 
-fn picture(steps: &[Step]) -> Rows {
-    let series = |label: &str, ink, mark| Series { label: label.to_owned(), ink, mark, lane: 0 };
+fn picture(
+    (description, axis, reference): (&str, Axis, Option<(f64, String)>),
+    series: Vec<Series>,
+    rows: Vec<(String, Vec<Value>)>,
+) -> Rows {
+    Rows {
+        id: "ladder-plot".to_owned(),
+        title: "Errors, step by step".to_owned(),
+        description: description.to_owned(),
+        axis,
+        reference,
+        series,
+        rows,
+    }
+}
+
+fn series(label: &str, ink: Ink, mark: Mark) -> Series {
+    Series { label: label.to_owned(), ink, mark, lane: 0 }
+}
+
+fn of_errors(steps: &[Step]) -> Rows {
     let row = |(number, step): (usize, &Step)| {
         let values = vec![Value::Number(step.error), Value::Number(step.validation_error)];
         (format!("{number}: {}", step.label), values)
     };
-    Rows {
-        id: "ladder-plot".to_owned(),
-        title: "Errors, step by step".to_owned(),
-        description: "Estimation and validation error of every step of the ladder".to_owned(),
-        axis: Axis::new("error", "noise sd"),
-        reference: Some((1.0, "noise floor".to_owned())),
-        series: vec![
-            series("estimation", Ink::Blue, Mark::Disc),
-            series("validation", Ink::Vermilion, Mark::HollowDiamond),
-        ],
-        rows: steps.iter().enumerate().map(row).collect(),
-    }
+    let about = (
+        "Estimation and validation error of every step of the ladder",
+        Axis::new("error", "noise sd"),
+        Some((1.0, "noise floor".to_owned())),
+    );
+    let both = vec![
+        series("estimation", Ink::Blue, Mark::Disc),
+        series("validation", Ink::Vermilion, Mark::HollowDiamond),
+    ];
+    picture(about, both, steps.iter().enumerate().map(row).collect())
+}
+
+fn of_left(steps: &[Step], left: &[&Left]) -> Rows {
+    let row = |(number, step): (usize, &Step)| {
+        let value = |(_, of): &&Left| {
+            let none = || Value::Missing("not told".to_owned());
+            of(step).map_or_else(none, |it| Value::Number(100.0 * it.share))
+        };
+        (format!("{number}: {}", step.label), left.iter().map(value).collect())
+    };
+    let about = (
+        "What the balances leave unexplained at every step of the ladder",
+        Axis::new("unexplained", "%"),
+        None,
+    );
+    let looks = [(Ink::Blue, Mark::Disc), (Ink::Vermilion, Mark::HollowDiamond)];
+    let each = left.iter().zip(looks).map(|((balance, _), (ink, mark))| series(balance, ink, mark));
+    picture(about, each.collect(), steps.iter().enumerate().map(row).collect())
 }

@@ -291,7 +291,12 @@ fn answer(case: &Case, noise_given: bool) -> Result<Answer, String> {
         found.formulas.iter().position(right).map(|place| place + 1)
     };
     Ok(Answer {
-        probabilities: found.ranking.iter().map(|it| (it.effect.clone(), it.probability)).collect(),
+        probabilities: found
+            .ranking
+            .iter()
+            .filter(|it| it.refused.is_none() && found.named.contains(&it.effect))
+            .map(|it| (it.effect.clone(), it.probability))
+            .collect(),
         formulas: found.formulas.len(),
         form: form(|it| it.of_law),
         strict_form: form(|it| it.of_rest),

@@ -139,6 +139,20 @@ impl Round<'_> {
         ordered(judged)
     }
 
+    /// The same with further ones, where the free run refused all that convinced.
+    pub(super) fn of_others(
+        &self,
+        ground: &Ground,
+        weights: &Weights,
+        judged: &mut Vec<Judged>,
+    ) -> bool {
+        let others = self.others(weights, judged);
+        let mut all = std::mem::take(judged);
+        all.extend(self.convincing(ground, weights, &others));
+        *judged = ordered(all);
+        !others.is_empty()
+    }
+
     /// The same with those of two masses, where one promises a part of what the named one has.
     pub(super) fn of_two_masses(
         &self,

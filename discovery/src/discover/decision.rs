@@ -19,6 +19,9 @@ pub(crate) const FURTHER_EVIDENCE: f64 = 10.0;
 pub(crate) const SIZE: f64 = 0.02;
 /// The same of a further name.
 pub(crate) const FURTHER_SIZE: f64 = 0.04;
+/// Least share of the squared error above its floor, in the recordings held out, that a name must take
+/// away: what takes less, and has evidence nonetheless, imitates a corner of something else.
+pub(crate) const EXPLAINS: f64 = 0.02;
 /// Share of the error above its floor that may stay with a smaller one, in all recordings: with what
 /// the base's formulas leave in the way, more would.
 pub(crate) const LEFT: f64 = 0.1;

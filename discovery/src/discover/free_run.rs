@@ -15,7 +15,9 @@ use crate::likelihood::{CurveWeight, Ground, LawWeight};
 use crate::measured::Measured;
 
 /// Share of the error on the validation data that must at least be left out, so that it falls.
-const FALLS: f64 = 1e-3;
+pub(super) const FALLS: f64 = 1e-3;
+/// Squared error over that of a perfect model up to which nothing is left: 1 % of the error.
+const AT_FLOOR: f64 = 1.02;
 /// Share of the unexplained torque that may be left where that alone decides: an observer follows what
 /// a slow drive does, and its error says little of it.
 const MUCH: f64 = 0.5;
@@ -52,7 +54,8 @@ impl Round<'_> {
             let (was, is) = (error(self.model), error(&model));
             let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
             one.model = model;
-            if fits && is <= (1.0 - FALLS) * was {
+            let removed = self.removed_of_validation(&one.model);
+            if fits && is <= (1.0 - FALLS) * was && removed >= decision::EXPLAINS {
                 break;
             }
             if self.explains_torque(&one.model.fitted.drive) {
@@ -68,8 +71,15 @@ impl Round<'_> {
                 one.weighed.by_balance = true;
                 break;
             }
-            let where_not = if fits { "on the validation data " } else { "" };
-            one.refused = Some(format!("the error {where_not}does not fall"));
+            let removed = 100.0 * removed;
+            one.refused = Some(if fits && is <= (1.0 - FALLS) * was {
+                format!(
+                    "it takes {removed:.1} % of the excess error on the validation data away only"
+                )
+            } else {
+                let where_not = if fits { "on the validation data " } else { "" };
+                format!("the error {where_not}does not fall")
+            });
             // Of what stands for dry friction the filter knows too little at each reversal.
             if !candidate.info.replaces_dry {
                 failed.push((&candidate.fails_over, decision::SHARE * one.weighed.evidence));
@@ -170,6 +180,23 @@ impl Round<'_> {
         let excess = (self.model.fitted.squares.sum - floor).max(f64::MIN_POSITIVE);
         let removed = self.model.fitted.squares.sum - with.fitted.squares.sum;
         (removed / excess).clamp(0.0, 1.0)
+    }
+
+    /// The same on the validation data, negative where the error rises; all where there was none.
+    fn removed_of_validation(&self, with: &Model) -> f64 {
+        let (was, is) = (self.model.validation.squares.sum, with.validation.squares.sum);
+        let excess = was - self.floor(self.validation);
+        if excess > 0.0 { (was - is) / excess } else { 1.0 }
+    }
+
+    /// Whether the errors of the round's model are those of a perfect one.
+    pub(super) fn is_at_floor(&self) -> bool {
+        let model = self.model;
+        let both = [
+            (&model.fitted.squares, self.estimation),
+            (&model.validation.squares, self.validation),
+        ];
+        both.iter().all(|(squares, evidence)| squares.sum <= AT_FLOOR * self.floor(evidence))
     }
 
     /// Squared error of a perfect model, over the values.

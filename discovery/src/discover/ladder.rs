@@ -8,6 +8,7 @@ use super::decision;
 use super::experiment;
 use super::judged::Judged;
 use super::learned::LearnedCurve;
+use super::needless::{Added, needless};
 use super::other_machine;
 use super::refit::Model;
 use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
@@ -55,7 +56,7 @@ pub fn discover(
     let (drive, typed) = &typed::apart(of_user);
     let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
     found.signals = wrong;
-    let mut formulas: Vec<Formula> = Vec::new();
+    let mut added: Vec<Added> = Vec::new();
     let mut randomness = None;
     let seen = |error| seen_by(watch, error);
     for round in 0..decision::ROUNDS {
@@ -64,6 +65,7 @@ pub fn discover(
         }
         let scales = Scales::of(&model.fitted.drive, estimation);
         let (all, not) = candidates(&model.fitted.drive, estimation, &scales, typed);
+        let formulas: Vec<Formula> = added.iter().map(|it| it.formula.clone()).collect();
         let turn = Round {
             model: &model,
             all: &all,
@@ -93,8 +95,10 @@ pub fn discover(
         note(&turn, &outcome, passed, &mut found);
         let Outcome { mut judged, unknown, proposed, .. } = outcome;
         let Some(best) = passed else {
+            // Where the noise alone is left, what a curve takes of it is nothing.
+            let unknown = unknown.filter(|_| !turn.is_at_floor());
             let missing = unknown.is_some();
-            found.formulas = proposed;
+            found.formulas = if missing { proposed } else { Vec::new() };
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| {
                 watch.step(&Step::Doing("drawing what nobody knows"));
@@ -109,7 +113,12 @@ pub fn discover(
             found.named.push(kind.clone());
         }
         let Judged { candidate, model: named, weighed, .. } = judged.swap_remove(best);
-        formulas.push(Formula::of(&all[candidate], weighed.size));
+        added.push(Added {
+            kind: kind.clone(),
+            id: all[candidate].id.clone(),
+            by_error: !weighed.by_balance,
+            formula: Formula::of(&all[candidate], weighed.size),
+        });
         let named = if weighed.by_balance {
             named
         } else {
@@ -117,6 +126,13 @@ pub fn discover(
         };
         found.climb(Some(kind), &named, (estimation, validation), watch);
         model = named;
+        while let Some((place, fewer)) = needless(&model, &added, (estimation, validation), watch) {
+            let it = added.remove(place);
+            found.take_back(&it.kind, &added);
+            model = fewer.polished(estimation, validation, &seen).unwrap_or(fewer);
+            let last = added.last().map(|it| it.kind.clone());
+            found.climb(last, &model, (estimation, validation), watch);
+        }
     }
     found.end(model.fitted.drive, of_user);
     found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };
@@ -259,7 +275,7 @@ fn begin(
 }
 
 /// Tells the error of a step of a fit; whether the fit is to end.
-fn seen_by(watch: &dyn Watch, error: f64) -> bool {
+pub(super) fn seen_by(watch: &dyn Watch, error: f64) -> bool {
     watch.step(&Step::Fitting(error));
     watch.stopped()
 }
@@ -329,6 +345,24 @@ impl Discovery {
         for it in &mut self.parameters {
             let before = given.iter().find(|other| other.name == it.name);
             it.before = before.map_or(f64::NAN, |other| other.value);
+        }
+    }
+
+    /// Tells of an effect no more, nor of the last one, which is told without it.
+    fn take_back(&mut self, kind: &str, left: &[Added]) {
+        self.ladder.pop();
+        let place = self.ladder.iter().rposition(|rung| rung.added.as_deref() == Some(kind));
+        place.map(|place| self.ladder.remove(place));
+        self.named.retain(|name| left.iter().any(|it| it.kind == *name));
+        // One that refined what was named stands for it now.
+        let of_last = left.last().map(|it| &it.kind).filter(|it| !self.named.contains(it));
+        self.named.extend(of_last.cloned());
+        if left.iter().any(|it| it.kind == kind) {
+            return;
+        }
+        let beside = self.named.join(" and ");
+        for one in self.ranking.iter_mut().filter(|it| it.effect == kind && it.refused.is_none()) {
+            one.refused = Some(format!("not needed beside {beside}"));
         }
     }
 

@@ -21,6 +21,7 @@ mod knocking;
 mod ladder;
 mod learned;
 mod naming;
+mod needless;
 mod other_machine;
 mod projection;
 mod refit;

@@ -44,6 +44,12 @@ impl Formula {
     pub(crate) fn of(candidate: &Candidate, size: f64) -> Self {
         Self { fails_over: candidate.fails_over.clone(), size }
     }
+
+    /// Of no size, over those variables.
+    #[cfg(test)]
+    pub(crate) fn over(variables: &[Variable]) -> Self {
+        Self { fails_over: variables.to_vec(), size: 0.0 }
+    }
 }
 
 /// What a round found.
@@ -134,7 +140,13 @@ impl Round<'_> {
         self.watch.step(&Step::Doing("fitting the best candidates"));
         let mut judged = self.of_one_mass(ground, weights);
         self.simplest_of_equal(&mut judged);
+        let convinced = judged.iter().any(|one| one.refused.is_none());
         self.fit_first(ground, &mut judged);
+        let nothing = judged.iter().all(|one| one.refused.is_some());
+        if convinced && nothing && self.of_others(ground, weights, &mut judged) {
+            self.simplest_of_equal(&mut judged);
+            self.fit_first(ground, &mut judged);
+        }
         if self.of_two_masses(ground, weights, &mut judged) {
             self.simplest_of_equal(&mut judged);
             self.fit_first(ground, &mut judged);

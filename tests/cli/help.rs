@@ -73,7 +73,7 @@ fn effects_show_their_law_and_parameters() {
         assert_eq!(all.iter().find(|effect| effect["id"] == **id), Some(&one));
     }
     let stribeck = done(here.path(), &["effects", "stribeck"]).out;
-    for part in ["T_b exp(-(omega/omega_s)^2)", "rad/s", "omega near zero", "above 0"] {
+    for part in ["T_b * exp(-(omega / omega_s)^2)", "rad/s", "omega near zero", "above 0"] {
         assert!(stribeck.contains(part), "{part} is not in {stribeck}");
     }
     let message = refused(here.path(), &["effects", "strybeck"]);

@@ -28,6 +28,8 @@ INPUTS = {
 HIDDEN = "cogging"
 # Length of a simulated recording, s.
 DURATION = 5
+# An address that holds a window of time.
+WINDOW = re.compile(r"#.*from=")
 FLOOR = 1.0
 NEAR_THE_FLOOR = 1.1
 # A recording of 1e5 samples: how long it may take to see it, and the memory of a server that has
@@ -201,14 +203,14 @@ def dragged(page, check):
         page.mouse.move(box["x"] + 0.5 * box["width"], middle, steps=5)
         page.mouse.move(box["x"] + 0.7 * box["width"], middle, steps=5)
         page.mouse.up()
-        page.wait_for_function("location.hash.includes('from=')")
+        expect(page).to_have_url(WINDOW)
         window = re.search(r"from=([-\d.e]+)&to=([-\d.e]+)", page.url)
         begin, end = float(window[1]), float(window[2])
         # A run of 5 s: half of it, from a fifth on.
         right = abs(begin - 0.2 * DURATION) < 0.1 and abs(end - 0.7 * DURATION) < 0.1
         check.that(right, f"plot {number}: {begin} to {end} s for 1 to 3.5 s that were dragged")
         page.locator("#zoom-out").click()
-        page.wait_for_function("!location.hash.includes('from=')")
+        expect(page).not_to_have_url(WINDOW)
 
 
 def keyboard(page, check):

@@ -7,6 +7,7 @@ mod spark;
 
 use std::collections::BTreeMap;
 
+use drivescope_discovery::BothUnexplained;
 use maud::{Markup, html};
 
 use data::data;
@@ -102,7 +103,8 @@ fn steps(state: &State, now: usize) -> Markup {
         .enumerate()
         .map(|(number, rung)| Step {
             label: rung.label.clone(),
-            unexplained: rung.unexplained,
+            // A narrow window has no room for more than the errors; the report tells it.
+            unexplained: BothUnexplained { torque: None, voltage: None },
             error: rung.error,
             validation_error: rung.validation_error,
             depth: Rung::depth(&state.rungs, number),

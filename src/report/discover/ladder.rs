@@ -72,7 +72,9 @@ pub(crate) fn ladder(steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup
         title.push("errors in units of the sensors\u{2019} noise, 1 is the floor");
     }
     html! {
-        (table(&title.join("; "), &head, &body))
+        div.scroll role="region" tabindex="0" aria-label="Steps" {
+            (table(&title.join("; "), &head, &body))
+        }
         @if steps.len() > 1 {
             div.scroll role="region" tabindex="0" aria-label="Errors, step by step" {
                 (PreEscaped(if errors { of_errors(steps) } else { of_left(steps, &left) }.svg()))

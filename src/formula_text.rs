@@ -93,9 +93,7 @@ pub(crate) fn effect(given: &str, drive: &Drive) -> Result<EffectData, Failure> 
             coefficients[k]
         )));
     }
-    let taken = |id: &String| drive.effects.iter().any(|effect| effect.id == *id);
-    let ids = std::iter::once(ID.to_owned()).chain((2..).map(|k| format!("{ID}_{k}")));
-    let id = ids.into_iter().find(|id| !taken(id)).unwrap_or_default();
+    let id = drive.free_id(ID);
     let law = Some(LawData::Typed { target: *target, text: text.to_owned() });
     Ok(EffectData { kind: CUSTOM.to_owned(), id, parameters, law })
 }

@@ -209,3 +209,13 @@ pub struct Drive {
     /// Where values come from, by parameter name.
     pub origin: BTreeMap<String, String>,
 }
+
+impl Drive {
+    /// An id that no effect of the drive has: `name`, or `name_2` and so on.
+    #[must_use]
+    pub fn free_id(&self, name: &str) -> String {
+        let taken = |id: &String| self.effects.iter().any(|effect| effect.id == *id);
+        let ids = (2..).map(|k| format!("{name}_{k}"));
+        std::iter::once(name.to_owned()).chain(ids).find(|id| !taken(id)).unwrap_or_default()
+    }
+}

@@ -176,11 +176,7 @@ impl Understood {
     /// # Errors
     /// A drive that cannot have it.
     pub(super) fn added(&self, rung: &Rung) -> Result<(String, String), Failure> {
-        let taken = |id: &String| rung.drive.effects.iter().any(|effect| effect.id == *id);
-        let id = (1..)
-            .map(|k| if k == 1 { "custom".to_owned() } else { format!("custom_{k}") })
-            .find(|id| !taken(id))
-            .unwrap_or_default();
+        let id = rung.drive.free_id("custom");
         let values = self.names.iter().zip(&self.values);
         let values: Vec<String> =
             values.map(|(name, value)| format!("{name} = {value:e}")).collect();

@@ -147,10 +147,7 @@ impl Round<'_> {
         judged: &mut Vec<Judged>,
     ) -> bool {
         let others = self.others(weights, judged);
-        let mut all = std::mem::take(judged);
-        all.extend(self.convincing(ground, weights, &others));
-        *judged = ordered(all);
-        !others.is_empty()
+        self.join(ground, weights, &others, judged)
     }
 
     /// The same with those of two masses, where one promises a part of what the named one has.
@@ -161,10 +158,20 @@ impl Round<'_> {
         judged: &mut Vec<Judged>,
     ) -> bool {
         let two = self.of_two(weights, judged);
-        let mut all = std::mem::take(judged);
-        all.extend(self.convincing(ground, weights, &two));
-        *judged = ordered(all);
-        !two.is_empty()
+        self.join(ground, weights, &two, judged)
+    }
+
+    /// Puts those laws, fitted, among the judged ones; whether there are any.
+    fn join(
+        &self,
+        ground: &Ground,
+        weights: &Weights,
+        laws: &[&LawWeight],
+        judged: &mut Vec<Judged>,
+    ) -> bool {
+        judged.extend(self.convincing(ground, weights, laws));
+        *judged = ordered(std::mem::take(judged));
+        !laws.is_empty()
     }
 
     fn convincing(&self, ground: &Ground, weights: &Weights, laws: &[&LawWeight]) -> Vec<Judged> {

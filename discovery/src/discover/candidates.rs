@@ -135,22 +135,13 @@ pub(crate) fn candidate(entry: &'static Entry, drive: &Drive, scales: &Scales) -
     };
     let ranges = vanish.clone().map(range).collect();
     let coefficients = vanish.map(str::to_owned).collect();
-    let id = free_id(drive, entry.info.id);
+    let id = drive.free_id(entry.info.id);
     let variants =
         shapes(entry, drive, scales).into_iter().map(|shape| variant(entry, &id, &shape)).collect();
     let periodic = entry.parameters.iter().any(|parameter| parameter.name == "N");
     let frozen = if periodic && drive.motion == Motion::Rotary { vec!["N"] } else { Vec::new() };
     let (name, fails_over) = (info.id.to_owned(), info.fails_over.to_vec());
     Candidate { name, info, fails_over, id, coefficients, ranges, variants, frozen }
-}
-
-/// The kind's own name, or with the next free number where the drive has one of the kind.
-fn free_id(drive: &Drive, kind: &str) -> String {
-    let taken = |id: &str| drive.effects.iter().any(|effect| effect.id == id);
-    if !taken(kind) {
-        return kind.to_owned();
-    }
-    (2..).map(|k| format!("{kind}_{k}")).find(|id| !taken(id)).unwrap_or_default()
 }
 
 /// Why the effect is no candidate for this drive, whatever is recorded.

@@ -29,8 +29,7 @@ impl Round<'_> {
     pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
         let seen = |_| self.watch.stopped();
         let (estimation, validation) = (self.estimation, self.validation);
-        let left = |drive: &Drive| self.torque_left(drive);
-        let before = left(&ground.scene.drive);
+        let before = self.torque_left(&ground.scene.drive);
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
@@ -54,25 +53,25 @@ impl Round<'_> {
             let (was, is) = (error(self.model), error(&model));
             let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
             one.model = model;
+            let falls = fits && is <= (1.0 - FALLS) * was;
             let removed = self.removed_of_validation(&one.model);
-            if fits && is <= (1.0 - FALLS) * was && removed >= decision::EXPLAINS {
+            if falls && removed >= decision::EXPLAINS {
                 break;
             }
             if self.explains_torque(&one.model.fitted.drive) {
                 one.weighed.by_balance = true;
                 break;
             }
-            let falls = before
-                .zip(left(&drive))
-                .is_some_and(|(before, after)| after < (1.0 - FALLS) * before);
-            let unfitted = falls.then(unfitted).and_then(Result::ok);
+            let both = before.zip(self.torque_left(&drive));
+            let less_torque = both.is_some_and(|(before, after)| after < (1.0 - FALLS) * before);
+            let unfitted = less_torque.then(unfitted).and_then(Result::ok);
             if let Some(model) = unfitted.filter(|model| error(model) <= was) {
                 one.model = model;
                 one.weighed.by_balance = true;
                 break;
             }
             let removed = 100.0 * removed;
-            one.refused = Some(if fits && is <= (1.0 - FALLS) * was {
+            one.refused = Some(if falls {
                 format!(
                     "it takes {removed:.1} % of the excess error on the validation data away only"
                 )
@@ -176,10 +175,9 @@ impl Round<'_> {
 
     /// Share of the error above the noise floor that goes with that model.
     pub(crate) fn removed(&self, with: &Model) -> f64 {
-        let floor = self.floor(self.estimation);
-        let excess = (self.model.fitted.squares.sum - floor).max(f64::MIN_POSITIVE);
-        let removed = self.model.fitted.squares.sum - with.fitted.squares.sum;
-        (removed / excess).clamp(0.0, 1.0)
+        let (was, is) = (self.model.fitted.squares.sum, with.fitted.squares.sum);
+        let excess = was - self.floor(self.estimation);
+        ((was - is) / excess.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
     }
 
     /// The same on the validation data, negative where the error rises; all where there was none.

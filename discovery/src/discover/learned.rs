@@ -134,9 +134,7 @@ impl Curve {
 /// values that these recordings do not tell.
 pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData, Vec<String>)> {
     let (target, over) = weight.curve.as_effect()?;
-    let id = (1..)
-        .map(|k| if k == 1 { "learned".to_owned() } else { format!("learned_{k}") })
-        .find(|id| !drive.effects.iter().any(|effect| effect.id == *id))?;
+    let id = drive.free_id("learned");
     // A curve is what is lost; the effect adds.
     let values = beside_parameters(weight);
     let values = values.iter().enumerate();

@@ -139,17 +139,18 @@ impl Round<'_> {
     fn judged(&self, ground: &Ground, weights: &Weights) -> Vec<Judged> {
         self.watch.step(&Step::Doing("fitting the best candidates"));
         let mut judged = self.of_one_mass(ground, weights);
-        self.simplest_of_equal(&mut judged);
+        let decide = |judged: &mut Vec<Judged>| {
+            self.simplest_of_equal(judged);
+            self.fit_first(ground, judged);
+        };
         let convinced = judged.iter().any(|one| one.refused.is_none());
-        self.fit_first(ground, &mut judged);
+        decide(&mut judged);
         let nothing = judged.iter().all(|one| one.refused.is_some());
         if convinced && nothing && self.of_others(ground, weights, &mut judged) {
-            self.simplest_of_equal(&mut judged);
-            self.fit_first(ground, &mut judged);
+            decide(&mut judged);
         }
         if self.of_two_masses(ground, weights, &mut judged) {
-            self.simplest_of_equal(&mut judged);
-            self.fit_first(ground, &mut judged);
+            decide(&mut judged);
         }
         self.fit_small(&mut judged);
         judged

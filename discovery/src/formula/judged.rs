@@ -63,9 +63,7 @@ fn judged(ground: &Ground, drive: &Drive, it: &Weighed, visited: &Visited) -> Op
     let start = coefficients.iter().zip(&it.coefficients).map(|(name, value)| (*name, *value));
     let parameters: Vec<(String, f64)> =
         start.chain(written.shape).map(|(name, value)| (name.to_owned(), value)).collect();
-    let id = (1..)
-        .map(|k| if k == 1 { ID.to_owned() } else { format!("{ID}_{k}") })
-        .find(|id| !drive.effects.iter().any(|effect| effect.id == *id))?;
+    let id = drive.free_id(ID);
     let free: Vec<String> = parameters.iter().map(|(name, _)| format!("{id}.{name}")).collect();
     let own: Vec<String> = coefficients.iter().map(|name| (*name).to_owned()).collect();
     let law = LawData::Typed { target: it.form.target, text: written.text.clone() };

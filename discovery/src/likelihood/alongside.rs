@@ -12,7 +12,8 @@ use super::ground::Ground;
 use super::marginal::{Beside, ln_mean_exp, log_evidence};
 use super::randomness::excerpt;
 use super::scene::{Recorded, Scene};
-use super::weigh::{SHORTER, SIZES, SMALLER};
+use super::weigh::{SHORTER, SMALLER};
+use super::weighing::SIZES;
 
 /// Columns of a source: sources are filtered in parallel.
 const A_SOURCE: usize = 32;

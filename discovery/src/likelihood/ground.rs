@@ -10,7 +10,8 @@ use super::randomness::{ENOUGH, Randomness, excerpt};
 use super::refine::refined;
 use super::scene::{Scene, rms};
 use super::search::{COARSE, FINE};
-use super::weigh::{CurveWeight, beside};
+use super::weigh::beside;
+use super::weights::CurveWeight;
 use crate::discover::{Oscillation, RandomLoad};
 
 /// Sizes of the random load, over that of the base, with which a structure is judged at its best:

@@ -26,6 +26,7 @@ mod linear;
 mod marginal;
 mod noise;
 mod optimum;
+mod passes;
 mod plant;
 mod randomness;
 mod rates;
@@ -37,6 +38,8 @@ mod stepper;
 #[cfg(test)]
 mod tests;
 mod weigh;
+mod weighing;
+mod weights;
 
 pub(crate) use alongside::{Alongside, Told};
 pub(crate) use columns::Series;
@@ -44,4 +47,5 @@ pub(crate) use ground::Ground;
 pub(crate) use optimum::Law;
 pub(crate) use randomness::Randomness;
 pub(crate) use scene::Scene;
-pub(crate) use weigh::{CurveWeight, LawWeight, Weights, weigh};
+pub(crate) use weigh::weigh;
+pub(crate) use weights::{CurveWeight, LawWeight, Weights};

@@ -13,7 +13,7 @@ use super::gram::References;
 use super::marginal::{Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
 use super::scene::{Recorded, Scene};
 use super::stepper::stepped;
-use super::weigh::SIZES;
+use super::weighing::SIZES;
 
 /// What is added to the law of the base, in a fitted drive.
 pub(crate) struct Law<'a> {

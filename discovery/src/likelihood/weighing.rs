@@ -1,0 +1,163 @@
+//! The evidence of laws and curves, from products of their whitened columns.
+
+use nalgebra::DMatrix;
+
+use super::gram::Products;
+use super::marginal::{Beside, Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
+use super::passes::Seat;
+use super::weights::{CurveWeight, LawWeight};
+use crate::discover::{Candidate, Curve};
+
+/// Standard deviations of a law's coefficients, of the balance's size.
+pub(super) const SIZES: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+/// The same of a curve's values.
+const CURVE_SIZES: [f64; 5] = [0.003, 0.01, 0.03, 0.1, 0.3];
+
+/// Standard deviation of a curve's value, over its largest, from which on it is not told, and the share
+/// of its information that must be new beside those that are.
+const TOLD: f64 = 0.1;
+const NEW: f64 = 1e-3;
+
+/// Which values are told by that information, given the others: the rest is better kept.
+fn told_of(mut left: DMatrix<f64>, enough: f64) -> Vec<bool> {
+    let whole = left.diagonal();
+    let mut told = vec![false; whole.len()];
+    loop {
+        let open = (0..told.len()).filter(|k| !told[*k]);
+        let Some(best) = open.max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)])) else {
+            return told;
+        };
+        let pivot = left[(best, best)];
+        // Not so, too, where the size is 0 and nothing is known.
+        if !(pivot > enough.max(NEW * whole[best]) && pivot.is_finite()) {
+            return told;
+        }
+        told[best] = true;
+        let column = left.column(best).into_owned();
+        left.ger(-1.0 / pivot, &column, &column, 1.0);
+    }
+}
+
+/// Values of a curve.
+#[derive(Debug, Clone, Default)]
+struct Hats {
+    size: f64,
+    values: Vec<f64>,
+    visited: Vec<bool>,
+    told: Vec<bool>,
+}
+
+/// Share of a column's amplitude beside the base below which the base imitates it.
+const IMITATED: f64 = 1e-2;
+
+/// Products of the recordings of the fit and of all, of columns in units of their scales.
+pub(super) struct Weighing<'a> {
+    pub(super) fitted: Products,
+    pub(super) all: Products,
+    pub(super) scale: &'a [f64],
+    pub(super) background: Terms,
+    /// The parameters of the base alone.
+    pub(super) parameters: Terms,
+}
+
+impl Weighing<'_> {
+    /// ln of the evidence of columns of any of those sizes beside the background.
+    fn of(&self, products: &Products, columns: &[usize], sizes: &[f64]) -> f64 {
+        let with = |size: &f64| log_evidence(products, &self.background.with(columns, size * size));
+        ln_mean_exp(sizes.iter().map(with))
+    }
+
+    /// What each candidate explains, most probable first.
+    pub(super) fn laws(&self, candidates: &[Candidate], seats: &[Seat]) -> Vec<LawWeight> {
+        let base = log_evidence(&self.fitted, &self.background);
+        let mut found = Vec::new();
+        for (number, candidate) in candidates.iter().enumerate() {
+            let mut own: Vec<(&Seat, f64)> = seats
+                .iter()
+                .filter(|seat| seat.candidate == number)
+                .map(|seat| (seat, self.of(&self.fitted, &seat.columns, &SIZES) - base))
+                .collect();
+            let evidence = ln_mean_exp(own.iter().map(|(_, evidence)| *evidence));
+            own.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let Some((best, _)) = own.first() else { continue };
+            let finite = best.columns.iter().all(|column| self.scale[*column] > 0.0);
+            let coefficients = if candidate.is_linear() { self.coefficients(best) } else { vec![] };
+            // What would need a coefficient that cannot be is no evidence for the law.
+            let impossible =
+                coefficients.iter().zip(&candidate.ranges).any(|(c, (low, _))| c < low);
+            let evidence = if impossible { evidence.min(0.0) } else { evidence };
+            found.push(LawWeight {
+                candidate: number,
+                variants: own.iter().map(|(seat, _)| seat.variant).collect(),
+                coefficients,
+                evidence,
+                imitated: own.iter().all(|(seat, _)| self.imitated(&seat.columns)),
+                finite,
+            });
+        }
+        found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        found
+    }
+
+    /// The most probable coefficients of a law, in their own units.
+    fn coefficients(&self, seat: &Seat) -> Vec<f64> {
+        let terms = self.background.with(&seat.columns, 1.0);
+        let mean = coefficients(&self.fitted, &terms);
+        let place = self.background.columns.len();
+        let one = |(k, column): (usize, &usize)| {
+            mean.as_ref().map_or(0.0, |mean| mean[place + k] * self.scale[*column])
+        };
+        seat.columns.iter().enumerate().map(one).collect()
+    }
+
+    /// Whether nothing of a law stands out of the base's own columns.
+    fn imitated(&self, columns: &[usize]) -> bool {
+        let out = |column: &usize| standing_out(&self.fitted, &self.parameters, *column);
+        columns.iter().all(|column| out(column) < IMITATED)
+    }
+
+    /// The most probable values of hats drawn with that standard deviation: root of their mean square,
+    /// each of them in its own unit, and which are told.
+    fn hats(&self, columns: &[usize], sd: f64) -> Hats {
+        let terms = self.background.with(columns, sd * sd);
+        let from = self.background.columns.len();
+        let Some(mean) = coefficients(&self.fitted, &terms) else { return Hats::default() };
+        let own = mean.rows(from, columns.len());
+        let enough = 1.0 / (TOLD * own.amax()).powi(2);
+        let visited = columns.iter().map(|it| self.fitted.of(*it, *it) > enough).collect();
+        let told = Beside::of(&self.fitted, &self.background);
+        Hats {
+            size: own.norm(),
+            values: (0..columns.len()).map(|k| own[k] * self.scale[columns[k]]).collect(),
+            visited,
+            told: told.map_or_else(
+                || vec![false; columns.len()],
+                |it| told_of(it.told(&self.fitted, columns).0, enough),
+            ),
+        }
+    }
+
+    /// What each curve explains, most probable first.
+    pub(super) fn curves(&self, curves: Vec<(Curve, Vec<usize>)>) -> Vec<CurveWeight> {
+        let bases =
+            [&self.fitted, &self.all].map(|products| log_evidence(products, &self.background));
+        let mut found: Vec<CurveWeight> = curves
+            .into_iter()
+            .map(|(curve, columns)| {
+                let [fitted, all] = [&self.fitted, &self.all]
+                    .map(|products| self.of(products, &columns, &CURVE_SIZES));
+                let evidence = fitted - bases[0];
+                let size = CURVE_SIZES.into_iter().max_by(|a, b| {
+                    let of = |size: f64| self.of(&self.fitted, &columns, &[size]);
+                    of(*a).total_cmp(&of(*b))
+                });
+                let hats = self.hats(&columns, size.unwrap_or(CURVE_SIZES[0]));
+                let repeats = all - bases[1] - evidence;
+                let Hats { size, values, visited, told } = hats;
+                CurveWeight { curve, evidence, repeats, size, values, visited, told }
+            })
+            .collect();
+        found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        found
+    }
+}

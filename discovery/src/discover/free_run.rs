@@ -106,15 +106,9 @@ impl Round<'_> {
         }
         let Some(one) = judged.iter_mut().find(|one| one.weighed.small) else { return };
         let Some(model) = self.in_free_run(one) else { return };
-        let both = [
-            (&self.model.fitted.squares, &model.fitted.squares, self.estimation),
-            (&self.model.validation.squares, &model.validation.squares, self.validation),
-        ];
-        let explained = both.iter().all(|(was, is, evidence)| {
-            let floor = self.floor(evidence);
-            is.sum - floor <= decision::LEFT * (was.sum - floor)
-        });
-        if explained {
+        let floor = self.floor(self.estimation) + self.floor(self.validation);
+        let excess = |it: &Model| it.fitted.squares.sum + it.validation.squares.sum - floor;
+        if excess(&model) <= decision::LEFT * excess(self.model) {
             one.model = model;
             one.refused = None;
         }

@@ -45,8 +45,9 @@ impl Round<'_> {
         let it = one.weighed;
         let (evidence, size) = self.asked(self.is_further(one));
         let share = curve.map_or(1.0, |(_, explains)| it.fitted / explains.max(f64::MIN_POSITIVE));
-        if it.evidence + decision::LAW_ODDS.ln() <= evidence {
-            Some(format!("its evidence is {:.1} only, and {evidence} is asked for", it.evidence))
+        let asked = evidence - decision::LAW_ODDS.ln();
+        if it.evidence <= asked {
+            Some(format!("its evidence is {:.1} only, and {asked:.1} is asked for", it.evidence))
         } else if self.is_disturbance(one) {
             Some(
                 "its phase changes from recording to recording: it does not belong to the machine"

@@ -5,6 +5,8 @@
 //! phi_2(z) = (phi_1(z) - 1) / z, by a series for a small part of the sample and doubling (Moler and
 //! Van Loan, SIAM Review 45, 2003, method 3).
 
+use drivescope_plant::integrate::{Work, widest};
+
 use super::sparse::{NO_ROWS, Row, Rows, add, product, unit};
 
 /// Norm of the part of the sample for which the series is summed; six terms leave 4e-8 of it.
@@ -36,28 +38,46 @@ impl Exponential {
         let doublings =
             if norm > SMALL { (norm / SMALL).log2().ceil().min(60.0) as i32 } else { 0 };
         let z = scaled(rates, h / 2.0_f64.powi(doublings));
+        widest(Summed { z: &z, doublings, h, of: self });
+    }
+}
+
+/// The series of a small part of the sample, doubled so often.
+struct Summed<'a> {
+    z: &'a Rows,
+    doublings: i32,
+    h: f64,
+    of: &'a mut Exponential,
+}
+
+impl Work for Summed<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { z, doublings, h, of } = self;
         // phi_2 = 1/2 (1 + z/3 (1 + z/4 (1 + ..))), by Horner.
         let mut second = unit();
         for term in (3..=TERMS).rev() {
-            second = sum(&unit(), 1.0 / f64::from(term), &product(&z, &second));
+            second = sum(&unit(), 1.0 / f64::from(term), &product(z, &second));
         }
         second = scaled(&second, 0.5);
-        let mut first = sum(&unit(), 1.0, &product(&z, &second));
-        let mut whole = sum(&unit(), 1.0, &product(&z, &first));
+        let mut first = sum(&unit(), 1.0, &product(z, &second));
+        let mut whole = sum(&unit(), 1.0, &product(z, &first));
         for _ in 0..doublings {
             second = scaled(&sum(&product(&first, &first), 2.0, &second), 0.25);
             first = scaled(&product(&sum(&whole, 1.0, &unit()), &first), 0.5);
             whole = product(&whole, &whole);
         }
-        (self.whole, self.input, self.mean) = (whole, scaled(&first, h), scaled(&second, h));
+        (of.whole, of.input, of.mean) = (whole, scaled(&first, h), scaled(&second, h));
     }
 }
 
+#[inline(always)]
 fn scaled(rows: &Rows, factor: f64) -> Rows {
     rows.map(|row| row.map(|value| factor * value))
 }
 
 /// Rows and a multiple of others.
+#[inline(always)]
 fn sum(rows: &Rows, factor: f64, others: &Rows) -> Rows {
     let mut sum = *rows;
     for (sum, other) in sum.iter_mut().zip(others) {

@@ -20,6 +20,7 @@ pub(crate) fn add(sum: &mut Row, factor: f64, row: &Row) {
 }
 
 /// The square matrix that changes nothing.
+#[inline(always)]
 pub(crate) fn unit() -> Rows {
     let mut unit = NO_ROWS;
     (0..STATES).for_each(|state| unit[state][state] = 1.0);
@@ -27,6 +28,7 @@ pub(crate) fn unit() -> Rows {
 }
 
 /// The product of two square matrices, the first of which has few entries that are not 0.
+#[inline(always)]
 pub(crate) fn product(a: &Rows, b: &Rows) -> Rows {
     let mut product = NO_ROWS;
     for (sum, row) in product.iter_mut().zip(a) {

@@ -8,6 +8,7 @@
 
 mod emps;
 mod foreign;
+mod kept;
 mod own;
 mod real;
 mod reliability;
@@ -15,7 +16,7 @@ mod tally;
 #[cfg(test)]
 mod testing;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use drivescope_discovery::{
@@ -30,6 +31,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::interrupt;
+use crate::run_folder::RunFolder;
 
 use own::Distance;
 
@@ -170,19 +172,26 @@ pub(crate) struct Found {
 }
 
 /// Draws and judges that many cases, and times some of them ([`timed`]); each counts as an advance.
+/// `keep` is a folder for them as files.
 ///
 /// # Errors
-/// No Python for the independent generators, or the user stops.
+/// No Python for the independent generators, a folder that cannot be written, or the user stops.
 pub(crate) fn run(
     cases: usize,
     seed: u64,
     python: &foreign::Python,
+    keep: Option<&Path>,
     advance: &(dyn Fn() + Sync),
 ) -> miette::Result<Found> {
     let mut all = python.cases(cases / 2, seed)?;
     interrupt::check()?;
     all.extend(own::cases(cases - all.len(), seed));
     all.extend(own::unprogrammed(unprogrammed(cases), seed));
+    if let Some(path) = keep {
+        let folder = RunFolder::take(path)?;
+        kept::keep(&all, folder.work())?;
+        folder.finish()?;
+    }
     let judged = all.par_iter().enumerate().map(|(number, case)| {
         interrupt::check()?;
         let outcome = judge(case, gives_noise(number));

@@ -1,5 +1,6 @@
 //! `benchmark discovery`: how often a hidden effect is named right.
 
+use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::Args;
@@ -25,6 +26,10 @@ pub(super) struct OfDiscovery {
     /// nobody programmed, for which formulas are sought.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     cases: usize,
+    /// Folder for the cases as files: `case_0000` and so on, each with the drive file to start from,
+    /// both recordings, and the truth in `truth.json`.
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
 }
 
 impl Run for OfDiscovery {
@@ -42,7 +47,7 @@ impl Run for OfDiscovery {
         let all = self.cases + unprogrammed(self.cases);
         let bar = session.progress((all + timed(all)) as u64, "discovering");
         let advance = || bar.inc(1);
-        let found = run(self.cases, seed, &python(), &advance)?;
+        let found = run(self.cases, seed, &python(), self.keep.as_deref(), &advance)?;
         bar.finish_and_clear();
         let table = Table::new(seed, found);
         session.say(&table.text(), &table, &Next::new("benchmark detection"))?;

@@ -25,6 +25,11 @@ pub(in crate::benchmark) struct Distance {
 }
 
 impl HiddenLaw {
+    /// The law, as it is in the machine.
+    pub(in crate::benchmark) fn effect(&self) -> &EffectData {
+        &self.effect
+    }
+
     /// The law as a user would type it, who knows its form: its coefficient `c` is 0.
     pub(in crate::benchmark) fn at_null(&self) -> EffectData {
         let mut effect = self.effect.clone();

@@ -55,9 +55,15 @@ pub(crate) struct Gathered {
 }
 
 impl EvidenceOptions {
+    /// The recordings to fit to.
+    pub(crate) fn files(&self) -> &[PathBuf] {
+        &self.recordings
+    }
+
     /// The command on the same recordings.
     pub(crate) fn on(&self, next: Next) -> Next {
-        next.files(&self.recordings).options(&self.reading.typed())
+        let next = next.files(&self.recordings);
+        self.reading.on(next.judged(&self.validate, self.noise.as_deref()))
     }
 
     /// Reads and splits the recordings for that purpose; says what was assumed and what is doubtful.

@@ -19,9 +19,23 @@ impl Next {
         self
     }
 
+    /// The word as a shell takes it for one.
+    pub(crate) fn word(word: &str) -> String {
+        quoted(word)
+    }
+
     /// With files more.
     pub(crate) fn files<'a>(self, files: impl IntoIterator<Item = &'a std::path::PathBuf>) -> Self {
         files.into_iter().fold(self, |next, file| next.with(file.display()))
+    }
+
+    /// With recordings to judge by, and noise that was given, where there are any.
+    pub(crate) fn judged(self, validate: &[std::path::PathBuf], noise: Option<&str>) -> Self {
+        let next = match validate {
+            [] => self,
+            some => self.options(" --validate").files(some),
+        };
+        noise.into_iter().fold(next, |next, noise| next.options(" --noise").with(noise))
     }
 
     /// With options more, as they are typed: empty, or with a blank before each.
@@ -60,5 +74,10 @@ mod tests {
         let next = Next::new("compare").with("my drive.toml").with("it's.csv").options(" --check");
         assert_eq!(next.command(), r"drivescope compare 'my drive.toml' 'it'\''s.csv' --check");
         assert_eq!(Next::new("fit").with("a.toml").to_string(), "next: drivescope fit a.toml");
+        let judged = Next::new("compare a.toml").judged(&["v 1.csv".into()], Some("i=0.01"));
+        assert_eq!(
+            judged.command(),
+            "drivescope compare a.toml --validate 'v 1.csv' --noise i=0.01"
+        );
     }
 }

@@ -5,6 +5,7 @@ use std::fs::{self, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use drivescope_recording::write_whole;
 use tempfile::TempDir;
 
 use crate::failure::Failure;
@@ -113,6 +114,10 @@ fn put_in_place(from: &Path, to: &Path) -> io::Result<()> {
         if entry.file_type()?.is_dir() {
             fs::create_dir_all(&target)?;
             put_in_place(&entry.path(), &target)?;
+        } else if target.symlink_metadata().is_ok_and(|there| !there.is_file()) {
+            // Where the user put a link or a device, it stays.
+            let mut made = fs::File::open(entry.path())?;
+            write_whole(&target, |out| io::copy(&mut made, out).map(drop))?;
         } else {
             fs::rename(entry.path(), target)?;
         }
@@ -159,6 +164,18 @@ mod tests {
         run.finish().expect("it is put in place");
         assert_eq!(fs::read_to_string(path.join("runs/a.csv")).expect("it is there"), "1");
         assert_eq!(path.read_dir().expect("a folder").count(), 1, "nothing else");
+        #[cfg(unix)]
+        {
+            // What the user linked elsewhere is written there, and the link stays.
+            std::os::unix::fs::symlink("../there.csv", path.join("b.csv")).expect("a link");
+            let run = RunFolder::take(&path).expect("it is free");
+            fs::write(run.work().join("b.csv"), "2").expect("written");
+            run.finish().expect("it is put in place");
+            assert!(path.join("b.csv").is_symlink());
+            let there = fs::read_to_string(here.path().join("deep/there.csv"));
+            assert_eq!(there.expect("it is there"), "2");
+            fs::remove_file(path.join("b.csv")).expect("it is there");
+        }
         // The mark of a process that is no more is no obstacle.
         fs::write(path.join(TAKEN), "4294967295").expect("written");
         drop(RunFolder::take(&path).expect("it is free again"));

@@ -32,7 +32,7 @@ pub(crate) struct Session {
 }
 
 /// Seed where none is given.
-const USUAL_SEED: u64 = 1;
+pub(crate) const USUAL_SEED: u64 = 1;
 /// How often a progress bar is drawn.
 const REDRAW: Duration = Duration::from_millis(100);
 
@@ -138,6 +138,11 @@ impl Session {
     /// Whether standard output is for JSON alone.
     pub(crate) fn prints_json(&self) -> bool {
         self.json.as_ref().is_some_and(|path| path.as_os_str() == "-")
+    }
+
+    /// Whether JSON goes to a file.
+    pub(crate) fn writes_json(&self) -> bool {
+        self.json.is_some() && !self.prints_json()
     }
 
     /// Says something beside the answer.

@@ -90,6 +90,23 @@ pub enum Error {
         /// Typed laws without which it does not.
         laws: Vec<String>,
     },
+    /// The model overflows, and a sample of the recording is beyond what it may be stepped.
+    #[error(
+        "{recording}: a sample of {period_s} s would take the model {:.1e} sub-steps, more than the \
+         {most} that one may take: check the unit of time (--columns time=COLUMN:ms), and R, L, J and \
+         the effects of the drive file, one of which makes it that much faster than the recording",
+        substeps
+    )]
+    OutOfBudget {
+        /// The first recording.
+        recording: String,
+        /// Its sampling time, s.
+        period_s: f64,
+        /// Sub-steps that a sample would take.
+        substeps: f64,
+        /// Sub-steps that it may take.
+        most: usize,
+    },
     /// A speed that the input cannot give.
     #[error(
         "{file}: {name} reaches {largest:.4} {unit}, but u and K_e of the drive file give {possible:.4} \

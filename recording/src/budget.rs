@@ -3,8 +3,9 @@
 use crate::error::Error;
 
 /// Numbers that all columns of a recording may hold together: 1.6 GB. Packed files can claim any
-/// size, so that readers ask before they allocate, not after.
-pub(crate) const MOST_NUMBERS: usize = 200_000_000;
+/// size, so that readers ask before they allocate, not after; so does what makes recordings, for what
+/// is written is to be read again.
+pub const MOST_NUMBERS: usize = 200_000_000;
 /// Bytes of one number.
 pub(crate) const NUMBER_BYTES: usize = size_of::<f64>();
 

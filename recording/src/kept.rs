@@ -62,28 +62,32 @@ impl ReadOptions {
         Ok(Some(ReadOptions { columns: columns?, resample, rows_every }))
     }
 
-    /// Keeps the options for a recording.
+    /// The text of the file that keeps the options of a recording.
     ///
     /// # Errors
-    /// [`Error::Write`] where the file cannot be written.
-    pub fn keep(&self, recording: &Path) -> Result<PathBuf, Error> {
-        let path = Self::kept_at(recording);
+    /// What TOML cannot hold.
+    pub fn kept_text(&self, recording: &Path) -> Result<String, toml::ser::Error> {
         let column = |it: &Mapping| match &it.unit {
             Some(unit) => format!("{}:{unit}", it.foreign),
             None => it.foreign.clone(),
         };
         let columns = self.columns.iter().map(|it| (it.canonical.clone(), column(it))).collect();
         let Self { resample, rows_every, .. } = *self;
-        let table = toml::to_string(&Kept { resample, rows_every, columns });
+        let table = toml::to_string(&Kept { resample, rows_every, columns })?;
         let name = recording.file_name().unwrap_or_default().to_string_lossy();
+        Ok(format!("# How {name} is read. Remove this file to have it guessed again.\n{table}"))
+    }
+
+    /// Keeps the options for a recording.
+    ///
+    /// # Errors
+    /// [`Error::Write`] where the file cannot be written.
+    pub fn keep(&self, recording: &Path) -> Result<PathBuf, Error> {
+        let path = Self::kept_at(recording);
+        let text = self.kept_text(recording);
         let written = || -> std::io::Result<()> {
-            let table = table.map_err(std::io::Error::other)?;
-            write_whole(&path, |out| {
-                write!(
-                    out,
-                    "# How {name} is read. Remove this file to have it guessed again.\n{table}"
-                )
-            })
+            let text = text.map_err(std::io::Error::other)?;
+            write_whole(&path, |out| out.write_all(text.as_bytes()))
         };
         written().map_err(|source| Error::Write { file: path.display().to_string(), source })?;
         Ok(path)

@@ -42,6 +42,7 @@ mod time_unit;
 mod unit;
 mod words;
 
+pub use budget::MOST_NUMBERS;
 pub use choices::{Choice, choices, in_words};
 pub use clock::{Break, Clock};
 pub use csv::{CsvStream, Row, read_csv};

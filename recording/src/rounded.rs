@@ -1,11 +1,19 @@
 //! Numbers in sentences.
 
 /// A number without the digits that rounding left behind: `15.245`, not `15.245000000000001`. Eight
-/// digits tell one sample from the next in a day of milliseconds.
+/// digits tell one sample from the next in a day of milliseconds. Rows of zeros are a power of ten.
 pub fn rounded(value: f64) -> String {
     const DIGITS: usize = 8;
+    /// Magnitudes that are read without one.
+    const PLAIN: std::ops::Range<f64> = 1e-6..1e15;
     let text = format!("{value:.*e}", DIGITS - 1);
-    text.parse::<f64>().map_or(text, |value| value.to_string())
+    match text.parse::<f64>() {
+        Ok(value) if PLAIN.contains(&value.abs()) || value == 0.0 || !value.is_finite() => {
+            value.to_string()
+        }
+        Ok(value) => format!("{value:e}"),
+        Err(_) => text,
+    }
 }
 
 #[cfg(test)]
@@ -21,6 +29,10 @@ mod tests {
             (0.001, "0.001"),
             (2.0, "2"),
             (-0.0, "-0"),
+            (1e-9, "1e-9"),
+            (0.000_005, "0.000005"),
+            (-1e300, "-1e300"),
+            (1e12, "1000000000000"),
             (f64::INFINITY, "inf"),
         ] {
             assert_eq!(rounded(value), text);

@@ -112,15 +112,15 @@ impl Run for Compare {
         }
         let observer = Observer::choose(&drive, &evidence.recordings, &evidence.noise);
         let setting = Setting::new(&drive, observer);
-        let bar = session.progress(2, "comparing");
+        let spinner = session.spinner();
+        spinner.set_message("comparing");
         let options = Options { curves: true, seed: session.seed };
         let compared = compare(&drive, &evidence, &setting, &options).map_err(told)?;
-        bar.inc(1);
         let validation_error = validation
             .map(|it| evaluate(&drive, &it.evidence, &setting, true).map_err(told))
             .transpose()?
             .map(|judged| judged.squares.error());
-        bar.finish_and_clear();
+        spinner.finish_and_clear();
         let verdict = page::verdict(&compared);
         let mut by_name: BTreeMap<&str, Value> = BTreeMap::new();
         for it in &noise[0] {
@@ -165,12 +165,16 @@ impl Run for Compare {
         }
         let fails = compared.fails();
         let on = |next: Next| {
-            next.with(&self.drive).files(&self.recordings).options(&self.reading.typed())
+            let next = next.with(&self.drive).files(&self.recordings);
+            self.reading.on(next.judged(&self.validate, self.noise.as_deref()))
         };
-        let next = match (fails, compared.is_unfitted()) {
-            (true, true) => on(Next::new("fit")).options(" -o fitted.toml"),
-            (true, false) => on(Next::new("discover")).options(" -o found.toml"),
-            (false, _) => Next::new("export").with(&self.drive).options(" -o drive.fmu"),
+        // Beyond the noise other values would explain more, whether or not a variable shows it.
+        let next = match (compared.is_unfitted(), fails) {
+            (true, shown) if shown || !page::explains(&compared) => {
+                on(Next::new("fit")).options(" -o fitted.toml")
+            }
+            (_, true) => on(Next::new("discover")).options(" -o found.toml"),
+            (_, false) => Next::new("export").with(&self.drive).options(" -o drive.fmu"),
         };
         session.say(&text(&drive.name, &compared, &answer), &answer, &next)?;
         Ok(if self.check && fails { Ending::Forbidden } else { Ending::Done })

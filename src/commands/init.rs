@@ -114,10 +114,8 @@ impl Run for Init {
 impl Init {
     /// The command to type next, with the columns that were named here.
     fn next(&self) -> Next {
-        Next::new("fit")
-            .files([&self.output, &self.recording])
-            .options(&self.reading.typed())
-            .options(" -o fitted.toml")
+        let fit = Next::new("fit").files([&self.output, &self.recording]);
+        self.reading.on(fit).options(" -o fitted.toml")
     }
 }
 

@@ -6,6 +6,7 @@ use clap::Args;
 use drivescope_recording::{Mapping, ReadOptions, Recording, Report, Suspicion, read, rounded};
 
 use crate::failure::{Failure, told};
+use crate::next::Next;
 use crate::session::Session;
 
 /// Options of reading a recording.
@@ -30,11 +31,11 @@ impl RecordingOptions {
         self.columns.as_deref()
     }
 
-    /// The options as they are typed, each after a space.
-    pub(crate) fn typed(&self) -> String {
-        let columns = self.columns.iter().map(|columns| format!(" --columns \"{columns}\""));
-        let resample = self.resample.iter().map(|period| format!(" --resample {period}"));
-        columns.chain(resample).collect()
+    /// A command with these options.
+    pub(crate) fn on(&self, next: Next) -> Next {
+        let next = self.columns.iter().fold(next, |it, said| it.options(" --columns").with(said));
+        let next = self.resample.iter().fold(next, |it, s| it.options(" --resample").with(s));
+        self.rows_every.iter().fold(next, |it, s| it.options(" --rows-every").with(s))
     }
 
     /// Whether the command line says how to read.

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use drivescope_discovery::{driving, with_canonical_names};
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::sampled::speed_bound;
-use drivescope_recording::{Quantity, Recording, rounded};
+use drivescope_recording::{MOST_NUMBERS, Quantity, Recording, rounded};
 use serde::Serialize;
 
 use super::Run;
@@ -67,8 +67,10 @@ enum Switch {
 
 /// Sampling time without a controller, s.
 const USUAL_PERIOD: f64 = 1e-3;
-/// More samples than fit into the memory of an ordinary machine.
-const MOST_SAMPLES: f64 = 1e8;
+/// Columns of a recording, time and a load included.
+const MOST_COLUMNS: usize = 10;
+/// Samples beyond which a recording would be too large to be read again.
+const MOST_SAMPLES: usize = MOST_NUMBERS / MOST_COLUMNS;
 
 #[derive(Debug, Serialize)]
 struct Answer {
@@ -200,9 +202,14 @@ impl Simulate {
 
     fn samples(&self, period_s: f64) -> miette::Result<usize> {
         let steps = (self.duration / period_s).round();
-        if !(1.0..MOST_SAMPLES).contains(&steps) {
-            let what = format!("--duration {}: {steps} samples of {period_s} s", self.duration);
-            return Err(usage(what, "between 1 and 1e8 samples can be recorded"));
+        if !(1.0..MOST_SAMPLES as f64).contains(&steps) {
+            let what = format!(
+                "--duration {}: {} samples of {} s",
+                rounded(self.duration),
+                rounded(steps),
+                rounded(period_s)
+            );
+            return Err(usage(what, &format!("between 1 and {MOST_SAMPLES} can be recorded")));
         }
         // Both ends are recorded.
         Ok(steps as usize + 1)

@@ -13,10 +13,8 @@ use crate::evidence::Gathered;
 use crate::failure::told;
 use crate::report::compare::{OfStep, Setting as About};
 
-/// A drive with what an estimate says of it.
+/// What an estimate says of a drive.
 pub(super) struct Drawn {
-    /// The drive.
-    pub(super) drive: Drive,
     /// Its parameters.
     pub(super) parameters: Vec<Estimate>,
     /// What the recordings do not tell.
@@ -27,15 +25,15 @@ pub(super) struct Drawn {
 
 impl From<Fitted> for Drawn {
     fn from(fitted: Fitted) -> Self {
-        let Fitted { drive, parameters, not_identifiable, .. } = fitted;
-        Self { drive, parameters, not_identifiable, fitted: true }
+        let Fitted { parameters, not_identifiable, .. } = fitted;
+        Self { parameters, not_identifiable, fitted: true }
     }
 }
 
 impl From<Discovery> for Drawn {
     fn from(found: Discovery) -> Self {
-        let Discovery { drive, parameters, .. } = found;
-        Self { drive, parameters, not_identifiable: Vec::new(), fitted: true }
+        let Discovery { parameters, .. } = found;
+        Self { parameters, not_identifiable: Vec::new(), fitted: true }
     }
 }
 
@@ -55,7 +53,7 @@ impl Fresh {
     /// The rung, judged and compared.
     ///
     /// # Errors
-    /// The user cancelled it, or the model overflows.
+    /// The user cancelled it, the text is no drive file, or the model overflows.
     pub(super) fn rung(
         self,
         drawn: Drawn,
@@ -63,7 +61,9 @@ impl Fresh {
         basis: &Basis,
         progress: &Progress,
     ) -> miette::Result<Rung> {
-        let Drawn { drive, parameters, not_identifiable, fitted } = drawn;
+        let Drawn { parameters, not_identifiable, fitted } = drawn;
+        // What is shown is what the file holds, to its last digit.
+        let drive = Drive::parse(&self.text, "the drive of this step").map_err(told)?;
         progress.doing("looking where the model fails")?;
         let error = |evidence: &Evidence| {
             let judged = evaluate(&drive, evidence, &setting, true).map_err(told)?;

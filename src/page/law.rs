@@ -182,7 +182,7 @@ impl Understood {
             values.map(|(name, value)| format!("{name} = {value:e}")).collect();
         let text = format!(
             "{}\n[[effect]]\nkind = \"custom\"\nid = \"{id}\"\n{} = {}\nparameters = {{ {} }}\n",
-            rung.text.trim_end(),
+            rung.text,
             self.target,
             serde_json::Value::from(self.text.as_str()),
             values.join(", ")

@@ -14,6 +14,7 @@ mod answer;
 mod assets;
 mod bench;
 mod command;
+mod command_line;
 mod download;
 mod events;
 mod example;

@@ -132,22 +132,23 @@ async fn brushed(
 ) -> Answer<Response> {
     let bench = bench(&site, &id)?;
     let span = looked.window().ok_or_else(|| refused("a window has a beginning and an end"))?;
-    let (rung, whole) = {
+    let (rung, whole, gathered) = {
         let state = bench.state();
-        let rung = state.rung(looked.rung)?;
-        (rung, state.whole.clone().ok_or_else(|| refused("nothing was analysed"))?)
+        let missing = || refused("nothing was analysed");
+        let whole = state.whole.clone().ok_or_else(missing)?;
+        (state.rung(looked.rung)?, whole, state.gathered.clone().ok_or_else(missing)?)
     };
     let seed = site.seed;
     let mine = bench.looks.fetch_add(1, Ordering::Relaxed) + 1;
     let compared = off_the_loop(move || {
         let _alone = bench.looking.lock().unwrap_or_else(PoisonError::into_inner);
         let is_last = bench.looks.load(Ordering::Relaxed) == mine;
-        is_last.then(|| window::compared(&rung, &whole, looked.recording, span, seed))
+        let of = (&*whole, &*gathered);
+        is_last.then(|| window::compared(&rung, of, looked.recording, span, seed))
     });
     let overtaken = || Refusal::new(StatusCode::CONFLICT, "another window was asked for");
-    let compared = compared.await?.ok_or_else(overtaken)?;
-    let compared = compared?;
-    Ok(Json(json!({ "html": within(&compared, span) })).into_response())
+    let window = compared.await?.ok_or_else(overtaken)??;
+    Ok(Json(json!({ "html": within(&window, span) })).into_response())
 }
 
 async fn command(
@@ -223,7 +224,7 @@ async fn give(
     match (what.as_str(), looked.fmi) {
         ("drive.toml", _) => {
             let text = Ok(rung.text.clone().into_bytes());
-            Ok(download::file("application/toml", &super::work::file_of(number), text))
+            Ok(download::file("application/toml", &super::command_line::file_of(number), text))
         }
         ("drive.fmu", Some(fmi @ (2 | 3))) => {
             let fmu = off_the_loop(move || download::fmu(&site, &rung, fmi)).await?;

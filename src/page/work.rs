@@ -11,11 +11,12 @@ use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
 use super::bench::{GivenDrive, State};
+use super::command_line::{Files, file_of};
 use super::fresh::{Drawn, Fresh};
 use super::job::{Cancelled, Progress};
 use super::recordings::Taken;
 use super::rung::Rung;
-use crate::drive_text::with_effects;
+use crate::drive_text::{with_effects, with_estimates};
 use crate::evidence::Gathered;
 use crate::failure::told;
 use crate::first_drive::{FirstDrive, Given};
@@ -35,7 +36,7 @@ pub(super) struct Basis {
     /// The recordings, whole.
     pub(super) whole: Arc<Evidence>,
     /// How the recordings are named on a command line.
-    pub(super) files: String,
+    pub(super) files: Files,
     /// Seed.
     pub(super) seed: u64,
 }
@@ -48,49 +49,21 @@ impl Basis {
         Ok(Self {
             gathered: state.gathered.clone().ok_or_else(missing)?,
             whole: state.whole.clone().ok_or_else(missing)?,
-            files: files(&state),
+            files: Files::of(&state.recordings, progress.bench.seed),
             seed: progress.bench.seed,
         })
     }
 }
 
-/// The recordings as a command line names them.
-fn files(state: &State) -> String {
-    // A command line says the same of every recording.
-    let said = state.recordings.iter().map(Taken::said).find(|it| !it.is_empty());
-    let names: Vec<&str> = state.recordings.iter().map(|it| it.name.as_str()).collect();
-    line(&names, &said.unwrap_or_default())
-}
-
-/// Files and options, as a command line has them.
-fn line(names: &[&str], said: &[String]) -> String {
-    let options = said.iter().map(|it| if it.starts_with("--") { it.clone() } else { quoted(it) });
-    names.iter().map(|it| quoted(it)).chain(options).collect::<Vec<_>>().join(" ")
-}
-
-/// A word of a command line.
-pub(super) fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "._-/=:,".contains(c);
-    if !word.is_empty() && word.chars().all(plain) && !word.starts_with('-') {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
-}
-
-/// The file that holds the drive of a rung, on command lines.
-pub(super) fn file_of(rung: usize) -> String {
-    format!("step-{rung}.toml")
-}
-
 /// Reads the recordings as evidence, fits the drive, looks where it fails, and asks what it lacks.
 pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let (recordings, given, files, first) = {
+    let (recordings, given, files) = {
         let state = progress.bench.state();
         let of = |it: &Taken| Some((it.name.clone(), Arc::clone(it.recording.as_ref()?)));
         let recordings: Vec<(String, Arc<Recording>)> =
             state.recordings.iter().filter_map(of).collect();
-        let first = state.recordings.first().map(|it| line(&[&it.name], &it.said()));
-        (recordings, state.drive.clone(), files(&state), first.unwrap_or_default())
+        let files = Files::of(&state.recordings, progress.bench.seed);
+        (recordings, state.drive.clone(), files)
     };
     progress.doing("reading the recordings")?;
     // Whoever removed the last one began anew.
@@ -122,18 +95,12 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
     let Gathered { estimation, .. } = &*basis.gathered;
     let setting = Setting::of_fit(&given.drive, estimation);
     progress.doing("fitting the drive")?;
-    let options = Options { seed: basis.seed, balanced: false, ..Options::default() };
+    let options = Options { seed: basis.seed, ..Options::default() };
     let fitted =
         fit_seen(&given.drive, estimation, &setting, &options, &|error| progress.fitting(error))
             .map_err(told)?;
-    let name = quoted(&given.name);
-    let fit = format!("drivescope fit {name} {} -o {}", basis.files, file_of(0));
-    let command = match given.made {
-        true => format!("drivescope init {first} -o {name}\n{fit}"),
-        false => fit,
-    };
-    let text =
-        with_effects((&given.name, &given.text), &given.drive, &fitted.drive, &basis.gathered)?;
+    let command = basis.files.begun(&given.name, given.made);
+    let text = with_estimates((&given.name, &given.text), &fitted, &basis.gathered)?;
     let step = Fresh { parent: None, label: "the base, fitted".to_owned(), command, text };
     let rung = Arc::new(step.rung(fitted.into(), setting, &basis, progress)?);
     let drive = rung.drive.clone();
@@ -193,8 +160,7 @@ pub(super) fn extend(
     let name = file_of(number);
     let text = with_effects((&name, &rung.text), &rung.drive, &found.drive, &basis.gathered)?;
     let next = progress.bench.state().rungs.len();
-    let command =
-        format!("drivescope add {name} {} {} -o {}", quoted(effect), basis.files, file_of(next));
+    let command = basis.files.add(number, effect, next);
     let label = format!("+ {}", effect.replace('_', " "));
     let step = Fresh { parent: Some(number), label, command, text };
     let setting = Setting::new(&found.drive, rung.setting.observer);
@@ -211,14 +177,16 @@ pub(super) fn refit(
     let next = progress.bench.state().rungs.len();
     let name = file_of(number);
     let drive = Drive::parse(&text, &name).map_err(told)?;
-    let setting = Setting::new(&drive, rung.setting.observer);
     progress.doing("fitting")?;
-    let options = Options { seed: basis.seed, balanced: false, ..Options::default() };
+    // As `fit` chooses it, but for the observer: errors along a ladder compare under one alone.
+    let own = Setting::of_fit(&drive, &basis.gathered.estimation);
+    let setting = Setting { observer: rung.setting.observer, ..own };
+    let options = Options { seed: basis.seed, ..Options::default() };
     let seen = |error| progress.fitting(error);
     let fitted =
         fit_seen(&drive, &basis.gathered.estimation, &setting, &options, &seen).map_err(told)?;
-    let command = format!("drivescope fit {name} {} -o {}", basis.files, file_of(next));
-    let text = with_effects((&name, &text), &drive, &fitted.drive, &basis.gathered)?;
+    let command = basis.files.refit((number, &rung.text), &text, next);
+    let text = with_estimates((&name, &text), &fitted, &basis.gathered)?;
     let step = Fresh { parent: Some(number), label, command, text };
     finish(step, fitted.into(), setting, &basis, progress)
 }
@@ -244,9 +212,10 @@ pub(super) fn judge(
         }
     });
     let parameters = parameters.collect();
-    let command = format!("drivescope compare {} {}", file_of(number), basis.files);
+    let next = progress.bench.state().rungs.len();
+    let command = basis.files.compare(&text, next);
     let step = Fresh { parent: Some(number), label, command, text };
-    let drawn = Drawn { drive, parameters, not_identifiable: Vec::new(), fitted: false };
+    let drawn = Drawn { parameters, not_identifiable: Vec::new(), fitted: false };
     finish(step, drawn, setting, &basis, progress)
 }
 
@@ -269,18 +238,4 @@ fn finish(
     Ok(move |state: &mut State| {
         state.missing.insert(number, Arc::new(missing));
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_of_a_command_line_stay_words() {
-        assert_eq!(quoted("one.csv"), "one.csv");
-        assert_eq!(quoted("my bench.csv"), "'my bench.csv'");
-        assert_eq!(quoted("it's;rm"), r"'it'\''s;rm'");
-        assert_eq!(quoted("-o"), "'-o'");
-        assert_eq!(quoted(""), "''");
-    }
 }

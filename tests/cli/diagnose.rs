@@ -102,6 +102,21 @@ fn a_machine_of_another_kind_is_diagnosed() {
     let live = piped(here, &["diagnose", "heater.toml", "-", "--json", "-"], "ill.csv");
     let live: serde_json::Value = serde_json::from_slice(&live).expect("JSON");
     assert_eq!(live["methods"], ill["methods"]);
+    // Nor does it count whether anybody reads what is declared: the file rests on all rows.
+    let mut unread = program(here)
+        .args(["diagnose", "heater.toml", "-", "--check", "--json", "unread.json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("it starts");
+    drop(unread.stdout.take());
+    let rows = std::fs::read(here.join("ill.csv")).expect("written before");
+    unread.stdin.take().expect("piped").write_all(&rows).expect("it reads to the end");
+    assert_eq!(unread.wait().expect("it ends").code(), Some(1));
+    let unread = std::fs::read_to_string(here.join("unread.json")).expect("it was written");
+    let unread: serde_json::Value = serde_json::from_str(&unread).expect("JSON");
+    assert_eq!(unread["methods"], ill["methods"]);
 }
 
 /// What the program prints when a file comes in through standard input.

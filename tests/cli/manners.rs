@@ -68,6 +68,24 @@ fn every_command_names_the_next_useful_one() {
     }
 }
 
+/// What was said of the recordings is said again.
+#[test]
+fn the_next_command_judges_by_the_same() {
+    let here = folder();
+    recorded(here.path());
+    let simulate =
+        ["simulate", "dr300", "--duration", "2", "--seed", "2", "-o", "b.csv", "--quiet"];
+    done(here.path(), &simulate);
+    let fit =
+        ["fit", "dr300", "log.csv", "--validate", "b.csv", "--noise", "i=0.01", "-o", "f.toml"];
+    let said = done(here.path(), &fit).err;
+    let next = "next: drivescope compare f.toml log.csv --validate b.csv --noise i=0.01";
+    assert_eq!(said.lines().last(), Some(next));
+    // Where nothing is missing there is nothing to be added.
+    let said = done(here.path(), &["discover", "f.toml", "log.csv", "b.csv"]).err;
+    assert_eq!(said.lines().last(), Some("next: drivescope export f.toml -o drive.fmu"));
+}
+
 /// Whether anybody reads the answer changes neither the verdict nor the exit code.
 #[test]
 fn a_closed_pipe_changes_nothing() {
@@ -125,6 +143,38 @@ fn an_endless_drive_file_and_an_absurd_sampling_time_are_refused() {
     {
         let message = refused(here.path(), &["compare", "dr300", "log.csv", "--resample", period]);
         assert!(message.contains(said), "{period}: {message}");
+    }
+}
+
+/// A log in milliseconds that is read as seconds is no overflow of the model.
+#[test]
+fn a_recording_too_slow_for_the_drive_is_refused_with_its_sampling_time() {
+    let here = folder();
+    let mut text = "time [s],u [V],i [A],omega [rad/s]\n".to_owned();
+    for k in 0..300 {
+        let t = f64::from(k);
+        let (u, i) = (10.0 * (0.1 * t).sin().signum(), (0.3 * t).cos());
+        text += &format!("{},{u},{i},{}\n", 5000.0 * t, 100.0 * (0.1 * t).sin());
+    }
+    put(here.path(), "slow.csv", text);
+    let message = refused(here.path(), &["compare", "dr300", "slow.csv"]);
+    assert!(message.contains("a sample of 5000 s would take the model"), "{message}");
+    assert!(message.contains("--columns time=COLUMN:ms"), "{message}");
+}
+
+/// What is recorded has the memory of what is read, and is refused before any is taken.
+#[test]
+fn runs_that_no_memory_holds_are_refused() {
+    let here = folder();
+    recorded(here.path());
+    put(here.path(), "system.toml", SYSTEM.replace("stop = 0.1", "stop = 1e6"));
+    for command in [
+        &["simulate", "dr300", "--duration", "1e6", "-o", "b.csv"][..],
+        &["fmu", "run", "a.fmu", "--stop", "1e6", "-o", "b.csv"],
+        &["cosim", "system.toml", "-o", "b.csv"],
+    ] {
+        let message = refused(here.path(), command);
+        assert!(message.contains("can be recorded"), "{command:?}: {message}");
     }
 }
 

@@ -83,7 +83,7 @@ impl Default for Options {
 /// Fits the drive to the recordings.
 ///
 /// # Errors
-/// [`Error::Overflow`] if the model overflows from every start.
+/// [`Error::Overflow`] or [`Error::OutOfBudget`] if the model overflows from every start.
 pub fn fit(
     base: &Drive,
     evidence: &Evidence,
@@ -144,7 +144,7 @@ pub fn fit_seen(
 /// estimated.
 ///
 /// # Errors
-/// [`Error::Overflow`] if the model overflows.
+/// [`Error::Overflow`] or [`Error::OutOfBudget`] if the model overflows.
 pub fn evaluate(
     drive: &Drive,
     evidence: &Evidence,

@@ -5,6 +5,7 @@ use std::cell::Cell;
 
 use drivescope_numerics::{Limits, Residuals};
 use drivescope_plant::drive::Drive;
+use drivescope_plant::integrate::MOST_SUBSTEPS;
 use rand::SeedableRng;
 use rand::distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
@@ -76,7 +77,12 @@ pub(super) fn search(
     if best.at.sse.is_finite() {
         return Ok((best, tried));
     }
-    let recording = problem.evidence.recordings[0].name.clone();
+    let first = &problem.evidence.recordings[0];
+    let (recording, period_s) = (first.name.clone(), first.period_s);
+    let substeps = period_s / problem.setting.longest_s;
+    if substeps > MOST_SUBSTEPS as f64 {
+        return Err(Error::OutOfBudget { recording, period_s, substeps, most: MOST_SUBSTEPS });
+    }
     Err(Error::Overflow { recording, starts: tried, laws: overflowing(problem) })
 }
 

@@ -2,7 +2,7 @@
 
 use drivescope_recording::{Recording, Signal};
 
-use crate::import::{self, Conversion, Held, Progress};
+use crate::import::{self, Conversion, Held, Progress, recordable};
 
 use super::component::Failure;
 use super::error::Error;
@@ -88,7 +88,9 @@ impl System<'_> {
     /// An experiment that cannot be run, a component that fails, an algebraic loop that does not
     /// settle. A step that is discarded ends the run, but is no error.
     pub fn run(&mut self) -> Result<Outcome, Error> {
-        let steps = self.experiment.steps().map_err(|problem| Error::Experiment { problem })?;
+        let wrong = |problem| Error::Experiment { problem };
+        let steps = self.experiment.steps().map_err(wrong)?;
+        recordable(steps, self.recorded.len()).map_err(wrong)?;
         let mut wiring = self.link()?;
         let algebraic_loops = self.initialize(&mut wiring)?;
         let (start, h) = (self.experiment.start, self.experiment.step);

@@ -138,7 +138,7 @@ pub enum Refusal {
         value: f64,
     },
     /// Outside of min and max.
-    #[error("variable {name}: {value} is outside of {min:?} to {max:?}")]
+    #[error("variable {name}: {value} is not allowed, it must be {}", allowed(*min, *max))]
     Range {
         /// Its name.
         name: String,
@@ -234,6 +234,21 @@ impl Status {
             Self::Error => LogCategory::StatusError,
             Self::Fatal => LogCategory::StatusFatal,
         }
+    }
+}
+
+/// The values between those limits, in words. FMI has closed limits only: the least positive number
+/// stands for 0 where that is left out.
+fn allowed(min: Option<f64>, max: Option<f64>) -> String {
+    let least = min.map(|min| match min {
+        f64::MIN_POSITIVE => "above 0".to_owned(),
+        min => format!("{min} or more"),
+    });
+    match (least, max) {
+        (Some(least), Some(max)) => format!("{least} and at most {max}"),
+        (Some(least), None) => least,
+        (None, Some(max)) => format!("at most {max}"),
+        (None, None) => "a number".to_owned(),
     }
 }
 

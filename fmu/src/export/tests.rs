@@ -206,6 +206,13 @@ fn a_refused_set_changes_nothing() {
         assert_eq!((one.model.get(2), one.model.get(1)), (Some(0.0), Some(2.0)), "{name}");
     }
     assert!(matches!(one.set(&[2], &[10.5]), Err(Refusal::Range { .. })));
+    let said = |min, max| {
+        let (name, value) = ("x".to_owned(), -3.0);
+        Refusal::Range { name, value, min, max }.to_string()
+    };
+    let above = said(Some(f64::MIN_POSITIVE), None);
+    assert_eq!(above, "variable x: -3 is not allowed, it must be above 0");
+    assert!(said(Some(-1.0), Some(2.5)).ends_with("be -1 or more and at most 2.5"));
     assert!(matches!(one.set(&[8], &[1.0]), Err(Refusal::WrongKind { .. })));
     assert!(matches!(one.set(&[0], &[1.0]), Err(Refusal::NotSettable { .. })));
     assert!(matches!(one.set(&[2], &[1.0, 2.0]), Err(Refusal::Length { .. })));

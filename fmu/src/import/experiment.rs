@@ -1,5 +1,7 @@
 //! The communication points of a run: `t_k = start + k h`.
 
+use drivescope_recording::MOST_NUMBERS;
+
 use super::problem::ExperimentProblem;
 
 /// Steps that fit between two times.
@@ -18,6 +20,14 @@ pub(crate) fn steps(start: f64, stop: f64, step: f64) -> Result<usize, Experimen
     if count > MOST { Err(ExperimentProblem::TooLong(count)) } else { Ok(count as usize) }
 }
 
+/// Refuses a run before it begins whose recording would hold more numbers than memory is given for.
+pub(crate) fn recordable(steps: usize, columns: usize) -> Result<(), ExperimentProblem> {
+    match (steps + 1).checked_mul(columns).is_some_and(|numbers| numbers <= MOST_NUMBERS) {
+        true => Ok(()),
+        false => Err(ExperimentProblem::TooLong(steps as f64)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -31,5 +41,15 @@ mod tests {
         assert!(matches!(steps(1.0, 1.0, 0.3), Err(ExperimentProblem::Empty { .. })));
         assert!(matches!(steps(0.0, 1.0, 1e-12), Err(ExperimentProblem::TooLong(_))));
         assert!(matches!(steps(0.0, f64::NAN, 0.1), Err(ExperimentProblem::Empty { .. })));
+    }
+
+    #[test]
+    fn a_recording_that_no_memory_holds_is_refused_before_it_is_made() {
+        assert_eq!(recordable(0, 0), Ok(()));
+        assert_eq!(recordable(MOST_NUMBERS / 7 - 1, 7), Ok(()));
+        let refused = recordable(MOST_NUMBERS / 7 + 1, 7).expect_err("too many").to_string();
+        assert!(refused.starts_with("28571429 steps are more than can be recorded"), "{refused}");
+        assert!(recordable(usize::MAX - 1, 2).is_err());
+        assert!(ExperimentProblem::TooLong(2e302).to_string().starts_with("2e302 steps"));
     }
 }

@@ -65,7 +65,7 @@ pub use description::{
     Place, Structure, Type, TypeDefinition, Unknown, Variability, Variable,
 };
 pub use error::Error;
-pub(crate) use experiment::steps;
+pub(crate) use experiment::{recordable, steps};
 pub use fmu::{Fmu, InstanceOptions};
 pub(crate) use held::{Held, from_recorded};
 pub use instance::{Instance, Progress};

@@ -1,6 +1,8 @@
 //! The parts of errors: what exactly is wrong with an archive entry, a variable, an integration, an
 //! experiment, or a place of an XML document.
 
+use drivescope_recording::rounded;
+
 /// Why an archive entry is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum UnsafeEntry {
@@ -120,7 +122,10 @@ pub enum ExperimentProblem {
     #[error("the step size {0} s is not positive and finite")]
     Step(f64),
     /// More steps than can be recorded.
-    #[error("{0} steps are more than can be recorded; use a larger step size")]
+    #[error(
+        "{} steps are more than can be recorded; use a larger step size, or record fewer variables",
+        rounded(*.0)
+    )]
     TooLong(f64),
     /// The input recording has no sample.
     #[error("the input recording `{0}` has no sample")]

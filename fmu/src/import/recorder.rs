@@ -86,6 +86,11 @@ impl Recorder {
         Ok(Recorder { row: vec![0.0; scalars.len()], scalars, columns, left_out })
     }
 
+    /// Numbers, or texts, of one sample.
+    pub(super) fn columns(&self) -> usize {
+        self.columns.iter().map(|column| column.indices.len()).sum()
+    }
+
     /// Reads one sample.
     pub(super) fn sample(&mut self, instance: &mut Instance) -> Result<(), Error> {
         instance.read(&self.scalars, &mut self.row)?;

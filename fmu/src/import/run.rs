@@ -6,7 +6,7 @@ use drivescope_recording::{Recording, Signal, TextSignal};
 
 use super::description::{Causality, Kind, Variable};
 use super::error::Error;
-use super::experiment::steps;
+use super::experiment::{recordable, steps};
 use super::fmu::{Fmu, InstanceOptions};
 use super::held::{Held, from_recorded};
 use super::instance::{Instance, Progress};
@@ -101,6 +101,9 @@ pub fn run(fmu: &Fmu, options: &RunOptions) -> Result<Ran, Error> {
         Ok(())
     };
     let mut recorder = Recorder::new(fmu, &instance, options.record.as_deref())?;
+    let columns = recorder.columns() + driven.iter().map(|input| input.held.len()).sum::<usize>();
+    recordable(window.steps, columns)
+        .map_err(|problem| Error::Experiment { fmu: fmu.name().to_owned(), problem })?;
 
     instance.enter_initialization(window.start, Some(window.stop), options.tolerance)?;
     apply(&mut instance, window.start)?;

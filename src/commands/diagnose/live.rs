@@ -100,7 +100,9 @@ impl Diagnose {
                 let printed = of_asked && (asked == Method::Bank || !session.prints_json());
                 if printed {
                     match output::print(&format!("{said}\n")) {
-                        // Nobody reads any more: what was found until now is the verdict.
+                        // Nobody reads any more. An exit code and a file are answers still, and rest
+                        // on all rows.
+                        Err(Failure::Unread) if self.check || session.writes_json() => {}
                         Err(Failure::Unread) => return Ok(working),
                         printed => printed?,
                     }

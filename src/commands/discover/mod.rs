@@ -103,9 +103,14 @@ impl Search<'_> {
         let written = output.cloned();
         let answer =
             Answer::new(self.base, written, &gathered, &found, self.named_are, session.seed);
-        let next = match output {
-            Some(output) => self.evidence.on(Next::new("compare").files([output])),
-            None => {
+        let next = match (output, found.verdict) {
+            (Some(output), _) => self.evidence.on(Next::new("compare").files([output])),
+            // Signals are mended first; nothing is there to be written.
+            (None, Verdict::NotJudged) => {
+                Next::new("serve").with(self.given).files(self.evidence.files())
+            }
+            (None, Verdict::None) => Next::new("export").with(self.given).options(" -o drive.fmu"),
+            (None, Verdict::Named | Verdict::Unknown) => {
                 let again = Next::new("discover").with(self.given);
                 self.evidence.on(again).options(" -o found.toml --out found.html")
             }

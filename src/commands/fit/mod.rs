@@ -6,12 +6,12 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::{Evidence, Fitted, Options, Purpose, Setting, evaluate, fit};
+use drivescope_discovery::{Evidence, Options, Purpose, Setting, evaluate, fit};
 use drivescope_plant::drive::Drive;
-use drivescope_plant::file::Change;
 
 use super::Run;
 use crate::drive_source;
+use crate::drive_text::with_estimates;
 use crate::evidence::{EvidenceOptions, Gathered};
 use crate::failure::{Ending, told};
 use crate::next::Next;
@@ -52,8 +52,7 @@ impl Run for Fit {
         let after = [Judged::of_fit(&fitted, estimation), judge(&fitted.drive, validation, true)?];
         bar.finish_and_clear();
         let text = drive_source::text(&self.drive)?;
-        let changes = changes(&fitted, &gathered);
-        let (text, _) = Drive::edited(&text, &self.drive, &changes).map_err(told)?;
+        let text = with_estimates((&self.drive, &text), &fitted, &gathered)?;
         output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
         let answer = Answer::new(
             &base,
@@ -68,33 +67,4 @@ impl Run for Fit {
         session.wrote(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)
     }
-}
-
-/// What changes in the drive file.
-fn changes(fitted: &Fitted, gathered: &Gathered) -> Vec<Change> {
-    let from = gathered.files();
-    let mut changes: Vec<Change> = fitted
-        .parameters
-        .iter()
-        .map(|it| {
-            let known = match it.at_bound {
-                true => "at its bound".to_owned(),
-                false => format!("standard error {:.2e}", it.std_error),
-            };
-            let origin = format!("fitted: {from}; {known}");
-            Change { name: it.name.clone(), value: it.value, origin }
-        })
-        .collect();
-    if fitted.drive.motor.tie_k && changes.iter().any(|change| change.name == "K_e") {
-        let origin = format!("fitted: {from}; tied to K_e");
-        changes.push(Change { name: "K_m".to_owned(), value: fitted.drive.motor.k_m, origin });
-    }
-    let all = fitted.drive.parameters();
-    for own in fitted.recordings.first().map_or(&[][..], |fit| &fit.own) {
-        let value = all.iter().find(|it| it.name == own.name).map_or(own.value, |it| it.value);
-        let several = if fitted.recordings.len() > 1 { "mean of several, " } else { "" };
-        let origin = format!("fitted: {from}; {several}differs from recording to recording");
-        changes.push(Change { name: own.name.clone(), value, origin });
-    }
-    changes
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use comfy_table::{ContentArrangement, Table, presets};
 use drivescope_fmu::import::{Causality, Description, Fmu, Kind, Variable};
+use drivescope_recording::rounded;
 use serde::Serialize;
 
 use crate::commands::Run;
@@ -128,7 +129,8 @@ fn text(answer: &Answer<'_>, about: &Description) -> String {
         line(&kind.to_string(), &abilities(about, kind));
     }
     line("platforms", &answer.platforms.join(", "));
-    let said = |name: &str, value: Option<f64>| value.map(|value| format!("{name} {value}"));
+    let said =
+        |name: &str, value: Option<f64>| value.map(|value| format!("{name} {}", rounded(value)));
     let experiment: Vec<_> = [
         said("start", answer.start),
         said("stop", answer.stop),

@@ -125,6 +125,14 @@ impl Taken {
         Ok(())
     }
 
+    /// What a command line calls it: a file that was given there is where it was.
+    pub(in crate::page) fn on_a_command_line(&self) -> String {
+        match &self.source {
+            Source::Given(path) => path.display().to_string(),
+            Source::Own(_) | Source::Made => self.name.clone(),
+        }
+    }
+
     /// What a command line would say of its columns and its time, word by word.
     pub(in crate::page) fn said(&self) -> Vec<String> {
         let ReadOptions { columns, resample, rows_every } = &self.options;

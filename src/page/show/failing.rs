@@ -4,6 +4,7 @@
 use drivescope_discovery::compare::{Comparison, Curve};
 use maud::{Markup, PreEscaped, html};
 
+use crate::page::window::Window;
 use crate::report::compare::{pictures, verdict};
 use crate::report::page::minus;
 use crate::report::words::{given, number};
@@ -110,11 +111,17 @@ pub(super) fn white(compared: &Comparison, recording: usize) -> Markup {
 }
 
 /// Where the model fails within a brushed window.
-pub(crate) fn within(compared: &Comparison, (from, to): (f64, f64)) -> String {
+pub(in crate::page) fn within(window: &Window, (from, to): (f64, f64)) -> String {
+    let Window { compared, errors } = window;
+    let each = errors.iter().map(|(of, error)| format!("{} on {of}", number(*error)));
+    let errors = each.collect::<Vec<_>>().join(" and ");
     html! {
         section.within aria-labelledby="within-h" {
             h3 #within-h { "Within " (given(from)) " to " (given(to)) " s" }
-            p { (verdict(compared)) " Its error is " (number(compared.error)) " in units of the noise." }
+            p {
+                (verdict(compared))
+                @if !errors.is_empty() { " Its error is " (errors) ", in units of the noise." }
+            }
             (panels(compared, "within"))
             @if let Some(it) = compared.recordings.first() {
                 figure { (PreEscaped(pictures::correlations(it, 1000).svg())) }

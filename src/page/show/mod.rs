@@ -15,8 +15,8 @@ pub(super) use failing::within;
 use failing::{panels, spans, white};
 
 use super::bench::State;
+use super::command_line::file_of;
 use super::rung::Rung;
-use super::work::file_of;
 use crate::report::compare::{remark, tables, verdict};
 use crate::report::discover::{Step, cards, ladder, parameters};
 use crate::report::page::minus;

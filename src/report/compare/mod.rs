@@ -68,16 +68,23 @@ impl Setting {
     }
 }
 
+/// Above the floor by which an error is that of the noise still.
+const AT_THE_FLOOR: f64 = 1.05;
+
+/// Whether the model explains the recordings down to their noise.
+pub(crate) fn explains(compared: &Comparison) -> bool {
+    compared.error <= AT_THE_FLOOR * compared.floor
+}
+
 /// What is to be seen first.
 pub(crate) fn verdict(compared: &Comparison) -> String {
     let Some(first) = compared.findings.first() else {
-        let above = compared.error > 1.05 * compared.floor;
-        return if above {
+        return if explains(compared) {
+            "The model explains these recordings down to their noise.".to_owned()
+        } else {
             "The error is above the noise, but it depends on no variable that was tested: it \
              looks like a random load."
                 .to_owned()
-        } else {
-            "The model explains these recordings down to their noise.".to_owned()
         };
     };
     let others: Vec<&str> = compared.findings.iter().skip(1).map(|it| it.variable).collect();

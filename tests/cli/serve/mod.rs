@@ -1,6 +1,7 @@
 //! The page's server: what it refuses, and the loop as a browser walks it.
 
 mod client;
+mod command_line;
 mod mapping;
 mod walk;
 

@@ -1,7 +1,7 @@
 //! The loop, as the page asks for it: an example, where it fails, the effect, the error falls.
 
 use super::client::Server;
-use crate::folder;
+use crate::{done, folder};
 
 fn rungs(server: &Server, session: &str) -> usize {
     let pieces = server.get(&format!("{session}pieces")).json();
@@ -74,6 +74,30 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
     assert!(file.body.contains("omega * abs(omega)"), "{file:?}");
     let file = server.get(&format!("{session}take/drive.toml?rung=2"));
     assert!(file.body.contains("R = 2.3 "), "{file:?}");
+}
+
+#[test]
+fn a_window_over_what_is_fitted_and_what_judges_has_two_errors() {
+    const MACHINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/worked-example/machine.toml");
+    let here = folder();
+    let input = "8 * sin(2 * t) + 4 * sign(sin(11 * t))";
+    let simulate = ["simulate", MACHINE, "--input", input, "--period", "0.002", "--duration", "6"];
+    done(here.path(), &[&simulate[..], &["-o", "one.csv", "--quiet"]].concat());
+    let server = Server::open(here.path(), &[MACHINE, "one.csv"]);
+    let session = server.session();
+    server.rest(&session);
+    // The last third of a single recording is held out.
+    let error = |from: f64, to: f64| {
+        let path = format!("{session}within?rung=0&recording=0&from={from}&to={to}");
+        let html = server.get(&path).json()["html"].as_str().expect("HTML").to_owned();
+        let error = html.split("Its error is ").nth(1).and_then(|it| it.split(", in units").next());
+        error.expect("it is told").to_owned()
+    };
+    let (fitted, judges) = ("on what it is fitted to", "on what only judges");
+    let (early, late, both) = (error(0.5, 3.5), error(4.5, 5.5), error(3.0, 5.5));
+    assert!(early.ends_with(fitted) && !early.contains(judges), "{early}");
+    assert!(late.ends_with(judges) && !late.contains(fitted), "{late}");
+    assert!(both.contains(&format!("{fitted} and ")) && both.ends_with(judges), "{both}");
 }
 
 #[test]

@@ -6,7 +6,7 @@
 
 use super::columns::Columns;
 use super::filter::filter;
-use super::process::{Belief, MECHANISMS, Process, Row};
+use super::process::{Belief, MECHANISMS, Process, Row, SENSORS};
 
 /// Expected gain in log-likelihood from which a mechanism is told from another: a false one then
 /// lies ahead in fewer than one case in a thousand.
@@ -33,6 +33,36 @@ pub fn separation<const N: usize, P: Process<N>>(
     });
     let used = process.mechanisms().len();
     Separation { gram: columns.gram[..used].iter().map(|row| row[..used].to_vec()).collect() }
+}
+
+/// The rows that a process would show without noise under those control efforts (voltages, where
+/// the row that they follow has no control effort), and the speed that it comes to.
+pub(super) fn driven<const N: usize, P: Process<N>>(
+    process: &P,
+    belief: &Belief<N>,
+    efforts: impl Iterator<Item = f64>,
+    after: &Row,
+) -> (Vec<Row>, f64) {
+    let mut process = process.clone();
+    let mut at = Belief { covariance: [[0.0; N]; N], ..*belief };
+    let mut speed = f64::NAN;
+    let row = |effort: f64| {
+        let mut row = *after;
+        match row.control.is_finite() {
+            true => row.control = effort,
+            false => row.shown[2] = effort,
+        }
+        let sensed = process.sense(&at.mean, &row);
+        for m in (0..SENSORS).filter(|m| sensed.variance[*m] > 0.0) {
+            if row.shown[m].is_finite() {
+                row.shown[m] = sensed.shown[m];
+            }
+        }
+        speed = sensed.shown[0];
+        at.mean = process.advance(&at, &row).next;
+        row
+    };
+    (efforts.map(row).collect(), speed)
 }
 
 impl Separation {

@@ -10,13 +10,11 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::filter::filter;
 use super::frozen::Frozen;
 use super::hypothesis::Case;
 use super::judge::{Cause, Judgement, TWO_SIDED_95};
 use super::onsets::{OLDEST, Onsets};
 use super::process::{Belief, Process, Row};
-use super::separation::{Separation, driven, separation};
 use super::squares::Squares;
 
 /// Rows before an onset that are filtered again with every hypothesis.
@@ -165,35 +163,9 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
         self
     }
 
-    /// The geometry of the mechanisms over the last horizon of a healthy run of this machine.
-    pub fn separation(&self, rows: &[Row]) -> Option<Separation> {
-        let (settling, last) = rows.split_at(rows.len().saturating_sub(self.horizon));
-        Some(separation(&self.healthy, &self.settled(settling)?, last))
-    }
-
-    /// The geometry over a horizon after that run and another in which the control effort is `change`
-    /// times what it was, and the speed that it comes to: what a change of the set point would tell
-    /// of faults that stand before it.
-    pub fn separation_through(&self, rows: &[Row], change: f64) -> Option<(Separation, f64)> {
-        let belief = self.settled(rows)?;
-        let last = &rows[rows.len().saturating_sub(self.horizon)..];
-        let after = last.last()?;
-        let drives = |row: &Row| if row.control.is_finite() { row.control } else { row.shown[2] };
-        let mean = last.iter().map(drives).sum::<f64>() / last.len() as f64;
-        let efforts = [mean, change * mean].map(|effort| std::iter::repeat_n(effort, self.horizon));
-        let (rows, speed) = driven(&self.healthy, &belief, efforts.into_iter().flatten(), after);
-        Some((separation(&self.healthy, &belief, &rows), speed))
-    }
-
-    /// What is known after a healthy run of this machine.
-    fn settled(&self, rows: &[Row]) -> Option<Belief<N>> {
-        let mut belief = self.healthy.begin(rows.first()?);
-        // The machine is known; what the run leaves unknown of it is in the belief.
-        for r in N - self.healthy.learned().len()..N {
-            belief.covariance[r][r] = self.belief.covariance[r][r];
-        }
-        filter(&mut self.healthy.clone(), &mut belief, rows, |_, _, _| ());
-        Some(belief)
+    /// Rows that a judgement rests on.
+    pub(super) fn horizon(&self) -> usize {
+        self.horizon
     }
 
     /// After a gap: the state is unknown, the machine is the same. The sample number goes on.

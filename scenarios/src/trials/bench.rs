@@ -209,6 +209,13 @@ impl Machine {
     }
 }
 
+/// The printed set, the named mechanism first; empty where none is named.
+pub(super) fn set(process: &dyn AnyProcess, judgement: &Judgement) -> Vec<String> {
+    let Cause::Mechanism(_) = judgement.cause else { return Vec::new() };
+    let confused = &judgement.candidates[..judgement.confused.max(1)];
+    confused.iter().map(|it| process.mechanisms()[it.mechanism].id.clone()).collect()
+}
+
 /// A fault from that sample on.
 pub(super) fn fault(kind: &str, size: f64, from: usize, profile: Profile) -> Fault {
     let name = FaultName { kind: kind.to_owned(), size, label: String::new() };

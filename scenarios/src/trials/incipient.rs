@@ -3,7 +3,7 @@
 use drivescope_diagnoser::bank::Limits;
 use serde::Serialize;
 
-use super::bench::{Bench, Group, Plan, fault};
+use super::bench::{Bench, Group, Plan, fault, set};
 use super::delays::first_over;
 use crate::parity::{Share, Spread};
 use crate::profile::Profile;
@@ -30,6 +30,8 @@ pub struct Incipient {
     pub by: f64,
     /// Machines on which it was.
     pub in_time: Share,
+    /// Machines on which the first judgement has it in its printed set.
+    pub in_set: Share,
     /// The same of a detector that always alarms: nothing, for it does so before the fault.
     pub always: Share,
 }
@@ -46,12 +48,16 @@ pub(super) fn incipient(bench: &Bench) -> Vec<Incipient> {
         });
         let process = bench.designed.process.as_ref();
         let runs = machine.rows(&plans);
-        let delay = |rows: &Vec<_>| first_over(bench, process, &limits, rows, onset);
-        runs.iter().map(delay).collect::<Vec<_>>()
+        let of_run = |(rows, (kind, _)): (&Vec<_>, (&str, f64))| {
+            let judgement = bench.seen(process, bench.limits(true), rows, onset).judgement;
+            let named = judgement.is_some_and(|it| set(process, &it).iter().any(|id| id == kind));
+            (first_over(bench, process, &limits, rows, onset), named)
+        };
+        runs.iter().zip(MECHANISMS).map(of_run).collect::<Vec<_>>()
     });
     let row = |(number, (mechanism, by)): (usize, &(&str, f64))| {
         let sizes = |which: usize| -> Vec<f64> {
-            let delays = found.iter().filter_map(|machine| machine[number][which]);
+            let delays = found.iter().filter_map(|machine| machine[number].0[which]);
             delays.map(|delay| FULL * delay as f64 / OVER as f64).collect()
         };
         let in_time = |which: usize| {
@@ -64,6 +70,10 @@ pub(super) fn incipient(bench: &Bench) -> Vec<Incipient> {
             by: *by,
             size: Spread::of(sizes(0)),
             in_time: in_time(0),
+            in_set: {
+                let named = found.iter().filter(|machine| machine[number].1).count();
+                Share::new(named, found.len())
+            },
             always: in_time(1),
         }
     };

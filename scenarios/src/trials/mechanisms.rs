@@ -1,11 +1,10 @@
 //! Ten mechanisms at random size and set point: detected, within the printed set, how large.
 
-use drivescope_diagnoser::bank::Cause;
 use drivescope_plant::sampled::rated_torque;
 use rand::RngExt;
 use serde::Serialize;
 
-use super::bench::{Bench, Group, Machine, Plan, fault};
+use super::bench::{Bench, Group, Machine, Plan, fault, set};
 use crate::parity::Share;
 use crate::profile::Profile;
 
@@ -131,6 +130,8 @@ fn scale(bench: &Bench, kind: &str) -> f64 {
 }
 
 fn of_set_point(bench: &Bench, machine: &mut Machine, set_point: usize) -> Vec<Case> {
+    // Noise of its own at each set point.
+    machine.experiment = machine.experiment.with_seed(machine.experiment.seed ^ set_point as u64);
     let onset = machine.onset(bench);
     let speed = SET_POINTS[set_point] * bench.experiment.set_point;
     let shares = KINDS.map(|_| {
@@ -151,13 +152,7 @@ fn of_set_point(bench: &Bench, machine: &mut Machine, set_point: usize) -> Vec<C
     let id = |j: usize| process.mechanisms()[j].id.clone();
     let of_run = |(kind, rows): (usize, &Vec<_>)| {
         let judgement = bench.seen(process, bench.limits(true), rows, onset).judgement;
-        let set = judgement.as_ref().map(|judgement| match judgement.cause {
-            Cause::Mechanism(_) => {
-                let confused = &judgement.candidates[..judgement.confused.max(1)];
-                confused.iter().map(|it| id(it.mechanism)).collect()
-            }
-            Cause::Healthy | Cause::Frozen(_) | Cause::Unknown => Vec::new(),
-        });
+        let set = judgement.as_ref().map(|judgement| set(process, judgement));
         let candidates = judgement.iter().flat_map(|judgement| &judgement.candidates);
         let scale = scale(bench, KINDS[kind]);
         let error = candidates.into_iter().find(|it| id(it.mechanism) == KINDS[kind]).map(|it| {

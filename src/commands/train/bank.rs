@@ -193,7 +193,7 @@ fn confusions(process: &dyn AnyProcess, runs: &[Vec<Row>], design: &BankDesign) 
     let mechanisms = process.mechanisms();
     let size = |it: &Mechanism| if it.unit == "1" { COMPARED } else { COMPARED * it.most };
     let set = |of: &Separation, (j, it): (usize, &Mechanism)| -> Vec<usize> {
-        of.shows(j, size(it)).then(|| of.confused(j, size(it))).unwrap_or_default()
+        if of.shows(j, size(it)) { of.confused(j, size(it)) } else { Vec::new() }
     };
     let names = |of: &Separation, of_mechanism: (usize, &Mechanism)| -> Vec<String> {
         set(of, of_mechanism).into_iter().map(|other| mechanisms[other].id.clone()).collect()

@@ -96,14 +96,15 @@ fn delays(text: &mut String, found: &Trials) {
     for row in &found.incipient {
         let _ = writeln!(
             text,
-            "  {} that grows: detected at {} % on average (95 %: {} %) at {:e}; by {} % {}; a \
-             detector that always alarms {}",
+            "  {} that grows: detected at {} % on average (95 %: {} %) at {:e}; by {} % {}; \
+             in the first printed set {}; a detector that always alarms {}",
             row.mechanism,
             percent(row.size.mean, 2),
             percent(row.size.range[1], 2),
             row.arl_0,
             number(100.0 * row.by),
             share(&row.in_time),
+            share(&row.in_set),
             share(&row.always)
         );
     }

@@ -51,7 +51,7 @@ fn setting(study: &StudyResults) -> String {
     format!(
         "{} at {} {}, sampled every {} ms, seed {}\n\
          noise sd: reference {} {speed}, tachometer {} {speed}, current {} A, load {} {force}\n\
-         torque fault read as {}; faults act over samples {} to {}\n\
+         torque fault read as {}; faults act over samples {} to {} ({})\n\
          process model: {}\n",
         // A name must not steer the terminal.
         drive.name.replace(char::is_control, "?"),
@@ -66,6 +66,7 @@ fn setting(study: &StudyResults) -> String {
         torque(study.torque),
         study.fault_span.from,
         study.fault_span.to,
+        study.profile,
         study.model.process_model,
     )
 }

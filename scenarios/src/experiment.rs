@@ -108,20 +108,39 @@ impl Experiment {
         Self { seed, ..self.clone() }
     }
 
-    /// Inputs of a closed-loop run, one row a sample; the fault's input is there if one acts.
+    /// The same with another drive of that kind.
+    pub fn with_drive(&self, drive: Drive) -> Self {
+        Self { drive, ..self.clone() }
+    }
+
+    /// Inputs of a closed-loop run at the set point, one row a sample; the fault's input is there
+    /// if one acts.
     pub fn closed_loop(&self, samples: usize, stream: Stream, fault: Option<&Fault>) -> Recording {
+        let faults = fault.map_or(&[][..], std::slice::from_ref);
+        self.following(vec![self.set_point; samples], stream, faults)
+    }
+
+    /// Inputs of a closed-loop run that follows a reference, rad/s (m/s), one value a sample, with
+    /// any number of faults: those of one mechanism add up.
+    pub fn following(&self, reference: Vec<f64>, stream: Stream, faults: &[Fault]) -> Recording {
+        let samples = reference.len();
         let noise: Vec<_> = self.noise(stream).take(samples).collect();
         let mut signals = vec![
-            self.input("reference", vec![self.set_point; samples]),
+            self.input("reference", reference),
             self.input("noise_reference", noise.iter().map(|n| n.reference).collect()),
         ];
         signals.extend(self.disturbances(&noise));
-        if let Some(fault) = fault {
-            let acts = |k: usize| {
-                if (fault.from..fault.until).contains(&k) { fault.name.size } else { 0.0 }
-            };
+        let first = signals.len();
+        for (number, fault) in faults.iter().enumerate() {
+            let seed = self.seed ^ (stream.index() << 8) ^ number as u64;
+            let span = fault.from..fault.until;
+            let shares = fault.profile.shares(span, samples, self.period_s, seed);
+            let sizes = shares.into_iter().map(|share| fault.name.size * share);
             let name = format!("fault_{}", fault.name.kind);
-            signals.push(self.input(&name, (0..samples).map(acts).collect()));
+            match signals[first..].iter_mut().find(|signal| signal.name == name) {
+                Some(same) => same.values.iter_mut().zip(sizes).for_each(|(sum, by)| *sum += by),
+                None => signals.push(self.input(&name, sizes.collect())),
+            }
         }
         self.recording(signals)
     }
@@ -199,4 +218,34 @@ pub struct Excited {
     pub inputs: Recording,
     /// Control signal C_m, V.
     pub c_m: Vec<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drives::built_in;
+    use crate::profile::Profile;
+    use crate::results::FaultName;
+
+    #[test]
+    fn faults_of_one_mechanism_add_up_and_others_stand_beside() {
+        let drive = built_in("dr300").expect("it is built in").expect("it is right");
+        let experiment = Experiment::new(drive, 3).expect("it is controlled");
+        let fault = |kind: &str, size, profile| {
+            let name = FaultName { kind: kind.to_owned(), size, label: String::new() };
+            Fault { name, from: 2, until: 6, profile }
+        };
+        let faults = [
+            fault("tacho", 0.1, Profile::Step),
+            fault("flux", 0.2, Profile::Step),
+            fault("tacho", 0.1, Profile::Ramp { over_s: 0.01 }),
+        ];
+        let inputs = experiment.following(vec![100.0; 8], Stream::Faulty(0), &faults);
+        let of = |name: &str| &inputs.signal(name).expect("it acts").values;
+        let exact = [0.0, 0.0, 0.1, 0.15, 0.2, 0.2, 0.0, 0.0];
+        assert!(of("fault_tacho").iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert_eq!(of("fault_flux")[..3], [0.0, 0.0, 0.2]);
+        assert_eq!(of("reference")[0], 100.0);
+        assert!(inputs.signal("fault_load").is_none());
+    }
 }

@@ -1,8 +1,9 @@
 //! The faults of the experiment: what fails, by how much, when.
 
+use crate::profile::Profile;
 use crate::results::{FaultName, TorqueReading};
 
-/// A fault that acts with full size from one sample to another.
+/// A fault that acts from one sample to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
     /// What it is, with the paper's label.
@@ -11,6 +12,8 @@ pub struct Fault {
     pub from: usize,
     /// First sample after it.
     pub until: usize,
+    /// How its size goes between them.
+    pub profile: Profile,
 }
 
 /// Samples from which and to which the paper's faults act.
@@ -31,7 +34,8 @@ pub fn twelve(reading: TorqueReading) -> Vec<Fault> {
             label: format!("f_{}^{group}", k + 1),
         })
     });
-    named.map(|name| Fault { name, from: SPAN.start, until: SPAN.end }).collect()
+    let fault = |name| Fault { name, from: SPAN.start, until: SPAN.end, profile: Profile::Step };
+    named.map(fault).collect()
 }
 
 impl FaultName {

@@ -18,5 +18,7 @@ pub mod experiment;
 pub mod faults;
 pub mod native;
 pub mod parity;
+pub mod profile;
 pub mod results;
 pub mod study;
+pub mod trials;

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use drivescope_fmu::description::Version;
+use drivescope_scenarios::profile::Profile;
 use drivescope_scenarios::results::{Pictures, StudyResults, TorqueReading};
 use drivescope_scenarios::study::{Progress, Study as Outcome, StudyOptions, study};
 use indicatif::ProgressBar;
@@ -37,6 +38,10 @@ pub(crate) struct Study {
     /// Confidence level of the bands: share of healthy samples outside them.
     #[arg(long, default_value_t = 0.05)]
     beta: f64,
+    /// How the judged faults go with time: step, ramp=SECONDS (incipient), pulses=ON/EVERY, or
+    /// intermittent=ON/OFF. The classifiers are taught by steps.
+    #[arg(long, default_value_t = Profile::Step)]
+    profile: Profile,
 }
 
 /// Readings of the torque fault.
@@ -77,7 +82,8 @@ impl Run for Study {
         fmu_file::write(&drive, true, Version::Two, &open)?;
 
         let torque = self.torque.into();
-        let options = StudyOptions { drive, seed: session.seed, torque, beta: self.beta };
+        let Self { beta, profile, .. } = self;
+        let options = StudyOptions { drive, seed: session.seed, torque, beta, profile };
         let bar = session.progress(1, "training and designing the diagnoser");
         let outcome = study(&options, (&closed, &open), &|step| {
             show(&bar, step);

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use drivescope_fmu::description::Version;
+use drivescope_scenarios::profile::Profile;
 use drivescope_scenarios::results::{Pictures, StudyResults, TorqueReading};
 use drivescope_scenarios::study::{Progress, StudyError, StudyOptions, study};
 use serde::Serialize;
@@ -183,8 +184,13 @@ fn run(site: &Site, cancelled: &AtomicBool) -> miette::Result<(Value, Traces)> {
     let (closed, open) = (own.path().join("closed.fmu"), own.path().join("open.fmu"));
     fmu_file::write(&drive, false, Version::Two, &closed)?;
     fmu_file::write(&drive, true, Version::Two, &open)?;
-    let options =
-        StudyOptions { drive, seed: site.seed, torque: TorqueReading::ALL[0], beta: BETA };
+    let options = StudyOptions {
+        drive,
+        seed: site.seed,
+        torque: TorqueReading::ALL[0],
+        beta: BETA,
+        profile: Profile::Step,
+    };
     let progress = |step| {
         site.study.change(|shown| {
             if let Some(running) = &mut shown.running {

@@ -109,6 +109,7 @@ pub(crate) fn study() -> StudyResults {
         torque: TorqueReading::Flux,
         beta: 0.05,
         fault_span: FaultSpan { from: 4000, to: 5000 },
+        profile: "step".to_owned(),
         window: 50,
         detection: detection.clone(),
         readings,

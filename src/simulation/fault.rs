@@ -1,11 +1,13 @@
-//! A fault as it is typed: `KIND=SIZE[@FROM[..TO]]`, such as `tacho=5%@20..25`.
+//! A fault as it is typed: `KIND=SIZE[@FROM[..TO]][:PROFILE]`, such as `tacho=5%@20..25` or
+//! `tacho=20%@5:ramp=10`.
 
 use std::str::FromStr;
 
 use drivescope_plant::fault::{MECHANISMS, Mechanism};
+use drivescope_scenarios::profile::{Profile, ProfileError};
 use thiserror::Error;
 
-/// A fault of constant size over a span of time.
+/// A fault over a span of time.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FaultOverTime {
     /// The mechanism.
@@ -16,6 +18,8 @@ pub(crate) struct FaultOverTime {
     pub(crate) from_s: f64,
     /// End, s; infinite if it stays.
     pub(crate) to_s: f64,
+    /// How its size goes between them.
+    pub(crate) profile: Profile,
 }
 
 /// Why a text is no fault.
@@ -57,6 +61,9 @@ pub(crate) enum FaultError {
         /// End, s.
         to_s: f64,
     },
+    /// No profile.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
 }
 
 impl FromStr for FaultOverTime {
@@ -69,6 +76,10 @@ impl FromStr for FaultOverTime {
             let known: Vec<_> = MECHANISMS.iter().map(|known| known.id).collect();
             FaultError::Kind { kind: kind.to_owned(), known: known.join(", ") }
         })?;
+        let (rest, profile) = match rest.split_once(':') {
+            Some((rest, profile)) => (rest, profile.parse()?),
+            None => (rest, Profile::Step),
+        };
         let (size, span) =
             rest.split_once('@').map_or((rest, None), |(size, span)| (size, Some(span)));
         let size = match size.trim().strip_suffix('%') {
@@ -89,17 +100,19 @@ impl FromStr for FaultOverTime {
         if to_s <= from_s {
             return Err(FaultError::Span { from_s, to_s });
         }
-        Ok(Self { mechanism, size, from_s, to_s })
+        Ok(Self { mechanism, size, from_s, to_s, profile })
     }
 }
 
 impl FaultOverTime {
-    /// Whether it acts during the sample that begins at `k` x `period_s`; an onset between two
-    /// samples acts from the later one.
-    pub(crate) fn acts(&self, k: usize, period_s: f64) -> bool {
+    /// The size that acts during each sample, which begins at k x `period_s`; an onset between two
+    /// samples acts from the later one. The seed is that of what comes at random.
+    pub(crate) fn sizes(&self, samples: usize, period_s: f64, seed: u64) -> Vec<f64> {
         // A time typed in decimals may lie a rounding beside k x period.
-        let sample = |time: f64| (time / period_s - 1e-6).ceil();
-        sample(self.from_s) <= k as f64 && (k as f64) < sample(self.to_s)
+        let sample = |time: f64| (time / period_s - 1e-6).ceil().max(0.0) as usize;
+        let span = sample(self.from_s)..sample(self.to_s);
+        let shares = self.profile.shares(span, samples, period_s, seed);
+        shares.into_iter().map(|share| self.size * share).collect()
     }
 }
 
@@ -124,9 +137,11 @@ mod tests {
         assert_eq!(fault("load = -0.2 @ 1").to_s, f64::INFINITY);
         assert_eq!(fault("tacho_bias=2").size, 2.0);
         // 0.3 / 0.1 is just below 3.
-        let late = fault("flux=0.1@0.3..0.5");
-        let acting: Vec<usize> = (0..10).filter(|k| late.acts(*k, 0.1)).collect();
-        assert_eq!(acting, [3, 4]);
+        let sizes = |text: &str| fault(text).sizes(6, 0.1, 0);
+        assert_eq!(sizes("flux=0.1@0.3..0.5"), [0.0, 0.0, 0.0, 0.1, 0.1, 0.0]);
+        let ramp = sizes("flux = 0.2 @ 0.1 : ramp=0.2");
+        let exact = [0.0, 0.0, 0.1, 0.2, 0.2, 0.2];
+        assert!(ramp.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-12), "{ramp:?}");
     }
 
     #[test]
@@ -140,6 +155,8 @@ mod tests {
             ("flux=-150%", "100 %"),
             ("flux=0.1@5..2", "not after"),
             ("flux=0.1@", "``"),
+            ("flux=0.1@2:slope", "no profile"),
+            ("flux=0.1:ramp=-1", "`-1`"),
         ] {
             let error = text.parse::<FaultOverTime>().expect_err(text).to_string();
             assert!(error.contains(said), "{text}: {error}");

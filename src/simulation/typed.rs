@@ -102,10 +102,12 @@ impl Run {
         let mut unit = Unit::new(self.drive.clone(), !closed);
         let names = Names::new(&unit, closed);
         // Several faults of one mechanism add up.
-        let mut faults: BTreeMap<usize, Vec<&FaultOverTime>> = BTreeMap::new();
-        for fault in &self.faults {
+        let mut faults: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for (fault, number) in self.faults.iter().zip(0..) {
             let at = place(&unit, &format!("fault_{}", fault.mechanism.id));
-            faults.entry(at).or_default().push(fault);
+            let sizes = fault.sizes(samples, self.period_s, self.seed ^ (number << 32));
+            let sums = faults.entry(at).or_insert_with(|| vec![0.0; samples]);
+            sums.iter_mut().zip(sizes).for_each(|(sum, size)| *sum += size);
         }
         let per_si = self.drive.sensors.tacho_unit.per_si();
         let noise = NoiseStream::new(&self.drive.noise, self.period_s, self.seed, 0);
@@ -127,9 +129,8 @@ impl Run {
             set(names.noise_t, noise.omega * per_si)?;
             set(names.noise_i_m, noise.i)?;
             set(names.noise_load, noise.torque)?;
-            for (at, faults) in &faults {
-                let acting = faults.iter().filter(|fault| fault.acts(k, self.period_s));
-                set(*at, acting.map(|fault| fault.size).sum())?;
+            for (at, sizes) in &faults {
+                set(*at, sizes[k])?;
             }
             // The sample is taken here, so that the row holds what follows from it.
             unit.set_time(k as f64 * self.period_s);

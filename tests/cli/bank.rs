@@ -67,6 +67,15 @@ fn faults_are_named_with_size_and_time_live_or_not() {
     let has =
         |list: &Value, id: &str| list.as_array().is_some_and(|list| list.iter().any(|it| it == id));
     assert!(has(&of("supply")["set"], "actuator"), "{bank}");
+    // A bias is no gain at another speed; the supply acts as the amplifier does at any.
+    assert!(has(&of("tacho")["set"], "tacho_bias"), "{bank}");
+    let separable = &of("tacho")["separable"];
+    let other =
+        separable.as_array().and_then(|all| all.iter().find(|it| it["mechanism"] == "tacho_bias"));
+    let speed = other.and_then(|it| it["speed"].as_f64()).expect("another speed tells them apart");
+    assert!(!(200.0..220.0).contains(&speed), "{speed}");
+    let never = of("supply")["separable"].as_array().expect("a list");
+    assert!(never.iter().all(|it| it["mechanism"] != "actuator"), "{bank}");
     // Without a current nobody knows whether the motor or what it drives has changed.
     let blind = &of("resistance")["set_without_current"];
     assert!(blind.as_array().is_some_and(|set| !set.is_empty()), "{bank}");

@@ -1,4 +1,5 @@
-//! `benchmark detection`: the figures hold, and those of broken detectors collapse.
+//! `benchmark detection` and `benchmark bank`: the figures hold, and those of broken detectors
+//! collapse.
 
 use crate::{done, folder, refused};
 
@@ -24,6 +25,46 @@ fn faults_are_detected_and_broken_detectors_collapse() {
     assert_eq!(broken["always_detected"]["hits"], 0, "{broken}");
     assert!(value("shuffled_r_td") < 0.15, "{broken}");
     assert_eq!(broken["shuffled_detected"]["hits"], 0, "{broken}");
+}
+
+#[test]
+fn the_bank_names_what_failed_on_machines_it_has_never_seen() {
+    let here = folder();
+    let arguments = ["benchmark", "bank", "--machines", "6", "--healthy", "80000"];
+    let more = ["--seed", "3", "--quiet", "--json", "-"];
+    let answer = done(here.path(), &[&arguments[..], &more].concat()).json();
+    assert_ne!(answer["design_seed"], answer["judged_seed"]);
+    let share = |of: &serde_json::Value| of["share"].as_f64().expect("a rate");
+    // A miss of 72 is allowed: the published table has more machines.
+    let with = &answer["classes"]["with_current"];
+    assert!(share(&with["among_twelve"]) > 0.98, "{with}");
+    assert!(share(&with["shuffled"]) < 0.1, "{with}");
+    let without = &answer["classes"]["without_current"];
+    assert!(share(&without["named"]) <= share(&with["named"]), "{without}");
+    let all = &answer["mechanisms"]["rows"][0];
+    assert!(share(&all["in_set"]) > 0.9 && share(&all["detected"]) > 0.6, "{all}");
+    assert!(share(&answer["mechanisms"]["shuffled"]) < 0.2, "{answer}");
+    let sizes = answer["mechanisms"]["sizes"].as_array().expect("a list");
+    assert!(share(&sizes[0]["covered"]) > 0.85, "{}", sizes[0]);
+    for row in answer["delays"].as_array().expect("a list") {
+        for delay in row["delays"].as_array().expect("a list") {
+            let mean = |of: &str| delay[of]["mean"].as_f64().expect("it was detected");
+            // The limit is one on average: six machines scatter by some samples.
+            assert!(mean("samples") > mean("known") - 5.0, "{row}");
+        }
+    }
+    for row in answer["incipient"].as_array().expect("a list") {
+        assert!(share(&row["in_time"]) > 0.8 && share(&row["always"]) == 0.0, "{row}");
+    }
+    assert!(share(&answer["unknown"]["unknown"]) > 0.85, "{}", answer["unknown"]);
+    for row in answer["healthy"]["rows"].as_array().expect("a list") {
+        let alarms = |k: usize| row["alarms"][k].as_u64().expect("a count");
+        // Designed for 1e3 and 1e6 samples in 20,000: 20 and 0.02 are expected.
+        assert!((1..60).contains(&alarms(0)) && alarms(3) <= 1, "{row}");
+    }
+    assert!(answer["bars"].as_array().is_some_and(|bars| bars.len() > 15));
+    let message = refused(here.path(), &["benchmark", "bank", "--machines", "1"]);
+    assert!(message.contains("--machines 1"), "{message}");
 }
 
 #[test]

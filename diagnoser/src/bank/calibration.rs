@@ -30,8 +30,6 @@ const REFUSED: f64 = 0.1;
 pub struct Calibration {
     /// What drives the simulated runs.
     pub driving: Driving,
-    /// Mean samples between false alarms.
-    pub arl_0: f64,
     /// Rows that each machine is learned from.
     pub baseline: usize,
     /// Rows that a judgement rests on.
@@ -40,6 +38,21 @@ pub struct Calibration {
     pub samples: usize,
     /// Seed of machines and noise.
     pub seed: u64,
+}
+
+/// The tails of a bank's statistics on healthy samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tails {
+    ratio: Tail,
+    squares: Tail,
+}
+
+impl Tails {
+    /// The limits that are exceeded once in `arl_0` samples on average.
+    pub fn limits(&self, arl_0: f64) -> Limits {
+        let limit = |tail: &Tail| tail.limit(STATISTICS * arl_0);
+        Limits { ratio: limit(&self.ratio), squares: limit(&self.squares) }
+    }
 }
 
 /// Why there are no limits.
@@ -118,14 +131,14 @@ impl Calibration {
     }
 }
 
-/// The limits of the statistics of a process.
+/// The tails of the statistics of a process.
 ///
 /// # Errors
 /// Too few samples for a tail; simulated machines that their own baselines refuse.
 pub fn calibrate<const N: usize, P: Process<N> + Sync>(
     process: &P,
     how: &Calibration,
-) -> Result<Limits, CalibrationError> {
+) -> Result<Tails, CalibrationError> {
     let statistics = how.machines(process, NEVER, |mut watch, rows| {
         let of_row = |row| {
             watch.step(row);
@@ -134,11 +147,8 @@ pub fn calibrate<const N: usize, P: Process<N> + Sync>(
         };
         rows.iter().map(of_row).collect::<Vec<_>>()
     })?;
-    let limit = |which: usize| {
-        let tail = Tail::of(statistics.iter().flatten().map(|of_row| of_row[which]))?;
-        Ok::<f64, TailError>(tail.limit(STATISTICS * how.arl_0))
-    };
-    Ok(Limits { ratio: limit(0)?, squares: limit(1)? })
+    let tail = |which: usize| Tail::of(statistics.iter().flatten().map(|of_row| of_row[which]));
+    Ok(Tails { ratio: tail(0)?, squares: tail(1)? })
 }
 
 /// Alarms of a process with those limits over healthy samples.

@@ -35,7 +35,7 @@ mod tests;
 mod watch;
 
 pub use baseline::{BaselineError, learn, log_likelihood};
-pub use calibration::{Calibration, CalibrationError, Verified, calibrate, verify};
+pub use calibration::{Calibration, CalibrationError, Tails, Verified, calibrate, verify};
 pub use design::{Tail, TailError};
 pub use judge::{Candidate, Cause, Judgement};
 pub use process::{Advanced, Belief, MECHANISMS, Mechanism, Process, Row, SENSORS, Sensed};

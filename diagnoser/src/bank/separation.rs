@@ -6,7 +6,8 @@
 
 use super::columns::Columns;
 use super::filter::filter;
-use super::process::{Belief, MECHANISMS, Process, Row};
+use super::process::{Belief, MECHANISMS, Process, Row, SENSORS};
+use super::watch::Watch;
 
 /// Expected gain in log-likelihood from which a mechanism is told from another: a false one then
 /// lies ahead in fewer than one case in a thousand.
@@ -33,6 +34,70 @@ pub fn separation<const N: usize, P: Process<N>>(
     });
     let used = process.mechanisms().len();
     Separation { gram: columns.gram[..used].iter().map(|row| row[..used].to_vec()).collect() }
+}
+
+/// The rows that a process would show without noise under those control efforts (voltages, where
+/// the row that they follow has no control effort), and the speed that it comes to.
+fn driven<const N: usize, P: Process<N>>(
+    process: &P,
+    belief: &Belief<N>,
+    efforts: impl Iterator<Item = f64>,
+    after: &Row,
+) -> (Vec<Row>, f64) {
+    let mut process = process.clone();
+    let mut at = Belief { covariance: [[0.0; N]; N], ..*belief };
+    let mut speed = f64::NAN;
+    let row = |effort: f64| {
+        let mut row = *after;
+        match row.control.is_finite() {
+            true => row.control = effort,
+            false => row.shown[2] = effort,
+        }
+        let sensed = process.sense(&at.mean, &row);
+        for m in (0..SENSORS).filter(|m| sensed.variance[*m] > 0.0) {
+            if row.shown[m].is_finite() {
+                row.shown[m] = sensed.shown[m];
+            }
+        }
+        speed = sensed.shown[0];
+        at.mean = process.advance(&at, &row).next;
+        row
+    };
+    (efforts.map(row).collect(), speed)
+}
+
+impl<const N: usize, P: Process<N>> Watch<N, P> {
+    /// The geometry of the mechanisms over the last horizon of a healthy run of this machine.
+    pub fn separation(&self, rows: &[Row]) -> Option<Separation> {
+        let (settling, last) = rows.split_at(rows.len().saturating_sub(self.horizon()));
+        Some(separation(self.process(), &self.settled(settling)?, last))
+    }
+
+    /// The geometry over a horizon after that run and another in which the control effort is `change`
+    /// times what it was, and the speed that it comes to: what a change of the set point would tell
+    /// of faults that stand before it.
+    pub fn separation_through(&self, rows: &[Row], change: f64) -> Option<(Separation, f64)> {
+        let belief = self.settled(rows)?;
+        let last = &rows[rows.len().saturating_sub(self.horizon())..];
+        let after = last.last()?;
+        let drives = |row: &Row| if row.control.is_finite() { row.control } else { row.shown[2] };
+        let mean = last.iter().map(drives).sum::<f64>() / last.len() as f64;
+        let efforts =
+            [mean, change * mean].map(|effort| std::iter::repeat_n(effort, self.horizon()));
+        let (rows, speed) = driven(self.process(), &belief, efforts.into_iter().flatten(), after);
+        Some((separation(self.process(), &belief, &rows), speed))
+    }
+
+    /// What is known after a healthy run of this machine.
+    fn settled(&self, rows: &[Row]) -> Option<Belief<N>> {
+        let mut belief = self.process().begin(rows.first()?);
+        // The machine is known; what the run leaves unknown of it is in the belief.
+        for r in N - self.process().learned().len()..N {
+            belief.covariance[r][r] = self.belief().covariance[r][r];
+        }
+        filter(&mut self.process().clone(), &mut belief, rows, |_, _, _| ());
+        Some(belief)
+    }
 }
 
 impl Separation {

@@ -10,13 +10,11 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::filter::filter;
 use super::frozen::Frozen;
 use super::hypothesis::Case;
 use super::judge::{Cause, Judgement, TWO_SIDED_95};
 use super::onsets::{OLDEST, Onsets};
 use super::process::{Belief, Process, Row};
-use super::separation::{Separation, separation};
 use super::squares::Squares;
 
 /// Rows before an onset that are filtered again with every hypothesis.
@@ -70,6 +68,8 @@ pub enum Event {
 pub struct Statistics {
     /// Of the likeliest mechanism and onset, or of a stuck sensor.
     pub ratio: f64,
+    /// Of the likeliest mechanism and onset alone.
+    pub mechanisms: f64,
     /// Cumulative sum of squares.
     pub squares: f64,
     /// Sensors that showed something.
@@ -131,7 +131,13 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
             kept: VecDeque::with_capacity(BEFORE + OLDEST.max(horizon) + 1),
             now: 0,
             mode: Mode::Watching,
-            statistics: Statistics { ratio: 0.0, squares: 0.0, measured: 0, outside: 0 },
+            statistics: Statistics {
+                ratio: 0.0,
+                mechanisms: 0.0,
+                squares: 0.0,
+                measured: 0,
+                outside: 0,
+            },
         }
     }
 
@@ -157,16 +163,9 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
         self
     }
 
-    /// The geometry of the mechanisms over the last horizon of a healthy run of this machine.
-    pub fn separation(&self, rows: &[Row]) -> Option<Separation> {
-        let (settling, last) = rows.split_at(rows.len().saturating_sub(self.horizon));
-        let mut belief = self.healthy.begin(rows.first()?);
-        // The machine is known; what the run leaves unknown of it is in the belief.
-        for r in N - self.healthy.learned().len()..N {
-            belief.covariance[r][r] = self.belief.covariance[r][r];
-        }
-        filter(&mut self.healthy.clone(), &mut belief, settling, |_, _, _| ());
-        Some(separation(&self.healthy, &belief, last))
+    /// Rows that a judgement rests on.
+    pub(super) fn horizon(&self) -> usize {
+        self.horizon
     }
 
     /// After a gap: the state is unknown, the machine is the same. The sample number goes on.
@@ -242,9 +241,10 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
         self.squares.step(self.now, &correction);
         self.belief = self.belief.moved(&advanced);
         self.now += 1;
-        let ratio = self.onsets.peak().map_or(0.0, |peak| peak.ratio);
+        let mechanisms = self.onsets.peak().map_or(0.0, |peak| peak.ratio);
         self.statistics = Statistics {
-            ratio: ratio.max(self.frozen.peak().0),
+            ratio: mechanisms.max(self.frozen.peak().0),
+            mechanisms,
             squares: self.squares.ratio,
             measured: correction.measured(),
             outside: correction.innovation.iter().filter(|w| w.abs() > TWO_SIDED_95).count(),

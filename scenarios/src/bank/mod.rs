@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! Recording --> Columns --> rows of a bank
-//! Drive, healthy rows --> learn_noise --> process --> calibrate, verify --> limits
+//! Drive, healthy rows --> design: noise --> process --> calibrate --> tails, limits
 //! process, baseline --> AnyWatch, row by row
 //! ```
 
+mod design;
 mod lanes;
 mod mechanisms;
 mod noise;
@@ -13,9 +14,10 @@ mod process;
 mod rows;
 mod sizes;
 
-pub use noise::{learn_noise, with_noise};
-pub use process::{DriveProcess, ProcessError};
+pub use design::{DesignError, Designed, design};
+pub use noise::with_noise;
+pub use process::ProcessError;
 pub use rows::{Columns, RowsError, without_current};
-pub use sizes::{AnyProcess, AnyWatch, process};
+pub use sizes::{AnyProcess, AnyWatch, known_process, process};
 #[cfg(test)]
 mod tests;

@@ -18,9 +18,11 @@ use thiserror::Error;
 use super::lanes::{Lanes, above, differences, spread};
 use super::mechanisms::{Entry, Ports, SMALL, entries, greatest_current, plus, shown};
 
-/// Parameters of the machine that are learned, each the mechanism that changes it, and the standard
+/// A parameter of the machine that is learned: the mechanism that changes it, and the standard
 /// deviation over healthy machines, as a fraction.
-const LEARNED: [(&str, f64); 2] = [("resistance", 0.05), ("friction", 0.15)];
+pub(super) type Learned = (&'static str, f64);
+/// What is learned of each machine.
+pub(super) const LEARNED: [Learned; 2] = [("resistance", 0.05), ("friction", 0.15)];
 /// Drift of a learned parameter over a sample: one per cent over a million samples.
 const DRIFT: f64 = 1e-5;
 /// Noise of a sensor or of the load where the drive file has none, as a share of its range.
@@ -53,7 +55,7 @@ pub enum ProcessError {
 
 /// The drive in `N` states, `L` variations of it side by side.
 #[derive(Debug, Clone)]
-pub struct DriveProcess<const N: usize, const L: usize> {
+pub(super) struct DriveProcess<const N: usize, const L: usize> {
     lanes: Lanes<L>,
     ports: Ports,
     period_s: f64,
@@ -89,11 +91,17 @@ fn places(drive: &Drive) -> Vec<usize> {
 }
 
 impl<const N: usize, const L: usize> DriveProcess<N, L> {
-    /// The process of a drive that is sampled every `period_s`, without those mechanisms.
+    /// The process of a drive that is sampled every `period_s`, without those mechanisms; of each
+    /// machine those parameters are learned.
     ///
     /// # Errors
     /// A drive with a delay, or of another size than `N` and `L`.
-    pub fn new(drive: &Drive, period_s: f64, left_out: &[&str]) -> Result<Self, ProcessError> {
+    pub(super) fn new(
+        drive: &Drive,
+        period_s: f64,
+        left_out: &[&str],
+        learned: &[Learned],
+    ) -> Result<Self, ProcessError> {
         if drive.model().delays().is_some() {
             return Err(ProcessError::Delay { drive: drive.name.clone() });
         }
@@ -106,7 +114,7 @@ impl<const N: usize, const L: usize> DriveProcess<N, L> {
         };
         let learnable = |id: &str| drive.motor.input == Input::Voltage || id != "resistance";
         let is_learned =
-            |entry: &Entry| LEARNED.iter().any(|(id, _)| *id == entry.about.id && learnable(id));
+            |entry: &Entry| learned.iter().any(|(id, _)| *id == entry.about.id && learnable(id));
         let (mut entries, others): (Vec<Entry>, Vec<Entry>) = all.into_iter().partition(kept);
         let hypotheses = entries.len();
         entries.extend(others.into_iter().filter(is_learned));
@@ -158,7 +166,7 @@ impl<const N: usize, const L: usize> DriveProcess<N, L> {
     }
 
     /// What this machine differs by, as fractions, in the order of [`Process::learned`].
-    pub fn machine(&self) -> Vec<f64> {
+    pub(super) fn machine(&self) -> Vec<f64> {
         self.learned.iter().map(|(_, change)| *change).collect()
     }
 

@@ -3,11 +3,11 @@
 
 use drivescope_diagnoser::bank::{
     BaselineError, Calibration, CalibrationError, Event, Limits, Mechanism, Process, Row,
-    Separation, Statistics, Verified, Watch, calibrate, learn, log_likelihood, verify,
+    Separation, Statistics, Tails, Verified, Watch, calibrate, learn, log_likelihood, verify,
 };
 use drivescope_plant::drive::Drive;
 
-use super::process::{DriveProcess, ProcessError};
+use super::process::{DriveProcess, LEARNED, Learned, ProcessError};
 
 /// A drive as a process, whatever its size.
 pub trait AnyProcess: Send + Sync {
@@ -29,7 +29,7 @@ pub trait AnyProcess: Send + Sync {
     ///
     /// # Errors
     /// As there.
-    fn calibrate(&self, how: &Calibration) -> Result<Limits, CalibrationError>;
+    fn calibrate(&self, how: &Calibration) -> Result<Tails, CalibrationError>;
     /// As [`verify`].
     ///
     /// # Errors
@@ -47,6 +47,8 @@ pub trait AnyWatch: Send {
     fn statistics(&self) -> Statistics;
     /// As [`Watch::separation`].
     fn separation(&self, rows: &[Row]) -> Option<Separation>;
+    /// As [`Watch::separation_through`].
+    fn separation_through(&self, rows: &[Row], change: f64) -> Option<(Separation, f64)>;
     /// What this machine differs by from the drive, as fractions.
     fn machine(&self) -> Vec<(String, f64)>;
 }
@@ -69,7 +71,7 @@ impl<const N: usize, const L: usize> AnyProcess for DriveProcess<N, L> {
         log_likelihood(self, rows)
     }
 
-    fn calibrate(&self, how: &Calibration) -> Result<Limits, CalibrationError> {
+    fn calibrate(&self, how: &Calibration) -> Result<Tails, CalibrationError> {
         calibrate(self, how)
     }
 
@@ -95,12 +97,17 @@ impl<const N: usize, const L: usize> AnyWatch for Watch<N, DriveProcess<N, L>> {
         self.separation(rows)
     }
 
+    fn separation_through(&self, rows: &[Row], change: f64) -> Option<(Separation, f64)> {
+        self.separation_through(rows, change)
+    }
+
     fn machine(&self) -> Vec<(String, f64)> {
         self.process().learned().iter().cloned().zip(self.process().machine()).collect()
     }
 }
 
-/// The drive, sampled every `period_s`, as a process, without those mechanisms.
+/// The drive, sampled every `period_s`, as a process, without those mechanisms; what a machine
+/// differs by is learned of each.
 ///
 /// # Errors
 /// A drive with a delay, or of more states than a bank is made for.
@@ -109,17 +116,40 @@ pub fn process(
     period_s: f64,
     left_out: &[&str],
 ) -> Result<Box<dyn AnyProcess>, ProcessError> {
-    // A current loop inside; current and speed; with an angle or own states of effects.
-    sized::<3, 16>(drive, period_s, left_out)
-        .or_else(|_| sized::<5, 16>(drive, period_s, left_out))
-        .or_else(|_| sized::<6, 24>(drive, period_s, left_out))
-        .or_else(|_| sized::<7, 24>(drive, period_s, left_out))
+    of_any_size(drive, period_s, left_out, &LEARNED)
+}
+
+/// The same of a machine that is known exactly: nothing is learned.
+///
+/// # Errors
+/// As [`process`].
+pub fn known_process(
+    drive: &Drive,
+    period_s: f64,
+    left_out: &[&str],
+) -> Result<Box<dyn AnyProcess>, ProcessError> {
+    of_any_size(drive, period_s, left_out, &[])
+}
+
+fn of_any_size(
+    drive: &Drive,
+    period_s: f64,
+    left_out: &[&str],
+    learned: &[Learned],
+) -> Result<Box<dyn AnyProcess>, ProcessError> {
+    // A current loop inside or a machine that is known; current and speed; with an angle or own
+    // states of effects.
+    sized::<3, 16>(drive, period_s, left_out, learned)
+        .or_else(|_| sized::<5, 16>(drive, period_s, left_out, learned))
+        .or_else(|_| sized::<6, 24>(drive, period_s, left_out, learned))
+        .or_else(|_| sized::<7, 24>(drive, period_s, left_out, learned))
 }
 
 fn sized<const N: usize, const L: usize>(
     drive: &Drive,
     period_s: f64,
     left_out: &[&str],
+    learned: &[Learned],
 ) -> Result<Box<dyn AnyProcess>, ProcessError> {
-    Ok(Box::new(DriveProcess::<N, L>::new(drive, period_s, left_out)?))
+    Ok(Box::new(DriveProcess::<N, L>::new(drive, period_s, left_out, learned)?))
 }

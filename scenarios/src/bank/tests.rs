@@ -5,11 +5,13 @@ use drivescope_diagnoser::bank::{
 };
 use drivescope_plant::drive::Drive;
 
-use super::{AnyProcess, Columns, learn_noise, process, with_noise, without_current};
+use super::noise::learn_noise;
+use super::{AnyProcess, Columns, process, with_noise, without_current};
 use crate::drives::built_in;
 use crate::experiment::{Experiment, Stream};
 use crate::faults::Fault;
 use crate::native::closed_loop;
+use crate::profile::Profile;
 use crate::results::FaultName;
 
 const BASELINE: usize = 1000;
@@ -69,16 +71,10 @@ fn limits_hold_on_machines_that_they_were_not_designed_on() {
     let experiment = experiment();
     let healthy = rows(&experiment, 2000, Stream::Design(0), None);
     let driving = Driving::of(healthy.iter(), experiment.period_s).expect("it is driven");
-    let how = Calibration {
-        driving,
-        arl_0: 1e5,
-        baseline: BASELINE,
-        horizon: HORIZON,
-        samples: 140_000,
-        seed: 1,
-    };
+    let how =
+        Calibration { driving, baseline: BASELINE, horizon: HORIZON, samples: 140_000, seed: 1 };
     let of = dr300(&experiment);
-    let limits = of.calibrate(&how).expect("they are enough");
+    let limits = of.calibrate(&how).expect("they are enough").limits(1e5);
     let found = of.verify(limits, &Calibration { seed: 2, ..how }).expect("they are learned");
     // At the designed rate 1.4 are expected; more than six would be one in a thousand.
     assert!(found.samples >= 140_000 && found.alarms <= 6, "{found:?}");
@@ -107,7 +103,7 @@ fn faults_that_were_never_shown_are_named_and_without_the_current_are_in_a_set()
     let id = |j: usize| of.mechanisms()[j].id.clone();
     for (kind, size) in [("tacho", 0.05), ("flux", -0.1), ("load", 0.2), ("resistance", 0.2)] {
         let name = FaultName { kind: kind.to_owned(), size, label: String::new() };
-        let fault = Fault { name, from: 1500, until: 3000 };
+        let fault = Fault { name, from: 1500, until: 3000, profile: Profile::Step };
         let rows = rows(&experiment, 2000, Stream::Faulty(0), Some(&fault));
         let found = judged(&rows, of.as_ref());
         let Cause::Mechanism(named) = found.cause else { panic!("{kind}: {found:?}") };

@@ -10,6 +10,8 @@ mod setting;
 
 use serde::{Deserialize, Serialize};
 
+use crate::profile::Profile;
+
 pub use detection::{ByMethod, DetectionRow, HealthySummary, LevelRows, Method, ReadingRows};
 pub use fmu::{FmpyRow, FmuSummary};
 pub use isolation::{
@@ -21,6 +23,11 @@ pub use models::{
 pub use paper::{PaperFigures, PaperRates, PaperRow};
 pub use pictures::Pictures;
 pub use setting::{DriveSummary, FaultName, FaultSpan, NoiseSummary, TorqueReading};
+
+/// The profile of a study that names none.
+fn step() -> String {
+    Profile::Step.to_string()
+}
 
 /// The whole study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,6 +44,9 @@ pub struct StudyResults {
     pub beta: f64,
     /// When each fault acts.
     pub fault_span: FaultSpan,
+    /// How its size goes over them: `step`, `ramp=5`, ...
+    #[serde(default = "step")]
+    pub profile: String,
     /// Samples in a row outside the threshold that declare a fault.
     pub window: usize,
     /// One row a fault and method.

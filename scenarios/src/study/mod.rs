@@ -31,6 +31,7 @@ use thiserror::Error;
 
 use crate::experiment::{Experiment, ExperimentError, Stream};
 use crate::faults::{Fault, SPAN, twelve};
+use crate::profile::Profile;
 use crate::results::{Pictures, StudyResults, TorqueReading};
 use crate::{cosimulated, native};
 pub use design::{Designed, Signals, design};
@@ -97,6 +98,8 @@ pub struct StudyOptions {
     pub torque: TorqueReading,
     /// Confidence level of the bands (two-sided).
     pub beta: f64,
+    /// How the sizes of the judged faults go over their span.
+    pub profile: Profile,
 }
 
 /// A study's outcome.
@@ -151,7 +154,7 @@ pub fn study(
     told(Progress::Training)?;
     let designed = design(&experiment, (&closed, &open), options.beta)?;
 
-    let runs = plan();
+    let runs = plan(options.profile);
     told(Progress::Judging(runs.len()))?;
     let judge = || -> Result<Vec<Judged>, StudyError> {
         let judged = runs.into_par_iter().map(|run| {
@@ -183,12 +186,12 @@ enum Run {
     Faulty(TorqueReading, Fault, u64),
 }
 
-fn plan() -> Vec<Run> {
+fn plan(profile: Profile) -> Vec<Run> {
     let healthy = (0..HEALTHY_RUNS).map(Run::Healthy);
     let faulty = TorqueReading::ALL.into_iter().flat_map(|reading| {
         let faults = twelve(reading).into_iter().enumerate();
         // The readings share the noise of each fault: they differ in the fault alone.
-        faults.map(move |(k, fault)| Run::Faulty(reading, fault, k as u64))
+        faults.map(move |(k, fault)| Run::Faulty(reading, Fault { profile, ..fault }, k as u64))
     });
     healthy.chain(faulty).collect()
 }

@@ -121,6 +121,7 @@ pub(super) fn summarise(
         torque: options.torque,
         beta: options.beta,
         fault_span: FaultSpan { from: SPAN.start, to: SPAN.end },
+        profile: options.profile.to_string(),
         window: WINDOW,
         detection,
         readings,

@@ -6,16 +6,17 @@ use clap::Args;
 use drivescope_fmu::description::Version;
 use drivescope_fmu::import::Fmu;
 use drivescope_scenarios::experiment::Experiment;
-use drivescope_scenarios::parity::{Broken, FaultRow, IN_TIME, MethodRows, Parity, Share, parity};
+use drivescope_scenarios::parity::{Broken, FaultRow, IN_TIME, MethodRows, Parity, parity};
 use drivescope_scenarios::results::{Method, TorqueReading};
 use drivescope_scenarios::study::design;
 use serde::Serialize;
 
+use super::bar::{Bar, share};
 use crate::commands::Run;
 use crate::commands::study::Reading;
 use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
-use crate::report::words::{fault, number, percent, torque};
+use crate::report::words::{fault, percent, torque};
 use crate::session::Session;
 use crate::{drive_source, fmu_file, interrupt};
 
@@ -41,14 +42,6 @@ pub(super) struct OfDetection {
 const LEAST_R_TD: f64 = 0.98;
 const LEAST_IN_TIME: f64 = 0.95;
 const MOST_OFF_BETA: f64 = 0.005;
-
-#[derive(Debug, Serialize)]
-struct Bar {
-    what: String,
-    value: f64,
-    bar: f64,
-    met: bool,
-}
 
 #[derive(Debug, Serialize)]
 struct Answer<'a> {
@@ -97,33 +90,21 @@ fn bars(found: &Parity) -> Vec<Bar> {
     let least = |value: &dyn Fn(&FaultRow) -> f64| {
         mem.faults.iter().map(value).fold(f64::INFINITY, f64::min)
     };
-    let at_least = |what: &str, value: f64, bar: f64| Bar {
-        what: what.to_owned(),
-        value,
-        bar,
-        met: value >= bar,
-    };
     let off = (mem.r_fd.mean - found.beta).abs();
     vec![
-        at_least("share of seeds with all twelve faults detected", mem.all_detected.share, 1.0),
-        at_least("mean r_td of the worst fault", least(&|row| row.r_td.mean), LEAST_R_TD),
-        at_least(
-            &format!("share of seeds with t_dt <= {IN_TIME}, worst fault"),
+        Bar::at_least(
+            "share of seeds with all twelve faults detected",
+            mem.all_detected.share,
+            1.0,
+        ),
+        Bar::at_least("mean r_td of the worst fault", least(&|row| row.r_td.mean), LEAST_R_TD),
+        Bar::at_least(
+            format!("share of seeds with t_dt <= {IN_TIME}, worst fault"),
             least(&|row| row.in_time.share),
             LEAST_IN_TIME,
         ),
-        Bar {
-            what: "mean r_fd off beta".to_owned(),
-            value: off,
-            bar: MOST_OFF_BETA,
-            met: off <= MOST_OFF_BETA,
-        },
+        Bar::at_most("mean r_fd off beta", off, MOST_OFF_BETA),
     ]
-}
-
-fn share(share: &Share) -> String {
-    let [low, high] = share.interval;
-    format!("{}/{} ({}-{} %)", share.hits, share.of, percent(low, 1), percent(high, 1))
 }
 
 fn text(found: &Parity, bars: &[Bar]) -> String {
@@ -178,9 +159,6 @@ fn text(found: &Parity, bars: &[Bar]) -> String {
         percent(*shuffled_r_td, 1),
         share(shuffled_detected)
     );
-    for Bar { what, value, bar, met } in bars {
-        let verdict = if *met { "met" } else { "MISSED" };
-        let _ = writeln!(text, "{what}: {} (bar {bar}): {verdict}", number(*value));
-    }
+    text.extend(bars.iter().map(Bar::line));
     text
 }

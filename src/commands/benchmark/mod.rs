@@ -1,5 +1,7 @@
 //! `benchmark`: published figures, measured again.
 
+mod bank;
+mod bar;
 mod detection;
 mod discovery;
 
@@ -20,6 +22,7 @@ pub(crate) struct Benchmark {
 enum TableOf {
     Discovery(discovery::OfDiscovery),
     Detection(detection::OfDetection),
+    Bank(bank::OfBank),
 }
 
 impl Run for Benchmark {
@@ -27,6 +30,7 @@ impl Run for Benchmark {
         match self.table {
             TableOf::Discovery(discovery) => discovery.run(session),
             TableOf::Detection(detection) => detection.run(session),
+            TableOf::Bank(bank) => bank.run(session),
         }
     }
 }

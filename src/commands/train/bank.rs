@@ -1,31 +1,22 @@
 //! The bank of a training: noise and limits for a drive whose equations are known.
 
 use drivescope_diagnoser::bank::{
-    BankDesign, Calibration, Driving, Event, LearnedNoise, Limits, Mechanism, Row, Separation,
-    Verified,
+    BankDesign, Calibration, Event, LearnedNoise, Limits, Mechanism, Row, Separation, Verified,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
-use drivescope_scenarios::bank::{
-    AnyProcess, Columns, learn_noise, process, with_noise, without_current,
-};
+use drivescope_scenarios::bank::{self, AnyProcess, Columns, Designed, without_current};
 use serde::Serialize;
 
 use crate::failure::{Failure, told};
 use crate::report::words::number;
 use crate::{drive_source, interrupt};
 
-/// Time that a machine is learned from, s, and fewest rows.
-const BASELINE_S: f64 = 5.0;
-const FEWEST_BASELINE: usize = 200;
-/// Time that a judgement rests on, s, and fewest rows.
-const HORIZON_S: f64 = 0.5;
-const FEWEST_HORIZON: usize = 40;
-/// Healthy samples that limits are designed on.
-const DESIGNED: usize = 300_000;
 /// Share of the alarms seen in the healthy recordings that the design foresees, below which the
 /// drive model is not theirs.
 const FORESEEN: f64 = 0.05;
+/// Changes of the control effort that are tried for a confusion set, the mildest first.
+const CHANGES: [f64; 6] = [0.75, 1.25, 0.5, 1.5, 0.0, -1.0];
 /// Size at which mechanisms are compared: of a fraction, or as a share of the greatest bias.
 const COMPARED: f64 = 0.1;
 
@@ -62,9 +53,19 @@ struct Confusion {
     /// Whether it shows at all: an inertia does not at a constant speed.
     shows: bool,
     set: Vec<String>,
+    /// What a change of the set point would tell it from.
+    separable: Vec<Separable>,
     /// The same where no current is measured, if it shows then.
     #[serde(skip_serializing_if = "Option::is_none")]
     set_without_current: Option<Vec<String>>,
+}
+
+/// A mechanism of a confusion set that another speed takes out of it.
+#[derive(Debug, Serialize)]
+struct Separable {
+    mechanism: String,
+    /// Speed to change to, rad/s (m/s).
+    speed: f64,
 }
 
 /// Designs the bank of a drive on healthy recordings.
@@ -84,47 +85,29 @@ pub(super) fn design(
         return Err(not(what, "give 1000 or more; 1e6 is usual").into());
     }
     let period_s = healthy[0].period_s;
-    let samples = |seconds: f64, least: usize| ((seconds / period_s).round() as usize).max(least);
-    let (baseline, horizon) =
-        (samples(BASELINE_S, FEWEST_BASELINE), samples(HORIZON_S, FEWEST_HORIZON));
     let mut runs: Vec<Vec<Row>> = Vec::new();
-    let mut has_current = true;
     for recording in healthy {
         let words = |error| {
             not(format!("{}: {error}", recording.name), "record it, or name it with --columns")
         };
         for part in recording.parts() {
-            let (columns, rows) = Columns::of(&part).map_err(words)?;
-            has_current &= columns.has_current();
-            runs.push(rows);
+            runs.push(Columns::of(&part).map_err(words)?.1);
         }
     }
-    let noise = learn_noise(&known, period_s, &runs).map_err(told)?;
-    let known = with_noise(&known, &noise);
-    let process = process(&known, period_s, &[]).map_err(told)?;
+    let designed = bank::design(&known, period_s, &runs, seed).map_err(told)?;
     interrupt::check()?;
-    let driving = Driving::of(runs.iter().flatten(), period_s).ok_or_else(|| {
-        not("the healthy recordings show nothing that drives".to_owned(), "record C_m or u")
-    })?;
-    let how = Calibration { driving, arl_0, baseline, horizon, samples: DESIGNED, seed };
-    let limits = process.calibrate(&how).map_err(told)?;
-    let mut blind = driving;
-    blind.measured[1] = false;
-    let limits_without_current = (has_current && blind.measured[0])
-        .then(|| process.calibrate(&Calibration { driving: blind, ..how }))
-        .transpose()
-        .map_err(told)?;
-    interrupt::check()?;
+    let Designed { noise, drive: known, process, tails, tails_without_current, how } = designed;
+    let limits = tails.limits(arl_0);
     let fresh = Calibration { samples: verified, seed: seed.wrapping_add(1), ..how };
     let verified = process.verify(limits, &fresh).map_err(told)?;
     let design = BankDesign {
         period_s,
         arl_0,
-        horizon,
-        baseline,
+        horizon: how.horizon,
+        baseline: how.baseline,
         drive: text,
         limits,
-        limits_without_current,
+        limits_without_current: tails_without_current.map(|tails| tails.limits(arl_0)),
         noise,
     };
     let (recorded, recorded_alarms) = recorded(process.as_ref(), healthy, &runs, &design)?;
@@ -133,8 +116,8 @@ pub(super) fn design(
         noise,
         arl_0,
         limits,
-        horizon_samples: horizon,
-        baseline_samples: baseline,
+        horizon_samples: design.horizon,
+        baseline_samples: design.baseline,
         verified: VerifiedAnswer {
             samples: verified.samples,
             alarms: verified.alarms,
@@ -195,27 +178,40 @@ fn recorded(
 
 /// Which mechanisms are confused at the end of the first run.
 fn confusions(process: &dyn AnyProcess, runs: &[Vec<Row>], design: &BankDesign) -> Vec<Confusion> {
-    let geometry = |rows: &[Row]| -> Option<Separation> {
-        let watch = process.learn(rows, design.limits, design.horizon).ok()?;
-        watch.separation(rows)
-    };
+    let learned = |rows: &[Row]| process.learn(rows, design.limits, design.horizon).ok();
     let long = runs.iter().filter(|rows| rows.len() >= design.baseline);
     let first = |rows: &Vec<Row>| rows[..design.baseline].to_vec();
     let Some(rows) = long.map(first).next() else { return Vec::new() };
-    let Some(with) = geometry(&rows) else { return Vec::new() };
-    let without = design.limits_without_current.and_then(|_| geometry(&without_current(&rows)));
+    let Some(watch) = learned(&rows) else { return Vec::new() };
+    let Some(with) = watch.separation(&rows) else { return Vec::new() };
+    let through: Vec<(Separation, f64)> =
+        CHANGES.iter().filter_map(|by| watch.separation_through(&rows, *by)).collect();
+    let without = design.limits_without_current.and_then(|_| {
+        let blind = without_current(&rows);
+        learned(&blind)?.separation(&blind)
+    });
     let mechanisms = process.mechanisms();
     let size = |it: &Mechanism| if it.unit == "1" { COMPARED } else { COMPARED * it.most };
-    let names = |of: &Separation, (j, it): (usize, &Mechanism)| -> Vec<String> {
-        let shown = of.shows(j, size(it)).then(|| of.confused(j, size(it)));
-        let others = shown.into_iter().flatten();
-        others.map(|other| mechanisms[other].id.clone()).collect()
+    let set = |of: &Separation, (j, it): (usize, &Mechanism)| -> Vec<usize> {
+        if of.shows(j, size(it)) { of.confused(j, size(it)) } else { Vec::new() }
+    };
+    let names = |of: &Separation, of_mechanism: (usize, &Mechanism)| -> Vec<String> {
+        set(of, of_mechanism).into_iter().map(|other| mechanisms[other].id.clone()).collect()
+    };
+    let separable = |(j, it): (usize, &Mechanism)| -> Vec<Separable> {
+        let others = set(&with, (j, it)).into_iter().filter_map(|other| {
+            let told = |(of, _): &&(Separation, f64)| !of.confused(j, size(it)).contains(&other);
+            let (_, speed) = through.iter().find(told)?;
+            Some(Separable { mechanism: mechanisms[other].id.clone(), speed: *speed })
+        });
+        others.collect()
     };
     let confusion = |(j, it): (usize, &Mechanism)| Confusion {
         mechanism: it.id.clone(),
         size: size(it),
         shows: with.shows(j, size(it)),
         set: names(&with, (j, it)),
+        separable: separable((j, it)),
         set_without_current: without
             .as_ref()
             .filter(|without| without.shows(j, size(it)))
@@ -245,12 +241,18 @@ impl BankAnswer {
             verified.recorded_alarms,
             verified.recorded,
         );
-        for Confusion { mechanism, size, shows, set, set_without_current } in &self.confusions {
+        for Confusion { mechanism, size, shows, set, separable, set_without_current } in
+            &self.confusions
+        {
             if !shows {
                 text += &format!("{mechanism} of {} does not show here\n", number(*size));
             }
             if !set.is_empty() {
                 text += &format!("{mechanism} cannot be told from {}\n", set.join(", "));
+            }
+            for Separable { mechanism: other, speed } in separable {
+                let speed = number(*speed);
+                text += &format!("  a set point changed to {speed} (SI) tells it from {other}\n");
             }
             let blind = set_without_current.iter().flatten();
             let more: Vec<&str> =

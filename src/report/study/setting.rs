@@ -39,6 +39,7 @@ pub(super) fn section(study: &StudyResults) -> Markup {
                 time(span.to)
             ),
         ),
+        ("Profile of the faults", study.profile.clone()),
         ("Torque fault read as", torque(study.torque).to_owned()),
         ("Noise sd, reference", speed(noise.reference, unit)),
         ("Noise sd, tachometer", speed(noise.omega, unit)),

@@ -1,0 +1,82 @@
+//! A bank designed on healthy rows: noise learned, tails of its statistics on simulated machines.
+
+use drivescope_diagnoser::bank::{
+    Calibration, CalibrationError, Driving, LearnedNoise, Row, Tails,
+};
+use drivescope_plant::drive::Drive;
+use thiserror::Error;
+
+use super::noise::{learn_noise, with_noise};
+use super::process::ProcessError;
+use super::sizes::{AnyProcess, process};
+
+/// Time that a machine is learned from, s, and fewest rows.
+const BASELINE_S: f64 = 5.0;
+const FEWEST_BASELINE: usize = 200;
+/// Time that a judgement rests on, s, and fewest rows.
+const HORIZON_S: f64 = 0.5;
+const FEWEST_HORIZON: usize = 40;
+/// Healthy samples that limits are designed on.
+const DESIGNED: usize = 300_000;
+
+/// Why no bank is designed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DesignError {
+    /// No process is made of the drive.
+    #[error(transparent)]
+    Process(#[from] ProcessError),
+    /// There are no limits.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// Nothing drives.
+    #[error("the healthy recordings show nothing that drives: record C_m or u")]
+    NothingDrives,
+}
+
+/// A bank before its limits are chosen.
+pub struct Designed {
+    /// Noise that was learned.
+    pub noise: LearnedNoise,
+    /// The drive with that noise.
+    pub drive: Drive,
+    /// The drive as the process that is watched.
+    pub process: Box<dyn AnyProcess>,
+    /// Tails with the signals of the rows.
+    pub tails: Tails,
+    /// Tails without the current, where it is among them.
+    pub tails_without_current: Option<Tails>,
+    /// How the machines were drawn, for a verification on others.
+    pub how: Calibration,
+}
+
+/// Designs the bank of a drive on healthy runs, sampled every `period_s`.
+///
+/// # Errors
+/// [`DesignError`], which says what did not suit.
+pub fn design(
+    drive: &Drive,
+    period_s: f64,
+    healthy: &[Vec<Row>],
+    seed: u64,
+) -> Result<Designed, DesignError> {
+    let samples = |seconds: f64, least: usize| ((seconds / period_s).round() as usize).max(least);
+    let noise = learn_noise(drive, period_s, healthy)?;
+    let drive = with_noise(drive, &noise);
+    let process = process(&drive, period_s, &[])?;
+    let driving =
+        Driving::of(healthy.iter().flatten(), period_s).ok_or(DesignError::NothingDrives)?;
+    let how = Calibration {
+        driving,
+        baseline: samples(BASELINE_S, FEWEST_BASELINE),
+        horizon: samples(HORIZON_S, FEWEST_HORIZON),
+        samples: DESIGNED,
+        seed,
+    };
+    let tails = process.calibrate(&how)?;
+    let mut blind = driving;
+    blind.measured[1] = false;
+    let tails_without_current = (driving.measured[0] && driving.measured[1])
+        .then(|| process.calibrate(&Calibration { driving: blind, ..how }))
+        .transpose()?;
+    Ok(Designed { noise, drive, process, tails, tails_without_current, how })
+}

@@ -1,0 +1,141 @@
+//! Trials of the bank of hypotheses: how often it is right on machines that it has never seen.
+//!
+//! ```text
+//! healthy runs of two machines --> design --> limits          (one seed)
+//! machines drawn anew: R, friction, noise --> closed loop, fault --> rows   (another seed)
+//!   rows --> baseline learned --> watch --> alarms, names, sets, sizes --> Trials
+//! ```
+//!
+//! The plant runs natively, which the FMU repeats bit for bit; the bank is handed the nominal drive
+//! and signals, and no faulty run. A machine that its own baseline refuses counts as a miss wherever
+//! it is counted. Every answer is held against the truth of another case as well: those figures, and
+//! those of a detector that always alarms, must collapse.
+
+mod bench;
+mod classes;
+mod delays;
+mod healthy;
+mod incipient;
+mod mechanisms;
+mod unknown;
+
+use drivescope_diagnoser::bank::TailError;
+use drivescope_plant::drive::Drive;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::bank::{DesignError, ProcessError};
+use crate::experiment::ExperimentError;
+use bench::Bench;
+
+pub use classes::{ClassRow, ClassTable, Classes};
+pub use delays::{Delay, DelayRow};
+pub use healthy::{Course, Healthy, HealthyRow};
+pub use incipient::Incipient;
+pub use mechanisms::{MechanismRow, Mechanisms, Sizes};
+pub use unknown::{Unknown, UnknownRow};
+
+/// Mean samples between false alarms that delays are compared at.
+pub const ARL_0: [f64; 5] = [1e3, 1e4, 1e5, 1e6, 1e7];
+
+/// How much is tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrialOptions {
+    /// Machines of each row.
+    pub machines: usize,
+    /// Healthy samples that false alarms are counted on.
+    pub healthy: usize,
+    /// Mean samples between false alarms that the bank is designed for.
+    pub arl_0: f64,
+    /// Seed of the design; the machines that are judged have others.
+    pub seed: u64,
+}
+
+/// Why there are no trials.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TrialError {
+    /// The drive has no sampled controller.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// No bank is designed.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    /// No process is made of a machine.
+    #[error(transparent)]
+    Process(#[from] ProcessError),
+    /// Too few healthy samples for a limit.
+    #[error(transparent)]
+    Tail(#[from] TailError),
+    /// Whoever watched it ended it.
+    #[error("the trials were stopped")]
+    Stopped,
+}
+
+/// What came of the trials.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trials {
+    /// Seed of the design.
+    pub design_seed: u64,
+    /// Seed of the machines that were judged.
+    pub judged_seed: u64,
+    /// Designed mean samples between false alarms.
+    pub arl_0: f64,
+    /// Samples that a judgement rests on, and a baseline.
+    pub horizon: usize,
+    /// Samples of a baseline.
+    pub baseline: usize,
+    /// The twelve faults, with the current and without.
+    pub classes: Classes,
+    /// Ten mechanisms of random size at three set points.
+    pub mechanisms: Mechanisms,
+    /// Delays beside those of a detector that knows machine and mechanism.
+    pub delays: Vec<DelayRow>,
+    /// Faults that grow.
+    pub incipient: Vec<Incipient>,
+    /// Kinds that the bank does not hold.
+    pub unknown: Unknown,
+    /// False alarms.
+    pub healthy: Healthy,
+}
+
+/// Steps of [`trials`], for a progress bar.
+pub const STEPS: u64 = 6;
+
+/// Designs the bank of a drive and tries it; ends where `advance`, called after each step, answers
+/// true.
+///
+/// # Errors
+/// [`TrialError`], which says what did not suit.
+pub fn trials(
+    drive: Drive,
+    options: &TrialOptions,
+    advance: &(dyn Fn() -> bool + Sync),
+) -> Result<Trials, TrialError> {
+    let bench = Bench::new(drive, options)?;
+    let step = || if advance() { Err(TrialError::Stopped) } else { Ok(()) };
+    let classes = classes::classes(&bench);
+    step()?;
+    let mechanisms = mechanisms::mechanisms(&bench);
+    step()?;
+    let delays = delays::delays(&bench)?;
+    step()?;
+    let incipient = incipient::incipient(&bench);
+    step()?;
+    let unknown = unknown::unknown(&bench)?;
+    step()?;
+    let healthy = healthy::healthy(&bench, options.healthy);
+    step()?;
+    Ok(Trials {
+        design_seed: options.seed,
+        judged_seed: bench.judged_seed,
+        arl_0: options.arl_0,
+        horizon: bench.designed.how.horizon,
+        baseline: bench.designed.how.baseline,
+        classes,
+        mechanisms,
+        delays,
+        incipient,
+        unknown,
+        healthy,
+    })
+}

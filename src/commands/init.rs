@@ -15,7 +15,7 @@ use crate::failure::{Ending, told};
 use crate::first_drive::{FirstDrive, Given, Origin, Value, offer};
 use crate::next::Next;
 use crate::output;
-use crate::report::words::{number, significant};
+use crate::report::words::{balances, number, significant};
 use crate::session::Session;
 use crate::simulation::replay::Fit;
 
@@ -152,8 +152,7 @@ fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
         let percent = percent.map_or("constant".to_owned(), |it| format!("{it:.1} %"));
         let _ = writeln!(text, "  {signal:<8} fit {percent}, rms {} {unit}, {how}", number(*rms));
     }
-    let BothUnexplained { torque, voltage } = answer.unexplained;
-    for (name, left) in [("torque", torque), ("voltage", voltage)] {
+    for (name, left) in balances(answer.motion, &answer.unexplained) {
         if let Some(Unexplained { share, .. }) = left {
             let _ = writeln!(text, "  {:.1} % of the {name} unexplained", 100.0 * share);
         }

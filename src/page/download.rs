@@ -55,6 +55,7 @@ pub(super) fn report(state: &State, number: usize) -> Result<String, Failure> {
         let rung = &state.rungs[*number];
         Step {
             label: rung.label.clone(),
+            motion: rung.drive.motion,
             unexplained: rung.unexplained,
             error: rung.error,
             validation_error: rung.validation_error,

@@ -1,5 +1,7 @@
 //! The sentences and numbers that terminal and report share.
 
+use drivescope_discovery::{BothUnexplained, Unexplained};
+use drivescope_plant::drive::Motion;
 use drivescope_scenarios::results::{
     DetectionRow, FaultName, Method, PaperRow, StudyResults, TorqueReading,
 };
@@ -32,6 +34,19 @@ const REACHABLE: f64 = 10.0;
 /// Whether an error is told in units of the noise.
 pub(crate) fn in_units_of_noise(error: f64) -> bool {
     error <= REACHABLE
+}
+
+/// What the balances leave unexplained, each under its name: an axis that moves along a line has
+/// forces.
+pub(crate) fn balances(
+    motion: Motion,
+    left: &BothUnexplained,
+) -> [(&'static str, Option<Unexplained>); 2] {
+    let driving = match motion {
+        Motion::Rotary => "torque",
+        Motion::Linear => "force",
+    };
+    [(driving, left.torque), ("voltage", left.voltage)]
 }
 
 /// So many significant digits; powers of ten where the number is far from 1.
@@ -224,6 +239,15 @@ mod tests {
             |kind: &str, size| fault(&FaultName { kind: kind.into(), size, label: String::new() });
         assert_eq!(named("tacho", 0.05), "tacho +5 %");
         assert_eq!(named("torque_constant", -0.125), "torque constant -12.5 %");
+    }
+
+    #[test]
+    fn what_is_left_of_a_linear_axis_is_a_force() {
+        let left =
+            BothUnexplained { torque: Some(Unexplained { rms: 2.0, share: 0.1 }), voltage: None };
+        assert_eq!(balances(Motion::Linear, &left)[0], ("force", left.torque));
+        assert_eq!(balances(Motion::Rotary, &left)[0], ("torque", left.torque));
+        assert_eq!(balances(Motion::Linear, &left)[1], ("voltage", None));
     }
 
     #[test]

@@ -73,13 +73,14 @@ impl Layout {
     }
 
     /// Number of the block of each row, for blocks of about that length, and how many there are;
-    /// a block does not reach from one recording into the next.
+    /// a block does not reach from one recording into the next, and none is shorter than a group.
     pub(super) fn blocks(&self, block_s: f64) -> (Vec<usize>, usize) {
         let mut numbers = Vec::with_capacity(self.rows());
         let mut first = 0;
         for span in self.starts.windows(2) {
             let groups = span[1] - span[0];
-            let wanted = (groups as f64 * self.group_s / block_s).round().max(1.0) as usize;
+            let wanted = (groups as f64 * self.group_s / block_s).round() as usize;
+            let wanted = wanted.min(groups).max(1);
             for group in 0..groups {
                 let number = first + group * wanted / groups;
                 numbers.extend(std::iter::repeat_n(number, self.outputs));
@@ -87,5 +88,26 @@ impl Layout {
             first += wanted;
         }
         (numbers, first)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_is_never_shorter_than_a_sample() {
+        let of = |group_s: f64| Layout {
+            outputs: 2,
+            stride: 1,
+            starts: vec![0, 300, 500],
+            group_s,
+            counts: vec![1.0; 1000],
+        };
+        let (numbers, count) = of(2000.0).blocks(0.5);
+        assert_eq!((numbers.len(), count), (1000, 500));
+        let (numbers, count) = of(1e-3).blocks(0.1);
+        assert_eq!((numbers.len(), count), (1000, 5));
+        assert_eq!((numbers[0], numbers[999]), (0, 4));
     }
 }

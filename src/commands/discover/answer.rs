@@ -10,7 +10,7 @@ use drivescope_discovery::{
     BothUnexplained, Discovery, Formula, LearnedCurve, NextExperiment, NoiseSource, NotJudged,
     RandomLoad, Ranked, Rung, Verdict,
 };
-use drivescope_plant::drive::Drive;
+use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::units::for_motion;
 use serde::Serialize;
 
@@ -87,9 +87,8 @@ pub(super) struct Answer {
     /// What the effects in `named` are: missing, or added as the user wished.
     #[serde(skip)]
     named_are: &'static str,
-    /// Unit of a torque or force.
     #[serde(skip)]
-    torque_unit: String,
+    motion: Motion,
     seed: u64,
 }
 
@@ -133,7 +132,7 @@ impl Answer {
             doubts: gathered.doubts.iter().chain(&new_doubts).cloned().collect(),
             new_doubts,
             named_are,
-            torque_unit: for_motion(base.motion, "N m"),
+            motion: base.motion,
             seed,
         }
     }
@@ -169,7 +168,7 @@ impl Answer {
         }
         text.push('\n');
         for rung in &self.ladder {
-            let _ = writeln!(text, "  {}", line(rung));
+            let _ = writeln!(text, "  {}", line(rung, self.motion));
         }
         text.push('\n');
         for one in &self.ranking {
@@ -186,11 +185,8 @@ impl Answer {
         text += &proposals(&self.formulas);
         if let Some(it) = self.load.and_then(|load| load.oscillation) {
             let sd = significant(it.sd, 3);
-            let _ = writeln!(
-                text,
-                "the load oscillates at {:.2} Hz ({sd} {} rms)",
-                it.hz, self.torque_unit
-            );
+            let unit = for_motion(self.motion, "N m");
+            let _ = writeln!(text, "the load oscillates at {:.2} Hz ({sd} {unit} rms)", it.hz);
         }
         if let Some(next) = &self.next_experiment {
             let _ = writeln!(

@@ -79,7 +79,7 @@ impl Search<'_> {
     ) -> miette::Result<Ending> {
         session.check_writable(&self.output.into_iter().chain(self.report).collect::<Vec<_>>())?;
         let gathered = self.evidence.gather((self.base, Purpose::Search), session)?;
-        let watching = Watching::new(session);
+        let watching = Watching::new(session, self.base.motion);
         let found = find(self.base, &gathered.estimation, &gathered.validation, &watching);
         watching.end();
         // What was found until then is not the answer.

@@ -36,6 +36,7 @@ pub(super) fn report(found: &Discovery, gathered: &Gathered, seed: u64) -> miett
                 .added
                 .as_ref()
                 .map_or("the base, fitted".to_owned(), |it| format!("+ {}", it.replace('_', " "))),
+            motion: found.drive.motion,
             unexplained: rung.validation_unexplained,
             error: rung.error,
             validation_error: rung.validation_error,

@@ -2,22 +2,25 @@
 
 use std::fmt::Write as _;
 
-use drivescope_discovery::{BothUnexplained, Rung, Step, Unexplained, Watch};
+use drivescope_discovery::{BothUnexplained, Rung, Step, Watch};
+use drivescope_plant::drive::Motion;
 use indicatif::ProgressBar;
 
 use crate::interrupt;
-use crate::report::words::in_units_of_noise;
+use crate::report::words::{balances, in_units_of_noise};
 use crate::session::Session;
 
 /// Prints rungs as they come, and ends the loop when the user wants that.
 pub(crate) struct Watching<'a> {
     session: &'a Session,
     bar: ProgressBar,
+    /// Of the drive.
+    motion: Motion,
 }
 
 impl<'a> Watching<'a> {
-    pub(crate) fn new(session: &'a Session) -> Self {
-        Self { session, bar: session.spinner() }
+    pub(crate) fn new(session: &'a Session, motion: Motion) -> Self {
+        Self { session, bar: session.spinner(), motion }
     }
 
     /// Takes the progress away.
@@ -31,7 +34,7 @@ impl Watch for Watching<'_> {
         match step {
             Step::Doing(what) => self.bar.set_message(*what),
             Step::Fitting(_) => {}
-            Step::Rung(rung) => self.bar.suspend(|| self.session.remark(line(rung))),
+            Step::Rung(rung) => self.bar.suspend(|| self.session.remark(line(rung, self.motion))),
         }
     }
 
@@ -42,14 +45,13 @@ impl Watch for Watching<'_> {
 
 /// A rung in words: what the balances of the validation data leave unexplained, and its errors where
 /// the noise is in reach.
-pub(crate) fn line(rung: &Rung) -> String {
+pub(crate) fn line(rung: &Rung, motion: Motion) -> String {
     let what = rung.added.as_ref().map_or("the base".to_owned(), |it| format!("+ {it}"));
-    let BothUnexplained { torque, voltage } = rung.validation_unexplained;
-    let share = |of: Option<Unexplained>, balance: &str| {
-        of.map(|it| format!("{:.1} % of the {balance}", 100.0 * it.share))
-    };
-    let shares: Vec<String> =
-        [share(torque, "torque"), share(voltage, "voltage")].into_iter().flatten().collect();
+    let known = balances(motion, &rung.validation_unexplained);
+    let known = known.into_iter().filter_map(|(balance, left)| Some((balance, left?)));
+    let shares: Vec<String> = known
+        .map(|(balance, left)| format!("{:.1} % of the {balance}", 100.0 * left.share))
+        .collect();
     let mut line = format!("{what:<24}");
     if !shares.is_empty() {
         let _ = write!(line, " unexplained {}", shares.join(", "));

@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
     BothUnexplained, Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Setting,
-    USUAL_BAND_HZ, Unexplained, relative_force_error, unexplained, with_own,
+    USUAL_BAND_HZ, relative_force_error, unexplained, with_own,
 };
-use drivescope_plant::drive::Drive;
+use drivescope_plant::drive::{Drive, Motion};
 use serde::Serialize;
 
 use crate::evidence::Gathered;
 use crate::read_evidence::{KnownNoise, unusable};
-use crate::report::words::in_units_of_noise;
+use crate::report::words::{balances, in_units_of_noise};
 
 /// Correlation from which on two parameters are named together.
 const STRONG: f64 = 0.9;
@@ -107,6 +107,8 @@ struct OfRecording {
 #[derive(Debug, Serialize)]
 pub(super) struct Answer {
     drive: String,
+    #[serde(skip)]
+    motion: Motion,
     output: PathBuf,
     parameters: BTreeMap<String, Estimate>,
     #[serde(skip)]
@@ -184,6 +186,7 @@ impl Answer {
         let of = |it: &Estimate| (it.name.clone(), it.clone());
         Self {
             drive: base.name.clone(),
+            motion: base.motion,
             output: output.to_owned(),
             parameters: fitted.parameters.iter().map(of).collect(),
             order: fitted.parameters.iter().map(|it| it.name.clone()).collect(),
@@ -346,17 +349,16 @@ impl Answer {
     /// What people know first, what is left of torque, voltage and force; whether there is any.
     fn left(&self, text: &mut String) -> bool {
         let already = text.len();
-        let both = |of: fn(&BothUnexplained) -> Option<Unexplained>| {
-            let it = &self.unexplained;
-            [
-                ("estimation", of(&it.before), of(&it.after)),
-                ("validation", of(&it.validation_before), of(&it.validation_after)),
-            ]
-        };
-        for (balance, both) in
-            [("torque", both(|it| it.torque)), ("voltage", both(|it| it.voltage))]
-        {
-            for (data, before, after) in both {
+        let it = &self.unexplained;
+        let all = [it.before, it.after, it.validation_before, it.validation_after];
+        let [before, after, validation_before, validation_after] =
+            all.map(|it| balances(self.motion, &it));
+        for place in 0..before.len() {
+            let balance = before[place].0;
+            for (data, before, after) in [
+                ("estimation", before[place].1, after[place].1),
+                ("validation", validation_before[place].1, validation_after[place].1),
+            ] {
                 let Some((before, after)) = before.zip(after) else { continue };
                 let what = format!("unexplained {balance}, {data}");
                 let [before, after] = [before, after].map(|it| 100.0 * it.share);

@@ -103,6 +103,7 @@ fn steps(state: &State, now: usize) -> Markup {
         .enumerate()
         .map(|(number, rung)| Step {
             label: rung.label.clone(),
+            motion: rung.drive.motion,
             // A narrow window has no room for more than the errors; the report tells it.
             unexplained: BothUnexplained { torque: None, voltage: None },
             error: rung.error,

@@ -1,17 +1,20 @@
 //! The ladder: what was added, and how the error fell.
 
 use drivescope_discovery::{BothUnexplained, Unexplained};
+use drivescope_plant::drive::Motion;
 use maud::{Markup, PreEscaped, html};
 
 use crate::report::page::table;
 use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
-use crate::report::words::{in_units_of_noise, number, percent};
+use crate::report::words::{balances, in_units_of_noise, number, percent};
 
 /// A step of the ladder.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Step {
     /// What was done.
     pub(crate) label: String,
+    /// Of the drive.
+    pub(crate) motion: Motion,
     /// What the balances of the validation data leave unexplained.
     pub(crate) unexplained: BothUnexplained,
     /// Error on the estimation data, in units of the noise.
@@ -22,16 +25,21 @@ pub(crate) struct Step {
     pub(crate) depth: usize,
 }
 
-/// A column of what is left of a balance, in per cent.
-type Left = (&'static str, fn(&Step) -> Option<Unexplained>);
+/// A balance of which something is left, and what every step leaves of it.
+type Left = (&'static str, Vec<Option<Unexplained>>);
 
-const LEFT: [Left; 2] =
-    [("torque", |step| step.unexplained.torque), ("voltage", |step| step.unexplained.voltage)];
+/// The balances of which these steps tell what is left.
+fn left(steps: &[Step]) -> Vec<Left> {
+    let all: Vec<_> = steps.iter().map(|step| balances(step.motion, &step.unexplained)).collect();
+    let Some(first) = all.first() else { return Vec::new() };
+    let of = |place: usize| (first[place].0, all.iter().map(|it| it[place].1).collect());
+    let told = |(_, left): &Left| left.iter().any(Option::is_some);
+    (0..first.len()).map(of).filter(told).collect()
+}
 
 /// The table of the steps and its picture; `action` is what may be done with the step of a number.
 pub(crate) fn ladder(steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup {
-    let told = |left: &&Left| steps.iter().any(|step| left.1(step).is_some());
-    let left: Vec<&Left> = LEFT.iter().filter(told).collect();
+    let left = left(steps);
     let in_reach = |step: &Step| in_units_of_noise(step.error.max(step.validation_error));
     let errors = left.is_empty() || steps.iter().any(in_reach);
     let actions: Vec<Markup> = (0..steps.len()).map(action).collect();
@@ -53,8 +61,8 @@ pub(crate) fn ladder(steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup
         @for ((place, step), action) in steps.iter().enumerate().zip(&actions) {
             tr data-step=(place) {
                 th scope="row" { span.branch { ("\u{2003}".repeat(step.depth)) } (place) ": " (step.label) }
-                @for (_, of) in &left {
-                    td { (of(step).map_or("-".to_owned(), |it| percent(it.share, 1))) }
+                @for (_, each) in &left {
+                    td { (each[place].map_or("-".to_owned(), |it| percent(it.share, 1))) }
                 }
                 @if errors {
                     td { (number(step.error)) }
@@ -120,11 +128,11 @@ fn of_errors(steps: &[Step]) -> Rows {
     picture(about, both, steps.iter().enumerate().map(row).collect())
 }
 
-fn of_left(steps: &[Step], left: &[&Left]) -> Rows {
+fn of_left(steps: &[Step], left: &[Left]) -> Rows {
     let row = |(number, step): (usize, &Step)| {
-        let value = |(_, of): &&Left| {
+        let value = |(_, each): &Left| {
             let none = || Value::Missing("not told".to_owned());
-            of(step).map_or_else(none, |it| Value::Number(100.0 * it.share))
+            each[number].map_or_else(none, |it| Value::Number(100.0 * it.share))
         };
         (format!("{number}: {}", step.label), left.iter().map(value).collect())
     };

@@ -183,12 +183,13 @@ pub(crate) fn run(
     keep: Option<&Path>,
     advance: &(dyn Fn() + Sync),
 ) -> miette::Result<Found> {
+    // Before the minutes that drawing them takes.
+    let folder = keep.map(RunFolder::take).transpose()?;
     let mut all = python.cases(cases / 2, seed)?;
     interrupt::check()?;
     all.extend(own::cases(cases - all.len(), seed));
     all.extend(own::unprogrammed(unprogrammed(cases), seed));
-    if let Some(path) = keep {
-        let folder = RunFolder::take(path)?;
+    if let Some(folder) = folder {
         kept::keep(&all, folder.work())?;
         folder.finish()?;
     }

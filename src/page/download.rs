@@ -55,7 +55,6 @@ pub(super) fn report(state: &State, number: usize) -> Result<String, Failure> {
         let rung = &state.rungs[*number];
         Step {
             label: rung.label.clone(),
-            motion: rung.drive.motion,
             unexplained: rung.unexplained,
             error: rung.error,
             validation_error: rung.validation_error,
@@ -71,6 +70,7 @@ pub(super) fn report(state: &State, number: usize) -> Result<String, Failure> {
         setting: &last.about,
         before: &before.compared,
         missing: asked.map(|number| &*state.missing[number]),
+        motion: last.drive.motion,
         steps: &steps,
         parameters: &last.parameters,
     }))

@@ -1,6 +1,6 @@
 //! The test bench: machines of one kind, what they show, and the bank that watches them.
 
-use drivescope_diagnoser::bank::{Cause, Event, Judgement, Limits, Row};
+use drivescope_diagnoser::bank::{Cause, Event, Judgement, Limits, Row, Tails};
 use drivescope_plant::drive::Drive;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -95,10 +95,15 @@ impl Bench {
         machine(&self.experiment, group, number as u64)
     }
 
+    /// The tails of the statistics with the current or without.
+    pub(super) fn tails(&self, with_current: bool) -> Tails {
+        let blind = self.designed.tails_without_current.filter(|_| !with_current);
+        blind.unwrap_or(self.designed.tails)
+    }
+
     /// The limits at the designed time between false alarms, with the current or without.
     pub(super) fn limits(&self, with_current: bool) -> Limits {
-        let blind = self.designed.tails_without_current.filter(|_| !with_current);
-        blind.unwrap_or(self.designed.tails).limits(self.arl_0)
+        self.tails(with_current).limits(self.arl_0)
     }
 
     /// A watch that learned the machine from its first rows, and the rows after them; nothing if
@@ -177,6 +182,11 @@ fn machine(experiment: &Experiment, group: Group, number: u64) -> Machine {
 }
 
 impl Machine {
+    /// From now on with the noise of that number: each thing that is tried on a machine has its own.
+    pub(super) fn renew_noise(&mut self, number: usize) {
+        self.experiment = self.experiment.with_seed(self.experiment.seed ^ number as u64);
+    }
+
     /// What the sensors show over those runs, which have one length.
     pub(super) fn rows(&self, plans: &[Plan]) -> Vec<Vec<Row>> {
         let mut loops = ClosedLoops::<LANES>::new(&self.experiment.drive);

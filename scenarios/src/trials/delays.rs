@@ -58,9 +58,7 @@ pub(super) fn delays(bench: &Bench) -> Result<Vec<DelayRow>, TrialError> {
     let row = |(number, (mechanism, size)): (usize, &(&str, f64))| {
         let known = known_limits(bench, mechanism)?;
         let found = bench.each(Group::Delays, bench.machines, |machine, _| {
-            // A machine has its own noise for each fault.
-            machine.experiment =
-                machine.experiment.with_seed(machine.experiment.seed ^ number as u64);
+            machine.renew_noise(number);
             let onset = machine.onset(bench);
             let reference = vec![machine.experiment.set_point; onset + AFTER];
             let size = machine.sign() * size;

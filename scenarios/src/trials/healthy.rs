@@ -101,11 +101,10 @@ pub(super) fn healthy(bench: &Bench, samples: usize) -> Healthy {
 
 /// Alarms at each limit; nothing where the baseline is refused.
 fn alarms(bench: &Bench, with_current: bool, rows: &[Row]) -> Option<[usize; ARL_0.len()]> {
-    let designed = &bench.designed;
-    let blind = designed.tails_without_current.filter(|_| !with_current);
-    let limits = ARL_0.map(|arl_0| blind.unwrap_or(designed.tails).limits(arl_0));
+    let tails = bench.tails(with_current);
+    let limits = ARL_0.map(|arl_0| tails.limits(arl_0));
     let rows = with_or_without(rows, with_current);
-    let (mut watch, rest) = bench.watch(designed.process.as_ref(), NEVER, &rows)?;
+    let (mut watch, rest) = bench.watch(bench.designed.process.as_ref(), NEVER, &rows)?;
     let (mut alarms, mut last) = ([0; ARL_0.len()], [None; ARL_0.len()]);
     for (at, row) in rest.iter().enumerate() {
         watch.step(row);

@@ -130,8 +130,7 @@ fn scale(bench: &Bench, kind: &str) -> f64 {
 }
 
 fn of_set_point(bench: &Bench, machine: &mut Machine, set_point: usize) -> Vec<Case> {
-    // Noise of its own at each set point.
-    machine.experiment = machine.experiment.with_seed(machine.experiment.seed ^ set_point as u64);
+    machine.renew_noise(set_point);
     let onset = machine.onset(bench);
     let speed = SET_POINTS[set_point] * bench.experiment.set_point;
     let shares = KINDS.map(|_| {

@@ -80,8 +80,7 @@ pub(super) fn unknown(bench: &Bench) -> Result<Unknown, TrialError> {
     let rows = KINDS.iter().enumerate().map(|(number, kind)| {
         let known = process(&bench.designed.drive, bench.experiment.period_s, kind.left_out)?;
         let answers = bench.each(Group::Unknown, bench.machines, |machine, _| {
-            machine.experiment =
-                machine.experiment.with_seed(machine.experiment.seed ^ number as u64);
+            machine.renew_noise(number);
             let onset = machine.onset(bench);
             let reference = vec![machine.experiment.set_point; onset + AFTER];
             let faults = kind.acting.iter().map(|(id, size)| {

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use drivescope_plant::drive::LawData;
-use drivescope_plant::effects::custom::Target;
+use drivescope_plant::file::target_key;
 use serde::Serialize;
 
 use super::{Case, Grade, Group};
@@ -58,10 +58,11 @@ fn truth(case: &Case) -> Truth<'_> {
     let law = case.law.as_ref().and_then(|law| {
         let effect = law.effect();
         let Some(LawData::Typed { target, text }) = &effect.law else { return None };
-        let own = Target::ALL.iter().find(|(_, it)| it == target);
-        let key = own.map_or("", |(key, _)| key);
         let parameters = effect.parameters.iter().map(|(name, value)| (name.as_str(), *value));
-        Some(TypedLaw { formula: format!("{key} = {text}"), parameters: parameters.collect() })
+        Some(TypedLaw {
+            formula: format!("{} = {text}", target_key(*target, case.drive.motion)),
+            parameters: parameters.collect(),
+        })
     });
     let noise = [&case.estimation, &case.validation]
         .map(|it| it.noise.iter().map(|(name, sd)| (name.as_str(), *sd)).collect());

@@ -36,7 +36,6 @@ pub(super) fn report(found: &Discovery, gathered: &Gathered, seed: u64) -> miett
                 .added
                 .as_ref()
                 .map_or("the base, fitted".to_owned(), |it| format!("+ {}", it.replace('_', " "))),
-            motion: found.drive.motion,
             unexplained: rung.validation_unexplained,
             error: rung.error,
             validation_error: rung.validation_error,
@@ -53,6 +52,7 @@ pub(super) fn report(found: &Discovery, gathered: &Gathered, seed: u64) -> miett
         setting: &about,
         before: before.as_ref().unwrap_or(&after),
         missing: asked.then_some(&missing),
+        motion: found.drive.motion,
         steps: &steps,
         parameters: &found.parameters,
     }))

@@ -103,7 +103,6 @@ fn steps(state: &State, now: usize) -> Markup {
         .enumerate()
         .map(|(number, rung)| Step {
             label: rung.label.clone(),
-            motion: rung.drive.motion,
             // A narrow window has no room for more than the errors; the report tells it.
             unexplained: BothUnexplained { torque: None, voltage: None },
             error: rung.error,
@@ -111,7 +110,7 @@ fn steps(state: &State, now: usize) -> Markup {
             depth: Rung::depth(&state.rungs, number),
         })
         .collect();
-    ladder(&all, &|number| {
+    ladder(state.rungs[now].drive.motion, &all, &|number| {
         html! {
             @if number == now { strong { "shown" } }
             @else {

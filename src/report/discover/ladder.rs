@@ -13,8 +13,6 @@ use crate::report::words::{balances, in_units_of_noise, number, percent};
 pub(crate) struct Step {
     /// What was done.
     pub(crate) label: String,
-    /// Of the drive.
-    pub(crate) motion: Motion,
     /// What the balances of the validation data leave unexplained.
     pub(crate) unexplained: BothUnexplained,
     /// Error on the estimation data, in units of the noise.
@@ -29,8 +27,8 @@ pub(crate) struct Step {
 type Left = (&'static str, Vec<Option<Unexplained>>);
 
 /// The balances of which these steps tell what is left.
-fn left(steps: &[Step]) -> Vec<Left> {
-    let all: Vec<_> = steps.iter().map(|step| balances(step.motion, &step.unexplained)).collect();
+fn left(motion: Motion, steps: &[Step]) -> Vec<Left> {
+    let all: Vec<_> = steps.iter().map(|step| balances(motion, &step.unexplained)).collect();
     let Some(first) = all.first() else { return Vec::new() };
     let of = |place: usize| (first[place].0, all.iter().map(|it| it[place].1).collect());
     let told = |(_, left): &Left| left.iter().any(Option::is_some);
@@ -38,8 +36,8 @@ fn left(steps: &[Step]) -> Vec<Left> {
 }
 
 /// The table of the steps and its picture; `action` is what may be done with the step of a number.
-pub(crate) fn ladder(steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup {
-    let left = left(steps);
+pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup {
+    let left = left(motion, steps);
     let in_reach = |step: &Step| in_units_of_noise(step.error.max(step.validation_error));
     let errors = left.is_empty() || steps.iter().any(in_reach);
     let actions: Vec<Markup> = (0..steps.len()).map(action).collect();

@@ -96,6 +96,8 @@ pub(crate) struct Found<'a> {
     pub(crate) before: &'a Comparison,
     /// What was missing in it, if that was asked.
     pub(crate) missing: Option<&'a Missing>,
+    /// Motion of the drive.
+    pub(crate) motion: Motion,
     /// The ladder.
     pub(crate) steps: &'a [Step],
     /// Parameters of the drive at the end.
@@ -112,7 +114,7 @@ pub(crate) fn discover_html(found: &Found<'_>) -> String {
         @if let Some(missing) = found.missing {
             (section("missing", "What is missing", &cards(missing, &found.before.curves, &none)))
         }
-        (section("ladder", "The error, step by step", &ladder(found.steps, &|_| html! {})))
+        (section("ladder", "The error, step by step", &ladder(found.motion, found.steps, &|_| html! {})))
         (section("parameters", "Parameters", &parameters(found.parameters, &|it| {
             html! { (super::words::number(it.value)) }
         })))

@@ -49,8 +49,8 @@ pub use doubt::{Doubt, doubts};
 pub use driving::{Driving, driving};
 pub use error::Error;
 pub use estimate::{
-    Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Options, Seen, evaluate, fit,
-    fit_seen, with_own,
+    Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Options, OutputFits, Seen,
+    evaluate, fit, fit_seen, output_fits, with_own,
 };
 pub use force::{USUAL_BAND_HZ, relative_force_error};
 pub use formula::{Formula, FormulaLaw};

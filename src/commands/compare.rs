@@ -23,7 +23,7 @@ use crate::failure::{Ending, told};
 use crate::next::Next;
 use crate::read_evidence::{ReadEvidence, given_noise, read_evidence, unusable};
 use crate::report::compare::{self as page, compare_html};
-use crate::report::words::{p_value, significant};
+use crate::report::words::{fit_percent, p_value, significant};
 use crate::session::Session;
 use crate::{drive_source, output};
 
@@ -194,9 +194,7 @@ fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
     for it in &compared.recordings {
         let _ = writeln!(text, "{}: error {:.4}", it.name, it.error);
         for output in &it.outputs {
-            let fit = |percent: Option<f64>| {
-                percent.map_or("constant".to_owned(), |it| format!("{it:.2} %"))
-            };
+            let fit = |percent: Option<f64>| percent.map_or("constant".to_owned(), fit_percent);
             let white = if output.autocorrelation.correlated { "not white" } else { "white" };
             let input = if output.input_correlation.correlated { ", knows the input" } else { "" };
             let _ = writeln!(

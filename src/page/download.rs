@@ -56,6 +56,7 @@ pub(super) fn report(state: &State, number: usize) -> Result<String, Failure> {
         Step {
             label: rung.label.clone(),
             unexplained: rung.unexplained,
+            fits: rung.fits.clone(),
             error: rung.error,
             validation_error: rung.validation_error,
             depth,

@@ -2,7 +2,8 @@
 
 use drivescope_discovery::compare::{Options, compare};
 use drivescope_discovery::{
-    Discovery, Estimate, Evidence, Fitted, NotIdentifiable, Setting, evaluate, unexplained,
+    Discovery, Estimate, Evidence, Fitted, NotIdentifiable, Setting, evaluate, output_fits,
+    unexplained,
 };
 use drivescope_plant::drive::Drive;
 
@@ -67,10 +68,11 @@ impl Fresh {
         progress.doing("looking where the model fails")?;
         let error = |evidence: &Evidence| {
             let judged = evaluate(&drive, evidence, &setting, true).map_err(told)?;
-            Ok::<_, miette::Report>(judged.squares.error())
+            let fits = output_fits(&drive, evidence, &setting, &judged.recordings);
+            Ok::<_, miette::Report>((judged.squares.error(), fits))
         };
         let (estimation, validation) = (&basis.gathered.estimation, &basis.gathered.validation);
-        let (error, validation_error) = (error(estimation)?, error(validation)?);
+        let ((error, _), (validation_error, fits)) = (error(estimation)?, error(validation)?);
         let options = Options { curves: true, seed: basis.seed };
         let compared = compare(&drive, &basis.whole, &setting, &options).map_err(told)?;
         let Gathered { noise, doubts, .. } = &*basis.gathered;
@@ -80,6 +82,7 @@ impl Fresh {
         let Self { parent, label, command, text } = self;
         Ok(Rung {
             unexplained: unexplained(&drive, validation).into(),
+            fits,
             parent,
             label,
             command,

@@ -1,7 +1,7 @@
 //! A rung of the ladder: a drive, how well it explains the recordings, and what it lacks.
 
 use drivescope_discovery::compare::Comparison;
-use drivescope_discovery::{BothUnexplained, Estimate, NotIdentifiable, Setting};
+use drivescope_discovery::{BothUnexplained, Estimate, NotIdentifiable, OutputFits, Setting};
 use drivescope_plant::drive::Drive;
 
 use crate::report::compare::Setting as About;
@@ -27,6 +27,8 @@ pub(super) struct Rung {
     pub(super) not_identifiable: Vec<NotIdentifiable>,
     /// What the balances leave unexplained of those that only judge.
     pub(super) unexplained: BothUnexplained,
+    /// Fit of each output of those that only judge, %.
+    pub(super) fits: OutputFits,
     /// Error on the recordings, or parts of them, that it was fitted to.
     pub(super) error: f64,
     /// Error on those that only judge.

@@ -1,6 +1,6 @@
 //! The sentences and numbers that terminal and report share.
 
-use drivescope_discovery::{BothUnexplained, Unexplained};
+use drivescope_discovery::{BothUnexplained, OutputFits, Unexplained};
 use drivescope_plant::drive::Motion;
 use drivescope_scenarios::results::{
     DetectionRow, FaultName, Method, PaperRow, StudyResults, TorqueReading,
@@ -47,6 +47,17 @@ pub(crate) fn balances(
         Motion::Linear => "force",
     };
     [(driving, left.torque), ("voltage", left.voltage)]
+}
+
+/// How well the outputs that move are followed, `97.2 % of omega` each.
+pub(crate) fn output_fits(fits: &OutputFits) -> Vec<String> {
+    let known = fits.iter().filter_map(|(name, fit)| Some((name, (*fit)?)));
+    known.map(|(name, fit)| format!("{} of {name}", fit_percent(fit))).collect()
+}
+
+/// The fit of an output: a percentage, or that the model overflowed.
+pub(crate) fn fit_percent(fit: f64) -> String {
+    if fit.is_finite() { format!("{fit:.2} %") } else { "overflow".to_owned() }
 }
 
 /// So many significant digits; powers of ten where the number is far from 1.

@@ -84,6 +84,12 @@ fn hidden_effects_are_named_and_the_error_falls_to_the_floor() {
                 assert!(after < 0.9 * before && after > 0.0, "{of}: {before} to {after}");
                 assert_eq!(answer["ladder"][1][of], answer["after"][of], "{answer}");
             }
+            let fit = |when: &str, of: &str| number(&answer[when][of]["omega"]);
+            for of in ["fit_percent", "validation_fit_percent"] {
+                let (before, after) = (fit("before", of), fit("after", of));
+                assert!(before < after && after > 99.0, "{of}: {before} to {after}");
+                assert_eq!(answer["ladder"][1][of], answer["after"][of], "{answer}");
+            }
         }
         let text = std::fs::read_to_string(here.join("found.toml")).expect("it was written");
         assert!(text.contains(kind) && text.contains("# ohm, from the plate"), "{text}");

@@ -7,6 +7,7 @@ use super::columns::Maker;
 use super::residual::{self, Correlation};
 use super::span::{self, Span, spans};
 use super::whitening;
+use crate::estimate::fit_percent;
 
 /// An output of a recording against the model's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -111,7 +112,6 @@ impl Seen<'_> {
         let shown = || channel.values.iter().zip(&residual).filter(|(_, r)| r.is_finite());
         let mean = shown().map(|(y, _)| y).sum::<f64>() / count;
         let swing = (shown().map(|(y, _)| (y - mean).powi(2)).sum::<f64>() / count).sqrt();
-        let percent = |rms: f64| (swing > 0.0).then(|| 100.0 * (1.0 - rms / swing));
         let span = layout.starts[place]..layout.starts[place + 1];
         let row = |group: usize| group * layout.outputs + j;
         let steps: Vec<f64> =
@@ -130,11 +130,11 @@ impl Seen<'_> {
             name: channel.name,
             unit: channel.unit.clone(),
             noise: case.noise[j],
-            fit_percent: percent(rms),
+            fit_percent: fit_percent(rms, swing),
             rms,
             error: rms / case.noise[j],
             one_step_error,
-            one_step_percent: percent(one_step_error * case.noise[j]),
+            one_step_percent: fit_percent(one_step_error * case.noise[j], swing),
             autocorrelation: residual::autocorrelation(&e, layout.group_s),
             input_correlation: residual::input_correlation(&e, &u, layout.group_s),
             residual,

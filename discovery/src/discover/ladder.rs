@@ -20,7 +20,7 @@ use crate::balances::unexplained;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
-use crate::estimate::{Evidence, Options};
+use crate::estimate::{Evidence, Options, output_fits};
 use crate::signals::SignalFinding;
 
 /// Why no curve is added.
@@ -374,7 +374,10 @@ impl Discovery {
         watch: &dyn Watch,
     ) {
         let drive = &model.fitted.drive;
+        let (setting, validated) = (&model.setting, &model.validation.recordings);
         let rung = Rung {
+            fit_percent: output_fits(drive, estimation, setting, &model.fitted.recordings),
+            validation_fit_percent: output_fits(drive, validation, setting, validated),
             added,
             unexplained: unexplained(drive, estimation).into(),
             validation_unexplained: unexplained(drive, validation).into(),

@@ -11,7 +11,7 @@ use super::learned::LearnedCurve;
 use crate::balances::BothUnexplained;
 use crate::compare::Finding;
 use crate::doubt::Doubt;
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, OutputFits};
 use crate::formula::Formula;
 use crate::observer::Observer;
 use crate::signals::SignalFinding;
@@ -62,6 +62,10 @@ pub struct Rung {
     pub unexplained: BothUnexplained,
     /// The same of the validation data.
     pub validation_unexplained: BothUnexplained,
+    /// Fit of each output of the estimation data, %.
+    pub fit_percent: OutputFits,
+    /// The same of the validation data.
+    pub validation_fit_percent: OutputFits,
 }
 
 /// An estimated parameter of a ranked effect.

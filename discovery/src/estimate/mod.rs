@@ -11,6 +11,7 @@ mod balanced;
 mod evidence;
 mod fitted;
 mod identifiable;
+mod output_fits;
 mod problem;
 mod scale;
 mod search;
@@ -26,6 +27,8 @@ use nalgebra::{DMatrix, DVector};
 pub use evidence::Evidence;
 pub use fitted::{Estimate, Evaluated, Fit, Fitted, with_own};
 pub use identifiable::NotIdentifiable;
+pub(crate) use output_fits::fit_percent;
+pub use output_fits::{OutputFits, output_fits};
 
 use crate::balances::begin;
 use crate::case::{Setting, Squares};

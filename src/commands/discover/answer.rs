@@ -8,7 +8,7 @@ use drivescope_discovery::compare::Finding;
 use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
     BothUnexplained, Discovery, Formula, LearnedCurve, NextExperiment, NoiseSource, NotJudged,
-    RandomLoad, Ranked, Rung, Verdict,
+    OutputFits, RandomLoad, Ranked, Rung, Verdict,
 };
 use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::units::for_motion;
@@ -30,6 +30,8 @@ struct Errors {
     validation_error: f64,
     unexplained: BothUnexplained,
     validation_unexplained: BothUnexplained,
+    fit_percent: OutputFits,
+    validation_fit_percent: OutputFits,
 }
 
 impl Errors {
@@ -39,6 +41,8 @@ impl Errors {
             validation_error: rung.validation_error,
             unexplained: rung.unexplained,
             validation_unexplained: rung.validation_unexplained,
+            fit_percent: rung.fit_percent.clone(),
+            validation_fit_percent: rung.validation_fit_percent.clone(),
         }
     }
 }

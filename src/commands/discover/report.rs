@@ -37,6 +37,7 @@ pub(super) fn report(found: &Discovery, gathered: &Gathered, seed: u64) -> miett
                 .as_ref()
                 .map_or("the base, fitted".to_owned(), |it| format!("+ {}", it.replace('_', " "))),
             unexplained: rung.validation_unexplained,
+            fits: rung.validation_fit_percent.clone(),
             error: rung.error,
             validation_error: rung.validation_error,
             depth,

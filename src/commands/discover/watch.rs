@@ -7,7 +7,7 @@ use drivescope_plant::drive::Motion;
 use indicatif::ProgressBar;
 
 use crate::interrupt;
-use crate::report::words::{balances, in_units_of_noise};
+use crate::report::words::{balances, in_units_of_noise, output_fits};
 use crate::session::Session;
 
 /// Prints rungs as they come, and ends the loop when the user wants that.
@@ -55,6 +55,10 @@ pub(crate) fn line(rung: &Rung, motion: Motion) -> String {
     let mut line = format!("{what:<24}");
     if !shares.is_empty() {
         let _ = write!(line, " unexplained {}", shares.join(", "));
+    }
+    let fits = output_fits(&rung.validation_fit_percent);
+    if !fits.is_empty() {
+        let _ = write!(line, "   fit {}", fits.join(", "));
     }
     if has_errors(rung) {
         let [error, validation] = [rung.error, rung.validation_error];

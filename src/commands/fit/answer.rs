@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 
 use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
-    BothUnexplained, Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, Setting,
-    USUAL_BAND_HZ, relative_force_error, unexplained, with_own,
+    BothUnexplained, Estimate, Evaluated, Evidence, Fit, Fitted, NotIdentifiable, OutputFits,
+    Setting, USUAL_BAND_HZ, output_fits, relative_force_error, unexplained, with_own,
 };
 use drivescope_plant::drive::{Drive, Motion};
 use serde::Serialize;
 
 use crate::evidence::Gathered;
 use crate::read_evidence::{KnownNoise, unusable};
-use crate::report::words::{balances, in_units_of_noise};
+use crate::report::words::{balances, fit_percent, in_units_of_noise};
 
 /// Correlation from which on two parameters are named together.
 const STRONG: f64 = 0.9;
@@ -28,18 +28,29 @@ pub(super) struct Judged {
     each: Vec<f64>,
     own: Vec<Vec<Estimate>>,
     force: Option<f64>,
+    fits: OutputFits,
 }
 
 impl Judged {
-    pub(super) fn new(drive: &Drive, evidence: &Evidence, judged: Evaluated) -> Self {
-        Self::of(drive, evidence, judged.squares.error(), &judged.recordings)
+    pub(super) fn new(
+        drive: &Drive,
+        evidence: &Evidence,
+        setting: &Setting,
+        judged: &Evaluated,
+    ) -> Self {
+        Self::of((drive, setting), evidence, judged.squares.error(), &judged.recordings)
     }
 
-    pub(super) fn of_fit(fitted: &Fitted, evidence: &Evidence) -> Self {
-        Self::of(&fitted.drive, evidence, fitted.squares.error(), &fitted.recordings)
+    pub(super) fn of_fit(fitted: &Fitted, evidence: &Evidence, setting: &Setting) -> Self {
+        Self::of((&fitted.drive, setting), evidence, fitted.squares.error(), &fitted.recordings)
     }
 
-    fn of(drive: &Drive, evidence: &Evidence, error: f64, fits: &[Fit]) -> Self {
+    fn of(
+        (drive, setting): (&Drive, &Setting),
+        evidence: &Evidence,
+        error: f64,
+        fits: &[Fit],
+    ) -> Self {
         let pairs = evidence.recordings.iter().zip(fits);
         let forces: Option<Vec<f64>> = pairs
             .map(|(it, fit)| relative_force_error(&with_own(drive, fit), it, USUAL_BAND_HZ))
@@ -49,6 +60,7 @@ impl Judged {
             each: fits.iter().map(|fit| fit.squares.error()).collect(),
             own: fits.iter().map(|fit| fit.own.clone()).collect(),
             force: forces.map(|all| mean_square(&all)),
+            fits: output_fits(drive, evidence, setting, fits),
         }
     }
 }
@@ -82,13 +94,14 @@ struct ForceError {
     validation_after: Option<f64>,
 }
 
-/// What the balances leave unexplained, of the drive as it was given and fitted.
+/// Something of the drive as it was given and fitted, on the recordings of the fit and on those
+/// that judge.
 #[derive(Debug, Serialize)]
-struct Left {
-    before: BothUnexplained,
-    after: BothUnexplained,
-    validation_before: BothUnexplained,
-    validation_after: BothUnexplained,
+struct BeforeAndAfter<T> {
+    before: T,
+    after: T,
+    validation_before: T,
+    validation_after: T,
 }
 
 #[derive(Debug, Serialize)]
@@ -119,7 +132,10 @@ pub(super) struct Answer {
     error: f64,
     validation_error: f64,
     before: Before,
-    unexplained: Left,
+    /// What the balances leave unexplained.
+    unexplained: BeforeAndAfter<BothUnexplained>,
+    /// Fit of each output, %; nothing of a drive that overflows.
+    fit_percent: BeforeAndAfter<OutputFits>,
     /// Noise of the first recording, by output; each recording has its own below.
     noise: BTreeMap<&'static str, f64>,
     noise_source: BTreeMap<&'static str, drivescope_discovery::NoiseSource>,
@@ -149,6 +165,16 @@ impl Answer {
         (before, after): ([Option<Judged>; 2], [Judged; 2]),
         seed: u64,
     ) -> Self {
+        let [validated, fitted_to] = [&after[1].fits, &after[0].fits].map(Clone::clone);
+        let fits = |judged: &Option<Judged>| {
+            judged.as_ref().map(|judged| judged.fits.clone()).unwrap_or_default()
+        };
+        let fit_percent = BeforeAndAfter {
+            before: fits(&before[0]),
+            after: fitted_to,
+            validation_before: fits(&before[1]),
+            validation_after: validated,
+        };
         let error = |judged: &Option<Judged>| judged.as_ref().map(|judged| judged.error);
         let force = |judged: &Option<Judged>| judged.as_ref().and_then(|judged| judged.force);
         let relative_force_error = after[0].force.map(|now| ForceError {
@@ -200,12 +226,13 @@ impl Answer {
             error: after[0].error,
             validation_error: after[1].error,
             before: Before { error: error(&before[0]), validation_error: error(&before[1]) },
-            unexplained: Left {
+            unexplained: BeforeAndAfter {
                 before: unexplained(base, &gathered.estimation).into(),
                 after: unexplained(&fitted.drive, &gathered.estimation).into(),
                 validation_before: unexplained(base, &gathered.validation).into(),
                 validation_after: unexplained(&fitted.drive, &gathered.validation).into(),
             },
+            fit_percent,
             noise: gathered.noise[0].iter().map(|noise| (noise.name, noise.sd)).collect(),
             noise_source: gathered.noise[0]
                 .iter()
@@ -363,6 +390,18 @@ impl Answer {
                 let what = format!("unexplained {balance}, {data}");
                 let [before, after] = [before, after].map(|it| 100.0 * it.share);
                 let _ = writeln!(text, "{what:<42} {before:>8.1} % -> {after:.1} %");
+            }
+        }
+        let it = &self.fit_percent;
+        for (data, before, after) in [
+            ("estimation", &it.before, &it.after),
+            ("validation", &it.validation_before, &it.validation_after),
+        ] {
+            for (name, after) in after.iter().filter_map(|(name, fit)| Some((name, (*fit)?))) {
+                let before = before.get(name).copied().flatten().unwrap_or(f64::NEG_INFINITY);
+                let what = format!("fit of {name}, {data}");
+                let [before, after] = [before, after].map(fit_percent);
+                let _ = writeln!(text, "{what:<42} {before:>10} -> {after}");
             }
         }
         let mut line = |what: &str, before, after| compared(text, what, before, after);

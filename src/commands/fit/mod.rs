@@ -41,7 +41,7 @@ impl Run for Fit {
         let bar = session.progress(3, "fitting");
         let judge = |drive: &Drive, evidence: &Evidence, own: bool| {
             let judged = evaluate(drive, evidence, &setting, own).map_err(told)?;
-            Ok::<_, miette::Report>(Judged::new(drive, evidence, judged))
+            Ok::<_, miette::Report>(Judged::new(drive, evidence, &setting, &judged))
         };
         // The base may overflow where the fitted drive does not: it then has no error to tell.
         let before = [judge(&base, estimation, false).ok(), judge(&base, validation, true).ok()];
@@ -49,7 +49,10 @@ impl Run for Fit {
         let options = Options { seed: session.seed, ..Options::default() };
         let fitted = fit(&base, estimation, &setting, &options).map_err(told)?;
         bar.inc(1);
-        let after = [Judged::of_fit(&fitted, estimation), judge(&fitted.drive, validation, true)?];
+        let after = [
+            Judged::of_fit(&fitted, estimation, &setting),
+            judge(&fitted.drive, validation, true)?,
+        ];
         bar.finish_and_clear();
         let text = drive_source::text(&self.drive)?;
         let text = with_estimates((&self.drive, &text), &fitted, &gathered)?;

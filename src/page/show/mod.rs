@@ -7,7 +7,7 @@ mod spark;
 
 use std::collections::BTreeMap;
 
-use drivescope_discovery::BothUnexplained;
+use drivescope_discovery::{BothUnexplained, OutputFits};
 use maud::{Markup, html};
 
 use data::data;
@@ -105,6 +105,7 @@ fn steps(state: &State, now: usize) -> Markup {
             label: rung.label.clone(),
             // A narrow window has no room for more than the errors; the report tells it.
             unexplained: BothUnexplained { torque: None, voltage: None },
+            fits: OutputFits::new(),
             error: rung.error,
             validation_error: rung.validation_error,
             depth: Rung::depth(&state.rungs, number),

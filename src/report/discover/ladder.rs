@@ -1,10 +1,10 @@
 //! The ladder: what was added, and how the error fell.
 
-use drivescope_discovery::{BothUnexplained, Unexplained};
+use drivescope_discovery::{BothUnexplained, OutputFits, Unexplained};
 use drivescope_plant::drive::Motion;
 use maud::{Markup, PreEscaped, html};
 
-use crate::report::page::table;
+use crate::report::page::{minus, table};
 use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
 use crate::report::words::{balances, in_units_of_noise, number, percent};
 
@@ -15,6 +15,8 @@ pub(crate) struct Step {
     pub(crate) label: String,
     /// What the balances of the validation data leave unexplained.
     pub(crate) unexplained: BothUnexplained,
+    /// Fit of each output of the validation data, %.
+    pub(crate) fits: OutputFits,
     /// Error on the estimation data, in units of the noise.
     pub(crate) error: f64,
     /// Error on the validation data.
@@ -39,6 +41,8 @@ fn left(motion: Motion, steps: &[Step]) -> Vec<Left> {
 pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup {
     let left = left(motion, steps);
     let in_reach = |step: &Step| in_units_of_noise(step.error.max(step.validation_error));
+    let outputs: Vec<&str> =
+        steps.first().map_or(Vec::new(), |it| it.fits.keys().copied().collect());
     let errors = left.is_empty() || steps.iter().any(in_reach);
     let actions: Vec<Markup> = (0..steps.len()).map(action).collect();
     let any = actions.iter().any(|it| !it.0.is_empty());
@@ -47,6 +51,9 @@ pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> M
             th.name scope="col" { "Step" }
             @for (balance, _) in &left {
                 th scope="col" { "Unexplained " (balance) ", %" }
+            }
+            @for name in &outputs {
+                th scope="col" { "Fit of " (name) ", %" }
             }
             @if errors {
                 th scope="col" { "Error, estimation" }
@@ -62,6 +69,9 @@ pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> M
                 @for (_, each) in &left {
                     td { (each[place].map_or("-".to_owned(), |it| percent(it.share, 1))) }
                 }
+                @for name in &outputs {
+                    td { (fit(step, name)) }
+                }
                 @if errors {
                     td { (number(step.error)) }
                     td { (number(step.validation_error)) }
@@ -73,6 +83,9 @@ pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> M
     let mut title = Vec::new();
     if !left.is_empty() {
         title.push("What the balances leave unexplained of the recordings that judge");
+    }
+    if !outputs.is_empty() {
+        title.push("how well the model follows each output of them");
     }
     if errors {
         title.push("errors in units of the sensors\u{2019} noise, 1 is the floor");
@@ -87,6 +100,12 @@ pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> M
             }
         }
     }
+}
+
+/// How well a step follows an output, %.
+fn fit(step: &Step, output: &str) -> String {
+    let known = step.fits.get(output).copied().flatten();
+    known.map_or("-".to_owned(), |it| minus(&format!("{it:.2}")))
 }
 
 fn picture(

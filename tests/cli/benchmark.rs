@@ -28,6 +28,13 @@ fn faults_are_detected_and_broken_detectors_collapse() {
 }
 
 #[test]
+fn a_table_of_no_cases_is_refused() {
+    let here = folder();
+    let message = refused(here.path(), &["benchmark", "rule", "--cases", "0"]);
+    assert!(message.contains("give 1 or more"), "{message}");
+}
+
+#[test]
 fn the_bank_names_what_failed_on_machines_it_has_never_seen() {
     let here = folder();
     let arguments = ["benchmark", "bank", "--machines", "6", "--healthy", "80000"];

@@ -40,7 +40,7 @@ impl Round<'_> {
         let curve = weights
             .curves
             .first()
-            .filter(|it| it.evidence > decision::EVIDENCE && decision::SHARE * it.evidence > law);
+            .filter(|it| it.evidence > self.rule.evidence && self.rule.share * it.evidence > law);
         let shown = |it: &LawWeight| {
             let over = &self.all[it.candidate].fails_over;
             curve.is_some_and(|it| it.curve.variables().iter().any(|v| over.contains(v)))
@@ -185,16 +185,9 @@ impl Round<'_> {
     }
 }
 
-/// Most probable first, with their probabilities.
+/// Most evidence first.
 fn ordered(mut judged: Vec<Judged>) -> Vec<Judged> {
     judged.sort_by(|a, b| b.weighed.evidence.total_cmp(&a.weighed.evidence));
-    // Counted from the greatest, whose exponential would overflow.
-    let most = judged.first().map_or(0.0, |best| best.weighed.evidence.max(0.0));
-    let odds = |one: &Judged| decision::LAW_ODDS * (one.weighed.evidence - most).exp();
-    let all: f64 = (-most).exp() + judged.iter().map(odds).sum::<f64>();
-    for one in &mut judged {
-        one.weighed.probability = odds(one) / all;
-    }
     judged
 }
 

@@ -4,7 +4,6 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::Variable;
 use rayon::prelude::*;
 
-use super::decision;
 use super::judged::Judged;
 use super::learned::effect;
 use super::refit::{Model, finer, fit_near, refit, with_learned};
@@ -55,7 +54,7 @@ impl Round<'_> {
             one.model = model;
             let falls = fits && is <= (1.0 - FALLS) * was;
             let removed = self.removed_of_validation(&one.model);
-            if falls && removed >= decision::EXPLAINS {
+            if falls && removed >= self.rule.size {
                 break;
             }
             if self.explains_torque(&one.model.fitted.drive) {
@@ -81,7 +80,7 @@ impl Round<'_> {
             });
             // Of what stands for dry friction the filter knows too little at each reversal.
             if !candidate.info.replaces_dry {
-                failed.push((&candidate.fails_over, decision::SHARE * one.weighed.evidence));
+                failed.push((&candidate.fails_over, self.rule.share * one.weighed.evidence));
             }
         }
     }
@@ -108,7 +107,7 @@ impl Round<'_> {
         let Some(model) = self.in_free_run(one) else { return };
         let floor = self.floor(self.estimation) + self.floor(self.validation);
         let excess = |it: &Model| it.fitted.squares.sum + it.validation.squares.sum - floor;
-        if excess(&model) <= decision::LEFT * excess(self.model) {
+        if excess(&model) <= self.rule.formula * excess(self.model) {
             one.model = model;
             one.refused = None;
         }

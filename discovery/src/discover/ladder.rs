@@ -4,7 +4,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::registry::Entry;
 
 use super::candidates::{Candidate, NotJudged, candidate, candidates};
-use super::decision;
+use super::decision::{self, Rule};
 use super::experiment;
 use super::judged::Judged;
 use super::learned::LearnedCurve;
@@ -48,6 +48,19 @@ pub fn discover(
     validation: &Evidence,
     watch: &dyn Watch,
 ) -> Result<Discovery, Error> {
+    discover_by(&Rule::NAMING, drive, (estimation, validation), watch)
+}
+
+/// The same by another rule of naming.
+///
+/// # Errors
+/// As of [`discover`].
+pub fn discover_by(
+    rule: &Rule,
+    drive: &Drive,
+    (estimation, validation): (&Evidence, &Evidence),
+    watch: &dyn Watch,
+) -> Result<Discovery, Error> {
     let wrong = unusable::signals(drive, estimation, validation);
     if wrong.iter().any(SignalFinding::forbids) {
         return Ok(unusable::discovery(drive, estimation, wrong));
@@ -67,6 +80,7 @@ pub fn discover(
         let (all, not) = candidates(&model.fitted.drive, estimation, &scales, typed);
         let formulas: Vec<Formula> = added.iter().map(|it| it.formula.clone()).collect();
         let turn = Round {
+            rule,
             model: &model,
             all: &all,
             scales: &scales,
@@ -95,10 +109,8 @@ pub fn discover(
         note(&turn, &outcome, passed, &mut found);
         let Outcome { mut judged, unknown, proposed, .. } = outcome;
         let Some(best) = passed else {
-            // Where the noise alone is left, what a curve takes of it is nothing.
-            let unknown = unknown.filter(|_| !turn.is_at_floor());
             let missing = unknown.is_some();
-            found.formulas = if missing { proposed } else { Vec::new() };
+            found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| {
                 watch.step(&Step::Doing("drawing what nobody knows"));
@@ -172,6 +184,7 @@ pub fn add(
         }
     };
     let turn = Round {
+        rule: &Rule::NAMING,
         model: &model,
         all: &chosen,
         scales: &scales,
@@ -234,6 +247,7 @@ pub fn bic_of(
         }
     }];
     let turn = Round {
+        rule: &Rule::NAMING,
         model: &model,
         all: &all,
         scales: &scales,

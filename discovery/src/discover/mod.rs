@@ -23,6 +23,7 @@ mod learned;
 mod naming;
 mod needless;
 mod other_machine;
+mod probability;
 mod projection;
 mod refit;
 mod report;
@@ -34,8 +35,9 @@ mod whiten;
 
 pub use candidates::NotJudged;
 pub use curves::Balance;
+pub use decision::{Number, Rule};
 pub use experiment::NextExperiment;
-pub use ladder::{add, bic_of, discover};
+pub use ladder::{add, bic_of, discover, discover_by};
 pub use learned::LearnedCurve;
 pub use report::{
     Coefficient, Discovery, Oscillation, RandomLoad, Ranked, Rung, Step, Unwatched, Verdict, Watch,

@@ -1,7 +1,6 @@
 //! Which of the fitted candidates is named, by the numbers of [`super::decision`].
 
 use super::candidates::Candidate;
-use super::decision;
 use super::judged::Judged;
 use super::round::{Outcome, Round};
 use crate::likelihood::{CurveWeight, Ground, Law};
@@ -25,12 +24,13 @@ impl Round<'_> {
         !self.named.is_empty() && !self.is_named(candidate) && !self.refines(candidate)
     }
 
-    /// Evidence and size that are asked for.
+    /// Evidence, beside its odds, and size that are asked for.
     fn asked(&self, further: bool) -> (f64, f64) {
+        let rule = self.rule;
         if further {
-            (decision::FURTHER_EVIDENCE, decision::FURTHER_SIZE)
+            (rule.further_evidence, rule.further_size)
         } else {
-            (decision::EVIDENCE, decision::SIZE)
+            (rule.evidence, rule.size)
         }
     }
 
@@ -45,7 +45,7 @@ impl Round<'_> {
         let it = one.weighed;
         let (evidence, size) = self.asked(self.is_further(one));
         let share = curve.map_or(1.0, |(_, explains)| it.fitted / explains.max(f64::MIN_POSITIVE));
-        let asked = evidence - decision::LAW_ODDS.ln();
+        let asked = evidence - self.rule.law_odds.ln();
         if it.evidence <= asked {
             Some(format!("its evidence is {:.1} only, and {asked:.1} is asked for", it.evidence))
         } else if self.is_disturbance(one) {
@@ -56,7 +56,7 @@ impl Round<'_> {
         } else if it.repeats <= 0.0 && !self.explains_torque(&one.model.fitted.drive) {
             // A slow random load explains what never changes in them, at the price of one value.
             Some("the validation data do not speak for it".to_owned())
-        } else if share < decision::SHARE
+        } else if share < self.rule.share
             && !curve.is_some_and(|(it, _)| self.is_apart(ground, one, it))
         {
             let share = 100.0 * share.max(0.0);
@@ -75,7 +75,7 @@ impl Round<'_> {
         let it = &self.all[one.candidate];
         let law = Law { id: &it.id, coefficients: &it.coefficients };
         let stays = ground.beside_curve(&one.model.fitted.drive, &law, &it.estimated(), curve);
-        stays.is_some_and(|stays| stays >= decision::SHARE * one.weighed.evidence)
+        stays.is_some_and(|stays| stays >= self.rule.share * one.weighed.evidence)
     }
 
     /// Whether it is locked to the position in each recording and has no phase that they share: no
@@ -83,13 +83,13 @@ impl Round<'_> {
     pub(super) fn is_disturbance(&self, one: &Judged) -> bool {
         let it = one.weighed;
         let locked = self.all[one.candidate].coefficients == ["a", "b"];
-        locked && it.fitted > decision::EVIDENCE && it.repeats <= 0.0
+        locked && it.fitted > self.rule.evidence && it.repeats <= 0.0
     }
 
     /// Whether a curve that repeats shows that something is missing.
     pub(super) fn stands(&self, curve: &CurveWeight) -> bool {
         let (evidence, size) = self.asked(!self.named.is_empty());
-        curve.evidence + decision::CURVE_ODDS.ln() > evidence && curve.size >= size
+        curve.evidence + self.rule.curve_odds.ln() > evidence && curve.size >= size
     }
 
     /// Puts the simplest of those that pass and are not told from the best of them before it.
@@ -101,8 +101,8 @@ impl Round<'_> {
         let close = |one: &Judged| {
             let less = evidence(&judged[best]) - evidence(one);
             let instead = info(&judged[best]).excludes.contains(&info(one).id);
-            let nested = if instead { decision::NESTED * evidence(&judged[best]) } else { 0.0 };
-            one.refused.is_none() && less < decision::CONFUSED.max(nested)
+            let nested = if instead { self.rule.nested * evidence(&judged[best]) } else { 0.0 };
+            one.refused.is_none() && less < self.rule.confused.max(nested)
         };
         let simplest = (best..judged.len())
             .filter(|k| close(&judged[*k]))
@@ -120,8 +120,8 @@ impl Round<'_> {
             let id = self.all[other.candidate].name.as_str();
             let more = other.weighed.evidence - one.weighed.evidence;
             let instead = info.excludes.contains(&id) && more > 0.0;
-            let speaks = other.weighed.evidence > decision::CONFUSED;
-            id != name && speaks && (more.abs() < decision::CONFUSED || instead)
+            let speaks = other.weighed.evidence > self.rule.confused;
+            id != name && speaks && (more.abs() < self.rule.confused || instead)
         };
         let name = |other: &Judged| self.all[other.candidate].name.clone();
         let mut set: Vec<String> = outcome.judged.iter().filter(alike).map(name).collect();

@@ -65,7 +65,7 @@ impl Model {
 }
 
 /// Squared error, in units of the noise, by which a fit of a candidate may miss its minimum: far
-/// below the evidence that a name needs ([`super::decision::EVIDENCE`]).
+/// below the evidence that a name needs ([`super::decision::Rule::evidence`]).
 const NEAR_ENOUGH: f64 = 1.0;
 /// A fit as close as judging a candidate needs.
 const NEARLY: Options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };

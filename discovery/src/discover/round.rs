@@ -5,8 +5,9 @@ use drivescope_plant::effects::law::Variable;
 
 use super::candidates::Candidate;
 use super::curves::Curve;
-use super::decision;
+use super::decision::{self, Rule};
 use super::judged::Judged;
+use super::probability;
 use super::refit::Model;
 use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
 use super::scales::Scales;
@@ -24,6 +25,7 @@ pub(crate) struct Round<'a> {
     pub(crate) scales: &'a Scales,
     pub(crate) estimation: &'a Evidence,
     pub(crate) validation: &'a Evidence,
+    pub(crate) rule: &'a Rule,
     pub(crate) watch: &'a dyn Watch,
     /// Kinds that were named before.
     pub(crate) named: &'a [String],
@@ -101,7 +103,9 @@ impl Round<'_> {
         let overflowing = of(|it| !it.finite);
         judged.extend(disturbances);
         let nothing = judged.iter().all(|one| one.refused.is_some());
-        let unknown = nothing.then(|| self.unknown(&weights)).flatten();
+        // Where the noise alone is left, what a curve takes of it is nothing.
+        let unknown = if nothing && !self.is_at_floor() { self.unknown(&weights) } else { None };
+        probability::tell(&mut judged, self.rule, unknown.as_ref().map(|it| it.evidence));
         let load = Some(ground.load());
         let randomness = Some(ground.broad());
         let proposed = unknown.as_ref().map_or_else(Vec::new, |_| self.proposed(&ground));
@@ -121,7 +125,7 @@ impl Round<'_> {
             let own = |it: &&Formula| {
                 curve.variables().iter().any(|variable| it.fails_over.contains(variable))
             };
-            let sizes = self.formulas.iter().filter(own).map(|it| decision::FORMULA * it.size);
+            let sizes = self.formulas.iter().filter(own).map(|it| self.rule.formula * it.size);
             sizes.reduce(f64::max)
         };
         weigh(
@@ -170,7 +174,7 @@ impl Round<'_> {
     /// Formulas for what nobody knows.
     fn proposed(&self, ground: &Ground) -> Vec<formula::Formula> {
         self.watch.step(&Step::Doing("trying formulas"));
-        formula::formulas(ground, decision::EVIDENCE, &|| self.watch.stopped())
+        formula::formulas(ground, self.rule.evidence, &|| self.watch.stopped())
     }
 
     /// The line of a candidate in the ranking.

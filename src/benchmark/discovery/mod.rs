@@ -9,6 +9,7 @@
 mod emps;
 mod foreign;
 mod kept;
+mod moved;
 mod own;
 mod real;
 mod reliability;
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use drivescope_discovery::{
-    Error, Evidence, Formula, Measured, Unwatched, Verdict, add, bic_of, discover, noise,
+    Error, Evidence, Formula, Measured, Rule, Unwatched, Verdict, add, bic_of, discover_by, noise,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
@@ -35,6 +36,7 @@ use crate::run_folder::RunFolder;
 
 use own::Distance;
 
+pub(crate) use moved::{Moved, discoveries};
 pub(crate) use tally::Table;
 
 /// BIC by which the truth must beat the base for a case to count as detectable.
@@ -185,10 +187,7 @@ pub(crate) fn run(
 ) -> miette::Result<Found> {
     // Before the minutes that drawing them takes.
     let folder = keep.map(RunFolder::take).transpose()?;
-    let mut all = python.cases(cases / 2, seed)?;
-    interrupt::check()?;
-    all.extend(own::cases(cases - all.len(), seed));
-    all.extend(own::unprogrammed(unprogrammed(cases), seed));
+    let all = drawn(cases, seed, python)?;
     if let Some(folder) = folder {
         kept::keep(&all, folder.work())?;
         folder.finish()?;
@@ -206,11 +205,21 @@ pub(crate) fn run(
         interrupt::check()?;
         let start = Instant::now();
         // One that ends in an error takes its time too.
-        let _ = answer(&all[number], gives_noise(number));
+        let _ = answer(&Rule::NAMING, &all[number], gives_noise(number));
         outcomes[number].alone_s = Some(start.elapsed().as_secs_f64());
         advance();
     }
-    Ok(Found { outcomes, real: real::Real::run()? })
+    Ok(Found { outcomes, real: real::Real::run(&Rule::NAMING)? })
+}
+
+/// Half of that many cases from independent programs, half from the plant, and those whose law
+/// nobody programmed.
+fn drawn(cases: usize, seed: u64, python: &foreign::Python) -> miette::Result<Vec<Case>> {
+    let mut all = python.cases(cases / 2, seed)?;
+    interrupt::check()?;
+    all.extend(own::cases(cases - all.len(), seed));
+    all.extend(own::unprogrammed(unprogrammed(cases), seed));
+    Ok(all)
 }
 
 /// Cases beside so many that hide a law that nobody programmed.
@@ -244,10 +253,15 @@ fn judge(case: &Case, noise_given: bool) -> Outcome {
             Some(detectable(case, noise_given))
         }
     };
-    let answer = answer(case, noise_given);
+    Outcome { detectable, ..outcome(&Rule::NAMING, case, noise_given) }
+}
+
+/// What a rule answers, whether the truth could be found or not.
+fn outcome(rule: &Rule, case: &Case, noise_given: bool) -> Outcome {
     let (hidden, grade) = (case.hidden.clone(), case.grade);
     let (group, foreign) = (case.group, case.foreign);
-    Outcome { group, foreign, grade, noise_given, hidden, detectable, answer, alone_s: None }
+    let answer = answer(rule, case, noise_given);
+    Outcome { group, foreign, grade, noise_given, hidden, detectable: None, answer, alone_s: None }
 }
 
 /// Whether each truth is worth its parameters beside the others; a truth that cannot be fitted
@@ -278,11 +292,12 @@ fn detectable_law(case: &Case, noise_given: bool) -> bool {
 }
 
 /// What the discovery answers; why it does not.
-fn answer(case: &Case, noise_given: bool) -> Result<Answer, String> {
+fn answer(rule: &Rule, case: &Case, noise_given: bool) -> Result<Answer, String> {
     let said = |error: Error| error.to_string();
     let estimation = evidence(&case.drive, &case.estimation, noise_given).map_err(said)?;
     let validation = evidence(&case.drive, &case.validation, noise_given).map_err(said)?;
-    let found = discover(&case.drive, &estimation, &validation, &Unwatched).map_err(said)?;
+    let both = (&estimation, &validation);
+    let found = discover_by(rule, &case.drive, both, &Unwatched).map_err(said)?;
     let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
         let wrong: Vec<String> = found.signals.iter().map(ToString::to_string).collect();
         return Err(format!("not judged: {}", wrong.join("; ")));

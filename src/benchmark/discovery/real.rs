@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use drivescope_discovery::{Discovery, Purpose, Rung, Unwatched, discover};
+use drivescope_discovery::{Discovery, Purpose, Rule, Rung, Unwatched, discover_by};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::{ReadOptions, Recording, read};
 use serde::Serialize;
@@ -101,7 +101,7 @@ impl Real {
     ///
     /// # Errors
     /// The user stops. What goes wrong with a machine is its answer.
-    pub(super) fn run() -> miette::Result<Self> {
+    pub(super) fn run(rule: &Rule) -> miette::Result<Self> {
         let data = std::env::var_os("DRIVESCOPE_DATA").map(PathBuf::from);
         let mut real = Self::default();
         for machine in &MACHINES {
@@ -111,7 +111,7 @@ impl Real {
                 real.absent.push(machine.folder);
                 continue;
             };
-            let found = machine.found(&folder);
+            let found = machine.found(rule, &folder);
             if machine.folder == EMPS {
                 real.emps = found.as_ref().ok().map(Emps::of);
             }
@@ -122,6 +122,13 @@ impl Real {
             real.rows.push(row);
         }
         Ok(real)
+    }
+
+    /// What was named on each machine, right ones and wrong ones among them.
+    pub(super) fn answers(
+        &self,
+    ) -> impl Iterator<Item = (&Result<Vec<String>, String>, bool, bool)> {
+        self.rows.iter().map(|row| (&row.answer, row.right, row.wrong))
     }
 
     /// The rows of the table.
@@ -161,7 +168,7 @@ impl Real {
 }
 
 impl Machine {
-    fn found(&self, folder: &Path) -> miette::Result<Discovery> {
+    fn found(&self, rule: &Rule, folder: &Path) -> miette::Result<Discovery> {
         let of = |names: &[&str]| -> miette::Result<Vec<(String, Recording)>> {
             let one = |name: &&str| {
                 let (recording, _) =
@@ -186,7 +193,7 @@ impl Machine {
         };
         let Gathered { estimation, validation, .. } =
             Gathered::of(search(&fit)?, search(&judged)?)?;
-        discover(&drive, &estimation, &validation, &Unwatched).map_err(told)
+        discover_by(rule, &drive, (&estimation, &validation), &Unwatched).map_err(told)
     }
 
     fn row(&self, answer: Result<Vec<String>, String>, ladder: &[Rung]) -> Row {

@@ -239,8 +239,22 @@ fn in_set(it: &Outcome) -> bool {
 }
 
 /// A name was given whose set holds nothing that is hidden.
-fn wrong(it: &Outcome) -> bool {
+pub(super) fn wrong(it: &Outcome) -> bool {
     answer(it).is_some_and(|said| said.sets.iter().any(|set| !holds(set, it)))
+}
+
+/// What is hidden is named, all of it and nothing else; "none" where nothing is, "unknown" where it
+/// is nothing of the library.
+pub(super) fn right(it: &Outcome) -> bool {
+    match it.group {
+        Group::Null | Group::NullLoaded | Group::NullZeroSpeed => {
+            answer(it).is_some_and(|said| said.verdict == Verdict::None)
+        }
+        Group::Outside | Group::Unprogrammed => unknown(it),
+        Group::Hidden | Group::HiddenLoaded | Group::Pair | Group::Graded => {
+            all_found(it) && !wrong(it)
+        }
+    }
 }
 
 /// A name was given that is not hidden.

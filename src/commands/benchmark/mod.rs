@@ -4,6 +4,7 @@ mod bank;
 mod bar;
 mod detection;
 mod discovery;
+mod rule;
 
 use clap::{Args, Subcommand};
 
@@ -23,6 +24,7 @@ enum TableOf {
     Discovery(discovery::OfDiscovery),
     Detection(detection::OfDetection),
     Bank(bank::OfBank),
+    Rule(rule::OfRule),
 }
 
 impl Run for Benchmark {
@@ -31,6 +33,7 @@ impl Run for Benchmark {
             TableOf::Discovery(discovery) => discovery.run(session),
             TableOf::Detection(detection) => detection.run(session),
             TableOf::Bank(bank) => bank.run(session),
+            TableOf::Rule(rule) => rule.run(session),
         }
     }
 }

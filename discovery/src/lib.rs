@@ -42,9 +42,9 @@ pub use balances::{Begun, BothUnexplained, Told, Unexplained, begin, small_inert
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{
-    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Number, Oscillation,
-    RandomLoad, Ranked, Rule, Rung, Step, Unwatched, Verdict, Watch, add, bic_of, discover,
-    discover_by,
+    Balance, Coefficient, Discovery, LearnedCurve, NextExperiment, NotJudged, Oscillation,
+    RandomLoad, Ranked, Rule, RuleNumber, Rung, Step, Unwatched, Verdict, Watch, add, bic_of,
+    discover, discover_by,
 };
 pub use doubt::{Doubt, doubts};
 pub use driving::{Driving, driving};

@@ -43,7 +43,7 @@ pub struct Rule {
 }
 
 /// A number of the rule, by its name.
-pub type Number = (&'static str, fn(&mut Rule) -> &mut f64);
+pub type RuleNumber = (&'static str, fn(&mut Rule) -> &mut f64);
 
 impl Rule {
     /// The rule of every command.
@@ -61,7 +61,7 @@ impl Rule {
     };
 
     /// All of its numbers.
-    pub const NUMBERS: [Number; 10] = [
+    pub const NUMBERS: [RuleNumber; 10] = [
         ("law_odds", |it| &mut it.law_odds),
         ("curve_odds", |it| &mut it.curve_odds),
         ("evidence", |it| &mut it.evidence),

@@ -35,7 +35,7 @@ mod whiten;
 
 pub use candidates::NotJudged;
 pub use curves::Balance;
-pub use decision::{Number, Rule};
+pub use decision::{Rule, RuleNumber};
 pub use experiment::NextExperiment;
 pub use ladder::{add, bic_of, discover, discover_by};
 pub use learned::LearnedCurve;

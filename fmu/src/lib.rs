@@ -13,3 +13,4 @@ pub mod description;
 pub mod export;
 #[cfg(feature = "import")]
 pub mod import;
+mod vocabulary;

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use super::{Causality, Initial, Kind, ModelDescription, TIME, Unknown, Variability, Variable};
+use crate::vocabulary::go_together;
 
 /// A model description that the standard does not allow.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -244,16 +245,9 @@ fn check_variable(variable: &Variable) -> Result<(), DescriptionError> {
     let name = || variable.name.clone();
     let Variable { causality, variability, kind, start, min, max, nominal, .. } = *variable;
     let initial = variable.initial();
-    // The table of FMI 2.0.4 section 2.2.7, unchanged in FMI 3.0.2.
-    let together = matches!(
-        (causality, variability, initial),
-        (C::Parameter, V::Fixed | V::Tunable, I::Exact)
-            | (C::CalculatedParameter, V::Fixed | V::Tunable, I::Calculated | I::Approx)
-            | (C::Input, V::Discrete | V::Continuous, I::Exact)
-            | (C::Output | C::Local, V::Constant, I::Exact)
-            | (C::Local, V::Fixed | V::Tunable, I::Calculated | I::Approx)
-            | (C::Output | C::Local, V::Discrete | V::Continuous, _)
-    );
+    // A structural parameter needs Configuration Mode, which our FMUs do not have.
+    let together =
+        causality != C::StructuralParameter && go_together(causality, variability, Some(initial));
     if !together || (kind != Kind::Real && variability == V::Continuous) {
         let name = name();
         return Err(DescriptionError::Combination { name, causality, variability, initial, kind });

@@ -6,7 +6,8 @@
 use std::collections::HashMap;
 
 use super::xml::{self, Element};
-use super::{Kind, ModelDescription, TIME, Unknown, Variable};
+use super::{Causality, Kind, ModelDescription, TIME, Unknown, Variability, Variable};
+use crate::vocabulary::Word;
 
 pub(super) fn document(description: &ModelDescription, token: &str) -> Element {
     let indicators = description.structure.event_indicators.len();
@@ -61,8 +62,8 @@ fn time() -> Element {
         .with("name", "time")
         .with("valueReference", TIME)
         .with("description", "Simulation time")
-        .with("causality", "independent")
-        .with("variability", "continuous")
+        .with("causality", Causality::Independent.word())
+        .with("variability", Variability::Continuous.word())
         .child(Element::new("Real").with("unit", "s"))
 }
 
@@ -84,8 +85,8 @@ fn scalar(variable: &Variable, state: u32) -> Element {
         .with("name", &variable.name)
         .with("valueReference", variable.reference)
         .text("description", &variable.description)
-        .with("causality", xml::causality(variable.causality))
-        .with("variability", xml::variability(variable.variability))
+        .with("causality", variable.causality.word())
+        .with("variability", variable.variability.word())
         .maybe("initial", xml::initial(variable))
         .child(value)
 }

@@ -3,7 +3,8 @@
 //! The model structure and derivatives refer to value references; event indicators are variables.
 
 use super::xml::{self, Element};
-use super::{Kind, ModelDescription, TIME, Unknown, Variable};
+use super::{Causality, Kind, ModelDescription, TIME, Unknown, Variability, Variable};
+use crate::vocabulary::Word;
 
 pub(super) fn document(description: &ModelDescription, token: &str) -> Element {
     let capabilities = description.capabilities;
@@ -60,8 +61,8 @@ fn time() -> Element {
         .with("name", "time")
         .with("valueReference", TIME)
         .with("description", "Simulation time")
-        .with("causality", "independent")
-        .with("variability", "continuous")
+        .with("causality", Causality::Independent.word())
+        .with("variability", Variability::Continuous.word())
         .with("unit", "s")
 }
 
@@ -74,8 +75,8 @@ fn variable(variable: &Variable) -> Element {
     .with("name", &variable.name)
     .with("valueReference", variable.reference)
     .text("description", &variable.description)
-    .with("causality", xml::causality(variable.causality))
-    .with("variability", xml::variability(variable.variability))
+    .with("causality", variable.causality.word())
+    .with("variability", variable.variability.word())
     .maybe("initial", xml::initial(variable));
     match variable.kind {
         Kind::Real => xml::real_attributes(element, variable)

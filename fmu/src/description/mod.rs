@@ -16,7 +16,9 @@ mod xml;
 
 pub use check::DescriptionError;
 pub use unit::{BaseUnit, Unit, UnitError};
-pub use variable::{Causality, Initial, Kind, Variability, Variable};
+pub use variable::{Kind, Variable};
+
+pub use crate::vocabulary::{Causality, Initial, Variability};
 
 /// Value reference of the independent variable `time` \[s\], which every description has without
 /// listing it. The model's own references start at 1.

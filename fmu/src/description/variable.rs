@@ -1,6 +1,7 @@
 //! A variable: its name, type, role, unit and start value.
 
-use super::{Unit, UnitError};
+use super::{Causality, Initial, Unit, UnitError, Variability};
+use crate::vocabulary::default_initial;
 
 /// Data type. The interface to the model is `f64` for all three.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -11,47 +12,6 @@ pub enum Kind {
     Integer,
     /// `Boolean`.
     Boolean,
-}
-
-/// Who gives the variable its value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Causality {
-    /// The user.
-    Parameter,
-    /// The model, from parameters.
-    CalculatedParameter,
-    /// Another model.
-    Input,
-    /// The model, for other models.
-    Output,
-    /// The model, to be looked at.
-    Local,
-}
-
-/// When the value may change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Variability {
-    /// Never.
-    Constant,
-    /// Not after initialization.
-    Fixed,
-    /// When the importer changes a tunable parameter.
-    Tunable,
-    /// At events.
-    Discrete,
-    /// Always.
-    Continuous,
-}
-
-/// How the value is found in initialization.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Initial {
-    /// It is the start value.
-    Exact,
-    /// The start value is a first guess.
-    Approx,
-    /// It is calculated; there is no start value.
-    Calculated,
 }
 
 /// A scalar variable of the model.
@@ -135,15 +95,11 @@ impl Variable {
         self
     }
 
-    /// How the value is found in initialization, the standard's default where none is given
-    /// (FMI 2.0.4 section 2.2.7, FMI 3.0.2 section 2.4.7.5).
+    /// How the value is found in initialization, the standard's default where none is given. No
+    /// variable of a model is the independent one, the only one without: that one is refused.
     pub fn initial(&self) -> Initial {
-        self.initial.unwrap_or(match (self.causality, self.variability) {
-            (Causality::Parameter | Causality::Input, _) | (_, Variability::Constant) => {
-                Initial::Exact
-            }
-            _ => Initial::Calculated,
-        })
+        let default = || default_initial(self.causality, self.variability);
+        self.initial.or_else(default).unwrap_or(Initial::Calculated)
     }
 }
 
@@ -161,19 +117,6 @@ pub(super) fn is_structured(name: &str) -> bool {
 #[cfg(all(test, feature = "export"))]
 mod tests {
     use super::*;
-
-    #[test]
-    fn defaults_of_initial_follow_the_standard() {
-        let initial = |c, v| Variable::new(1, "x", c, v).initial();
-        assert_eq!(initial(Causality::Parameter, Variability::Tunable), Initial::Exact);
-        assert_eq!(initial(Causality::Input, Variability::Continuous), Initial::Exact);
-        assert_eq!(initial(Causality::Local, Variability::Constant), Initial::Exact);
-        assert_eq!(initial(Causality::Output, Variability::Continuous), Initial::Calculated);
-        assert_eq!(
-            initial(Causality::CalculatedParameter, Variability::Fixed),
-            Initial::Calculated
-        );
-    }
 
     #[test]
     fn structured_names_are_told_from_flat_ones() {

@@ -3,7 +3,8 @@
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use quick_xml::writer::Writer;
 
-use super::{BaseUnit, Causality, Initial, LogCategory, ModelDescription, Variability, Variable};
+use super::{BaseUnit, Causality, LogCategory, ModelDescription, Variable};
+use crate::vocabulary::Word;
 
 /// An XML element with its attributes in the order in which they were added.
 pub(super) struct Element {
@@ -86,33 +87,9 @@ pub(super) fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-pub(super) fn causality(causality: Causality) -> &'static str {
-    match causality {
-        Causality::Parameter => "parameter",
-        Causality::CalculatedParameter => "calculatedParameter",
-        Causality::Input => "input",
-        Causality::Output => "output",
-        Causality::Local => "local",
-    }
-}
-
-pub(super) fn variability(variability: Variability) -> &'static str {
-    match variability {
-        Variability::Constant => "constant",
-        Variability::Fixed => "fixed",
-        Variability::Tunable => "tunable",
-        Variability::Discrete => "discrete",
-        Variability::Continuous => "continuous",
-    }
-}
-
 /// `initial`, which the standard forbids for inputs.
 pub(super) fn initial(variable: &Variable) -> Option<&'static str> {
-    (variable.causality != Causality::Input).then(|| match variable.initial() {
-        Initial::Exact => "exact",
-        Initial::Approx => "approx",
-        Initial::Calculated => "calculated",
-    })
+    (variable.causality != Causality::Input).then(|| variable.initial().word())
 }
 
 pub(super) fn naming(description: &ModelDescription) -> &'static str {

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::units::Unit;
+pub use crate::vocabulary::{Causality, Initial, Variability};
 
 /// The major version of the standard that an FMU follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,39 +84,6 @@ impl Type {
     pub fn is_numeric(self) -> bool {
         !matches!(self, Type::String | Type::Binary | Type::Clock)
     }
-}
-
-/// What a variable is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Causality {
-    StructuralParameter,
-    Parameter,
-    CalculatedParameter,
-    Input,
-    Output,
-    Local,
-    Independent,
-}
-
-/// When a variable may change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Variability {
-    Constant,
-    Fixed,
-    Tunable,
-    Discrete,
-    Continuous,
-}
-
-/// How a variable gets its first value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Initial {
-    Exact,
-    Approx,
-    Calculated,
 }
 
 /// One dimension of an array.

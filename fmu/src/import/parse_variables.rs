@@ -5,6 +5,7 @@ use roxmltree::Node;
 use super::description::*;
 use super::problem::XmlProblem;
 use super::xml::{Places, Value, child, children, problem, required, text, value};
+use crate::vocabulary::{Word, default_initial, default_variability};
 
 type Parsed<T> = Result<T, XmlProblem>;
 
@@ -47,12 +48,12 @@ fn variable(
     };
     let body = body.ok_or_else(|| problem(node, "the variable has no type"))?;
     let kind = kind(body, fmi)?;
-    let causality = choice(node, "causality", CAUSALITIES)?.unwrap_or(Causality::Local);
-    let variability = match choice(node, "variability", VARIABILITIES)? {
+    let causality = choice(node, "causality")?.unwrap_or(Causality::Local);
+    let variability = match choice(node, "variability")? {
         Some(stated) => stated,
-        None => default_variability(causality, kind),
+        None => default_variability(causality, kind.is_float()),
     };
-    let initial = choice(node, "initial", INITIALS)?;
+    let initial = choice(node, "initial")?;
     let declared_type = text(body, "declaredType");
     let declared = declared_type.as_ref().and_then(|name| types.iter().find(|t| t.name == *name));
     // A range is only checked, so one that the type cannot hold must not stop the FMU.
@@ -128,55 +129,11 @@ fn dimension(node: Node) -> Parsed<Dimension> {
     }
 }
 
-const CAUSALITIES: &[(&str, Causality)] = &[
-    ("structuralParameter", Causality::StructuralParameter),
-    ("parameter", Causality::Parameter),
-    ("calculatedParameter", Causality::CalculatedParameter),
-    ("input", Causality::Input),
-    ("output", Causality::Output),
-    ("local", Causality::Local),
-    ("independent", Causality::Independent),
-];
-
-const VARIABILITIES: &[(&str, Variability)] = &[
-    ("constant", Variability::Constant),
-    ("fixed", Variability::Fixed),
-    ("tunable", Variability::Tunable),
-    ("discrete", Variability::Discrete),
-    ("continuous", Variability::Continuous),
-];
-
-const INITIALS: &[(&str, Initial)] =
-    &[("exact", Initial::Exact), ("approx", Initial::Approx), ("calculated", Initial::Calculated)];
-
-fn choice<T: Copy>(node: Node, name: &str, choices: &[(&str, T)]) -> Parsed<Option<T>> {
+fn choice<T: Word>(node: Node, name: &str) -> Parsed<Option<T>> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
-    let found = choices.iter().find(|(word, _)| *word == text).map(|(_, choice)| *choice);
     let wrong = || {
-        let words: Vec<_> = choices.iter().map(|(word, _)| *word).collect();
+        let words: Vec<_> = T::WORDS.iter().map(|(word, _)| *word).collect();
         problem(node, format!("`{name}` is `{text}`, not one of {}", words.join(", ")))
     };
-    found.map(Some).ok_or_else(wrong)
-}
-
-/// FMI 2.0 table 18, FMI 3.0 section 2.4.7.4.
-fn default_variability(causality: Causality, kind: Type) -> Variability {
-    match causality {
-        Causality::StructuralParameter | Causality::Parameter | Causality::CalculatedParameter => {
-            Variability::Fixed
-        }
-        _ if kind.is_float() => Variability::Continuous,
-        _ => Variability::Discrete,
-    }
-}
-
-/// FMI 2.0 section 2.2.7, FMI 3.0 section 2.4.7.5: the table of defaults.
-fn default_initial(causality: Causality, variability: Variability) -> Option<Initial> {
-    use Causality as C;
-    match (causality, variability) {
-        (C::Independent, _) => None,
-        (C::StructuralParameter | C::Parameter | C::Input, _) => Some(Initial::Exact),
-        (C::Output | C::Local, Variability::Constant) => Some(Initial::Exact),
-        (C::CalculatedParameter | C::Output | C::Local, _) => Some(Initial::Calculated),
-    }
+    T::read(text).map(Some).ok_or_else(wrong)
 }

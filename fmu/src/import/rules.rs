@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::description::*;
 use super::validate::Finding;
+use crate::vocabulary::go_together;
 
 /// All findings about variables, in the order of the file.
 pub(super) fn check(description: &Description) -> Vec<Finding> {
@@ -66,24 +67,13 @@ pub(super) fn check(description: &Description) -> Vec<Finding> {
 /// The table of allowed combinations of causality, variability and initial.
 fn combination(description: &Description, variable: &Variable) -> Vec<String> {
     use Causality as C;
-    use Initial as I;
     use Variability as V;
     let name = &variable.name;
     let mut texts = Vec::new();
     if variable.variability == V::Continuous && !variable.kind.is_float() {
         texts.push(format!("`{name}` is continuous, but of type {}", variable.kind.name()));
     }
-    let exact = variable.initial == Some(I::Exact);
-    let good = match (variable.causality, variable.variability) {
-        (C::Independent, V::Continuous) => variable.initial.is_none(),
-        (C::StructuralParameter | C::Parameter, V::Fixed | V::Tunable) => exact,
-        (C::CalculatedParameter, V::Fixed | V::Tunable) => !exact,
-        (C::Input, V::Discrete | V::Continuous) => exact,
-        (C::Output | C::Local, V::Constant) => exact,
-        (C::Local, V::Fixed | V::Tunable) => !exact,
-        (C::Output | C::Local, V::Discrete | V::Continuous) => true,
-        _ => false,
-    };
+    let good = go_together(variable.causality, variable.variability, variable.initial);
     if !good {
         texts.push(format!(
             "`{name}`: causality {:?}, variability {:?} and initial {:?} do not go together",

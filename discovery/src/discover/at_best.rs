@@ -4,10 +4,11 @@ use drivescope_plant::drive::EffectData;
 use rayon::prelude::*;
 
 use super::decision;
+use super::ground::Ground;
 use super::judged::{Judged, Weighed};
 use super::refit::Model;
 use super::round::Round;
-use crate::likelihood::{Ground, LawWeight, Weights};
+use crate::likelihood::{LawWeight, Weights};
 
 /// ln of the evidence at its null from which on a law is fitted.
 const PROMISING: f64 = 2.0;
@@ -94,9 +95,9 @@ impl Round<'_> {
             if it.is_linear() && it.info.stiff {
                 begins.extend(FARTHER.map(|factor| it.scaled(&begins[0], factor)));
             }
-            let (scene, own) = ground.with(&begins, &it.estimated(), &it.coefficients)?;
+            let (drive, own) = ground.with(&begins, &it.estimated(), &it.coefficients)?;
             // A law whose coefficients all stay at the end of their range is none.
-            let values = scene.drive.parameters();
+            let values = drive.parameters();
             let at_end = |(name, range): (&String, &(f64, f64))| {
                 let name = format!("{}.{name}", it.id);
                 values.iter().any(|it| it.name == name && it.value == range.0)
@@ -104,9 +105,9 @@ impl Round<'_> {
             if it.is_linear() && it.coefficients.iter().zip(&it.ranges).all(at_end) {
                 return None;
             }
-            let weighed = Weighed::of(own.over(&ground.base), own.size);
+            let weighed = Weighed::of(own.over(ground.base()), own.size);
             let mut model = self.model.clone();
-            model.fitted.drive = scene.drive;
+            model.fitted.drive = drive;
             for name in &it.frozen {
                 model.fitted.drive.fixed.push(format!("{}.{name}", it.id));
             }
@@ -176,7 +177,7 @@ impl Round<'_> {
 
     fn convincing(&self, ground: &Ground, weights: &Weights, laws: &[&LawWeight]) -> Vec<Judged> {
         let curve = weights.repeating().next();
-        let curve = curve.map(|it| (it, weights.beyond(ground.base.fitted, it)));
+        let curve = curve.map(|it| (it, weights.beyond(ground.base().fitted, it)));
         let mut fitted = self.at_their_best(ground, laws);
         for one in &mut fitted {
             one.refused = self.unconvincing(ground, one, curve);

@@ -88,6 +88,18 @@ impl Curve {
         }
     }
 
+    /// Whether the current is its variable or its factor.
+    pub(crate) fn is_over_current(&self) -> bool {
+        matches!(self.over, Over::Current | Over::CurrentMagnitude)
+            || self.factor == Factor::Current
+            || self.balance == Balance::Flux
+    }
+
+    /// Whether the hat of that knot is the one at no acceleration.
+    pub(crate) fn is_of_no_acceleration(&self, knot: usize) -> bool {
+        self.over == Over::Acceleration && 2 * knot + 1 == self.knots.len()
+    }
+
     /// What it adds to the balances of one recording, a hat at a time.
     pub(crate) fn forcings(
         &self,

@@ -4,13 +4,14 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::Variable;
 use rayon::prelude::*;
 
+use super::ground::Ground;
 use super::judged::Judged;
 use super::learned::effect;
 use super::refit::{Model, finer, fit_near, refit, with_learned};
 use super::round::Round;
 use crate::balances::unexplained;
 use crate::estimate::{Evidence, Options};
-use crate::likelihood::{CurveWeight, Ground, LawWeight};
+use crate::likelihood::{CurveWeight, LawWeight};
 use crate::measured::Measured;
 
 /// Share of the error on the validation data that must at least be left out, so that it falls.
@@ -28,7 +29,7 @@ impl Round<'_> {
     pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
         let seen = |_| self.watch.stopped();
         let (estimation, validation) = (self.estimation, self.validation);
-        let before = self.torque_left(&ground.scene.drive);
+        let before = self.torque_left(ground.drive());
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();

@@ -9,12 +9,12 @@ use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
 use super::candidates::Candidate;
 use super::columns::Columns;
+use super::ground::Ground;
 use super::refit::{Model, refit};
 use super::round::Round;
 use super::whiten::Whitener;
 use crate::balances::unexplained;
 use crate::estimate::Evidence;
-use crate::likelihood::Ground;
 use crate::measured::{Measured, Output};
 
 /// A law fitted in free run, with ln of its evidence over that of the base.
@@ -56,6 +56,7 @@ impl Round<'_> {
         it: &Candidate,
         variants: &[usize],
     ) -> Option<Foretold> {
+        let ground = ground.filtered()?;
         if ground.scene.is_reduced(self.estimation, self.validation) {
             return None;
         }

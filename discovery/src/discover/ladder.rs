@@ -100,6 +100,7 @@ pub fn discover_by(
         };
         if round == 0 {
             found.not_judged = not;
+            found.not_judged.extend(outcome.untold.iter().map(|it| untold(&all[*it])));
             found.not_judged.extend(outcome.imitated.iter().map(|it| imitated(&all[*it])));
             found.not_judged.extend(outcome.overflowing.iter().map(|it| overflowing(&all[*it])));
         }
@@ -340,6 +341,16 @@ fn imitated(candidate: &Candidate) -> NotJudged {
         effect: candidate.name.clone(),
         reason: "on these recordings it equals other values of the base parameters".to_owned(),
         worth_saying: candidate.is_typed(),
+    }
+}
+
+fn untold(candidate: &Candidate) -> NotJudged {
+    NotJudged {
+        effect: candidate.name.clone(),
+        reason: "it shows in the motion, and here the torque is judged along the motion that was \
+                 measured"
+            .to_owned(),
+        worth_saying: false,
     }
 }
 

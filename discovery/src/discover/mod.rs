@@ -16,6 +16,7 @@ mod curves;
 mod decision;
 mod experiment;
 mod free_run;
+mod ground;
 mod judged;
 mod knocking;
 mod ladder;

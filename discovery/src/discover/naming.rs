@@ -1,9 +1,10 @@
 //! Which of the fitted candidates is named, by the numbers of [`super::decision`].
 
 use super::candidates::Candidate;
+use super::ground::Ground;
 use super::judged::Judged;
 use super::round::{Outcome, Round};
-use crate::likelihood::{CurveWeight, Ground, Law};
+use crate::likelihood::{CurveWeight, Law};
 
 impl Round<'_> {
     /// Whether its kind was named: a harmonic of what was named is no other effect.

@@ -6,6 +6,7 @@ use drivescope_plant::effects::law::Variable;
 use super::candidates::Candidate;
 use super::curves::Curve;
 use super::decision::{self, Rule};
+use super::ground::Ground;
 use super::judged::Judged;
 use super::probability;
 use super::refit::Model;
@@ -13,7 +14,7 @@ use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
 use super::scales::Scales;
 use crate::estimate::Evidence;
 use crate::formula;
-use crate::likelihood::{CurveWeight, Ground, LawWeight, Randomness, Scene, Weights, weigh};
+use crate::likelihood::{CurveWeight, LawWeight, Randomness, Weights};
 
 /// Disturbances locked to the position that recordings may have besides.
 const DISTURBANCES: usize = 3;
@@ -63,6 +64,8 @@ pub(crate) struct Outcome {
     pub(crate) imitated: Vec<usize>,
     /// Candidates with which the model has no finite run or derivative.
     pub(crate) overflowing: Vec<usize>,
+    /// Candidates of which the torque of a known motion does not tell.
+    pub(crate) untold: Vec<usize>,
     /// What is random in the load.
     pub(crate) load: Option<RandomLoad>,
     /// Where a search for what is random begins, in a drive that lacks less.
@@ -106,16 +109,17 @@ impl Round<'_> {
         // Where the noise alone is left, what a curve takes of it is nothing.
         let unknown = if nothing && !self.is_at_floor() { self.unknown(&weights) } else { None };
         probability::tell(&mut judged, self.rule, unknown.as_ref().map(|it| it.evidence));
+        let untold = (0..self.all.len()).filter(|it| !ground.tells(&self.all[*it])).collect();
         let load = Some(ground.load());
-        let randomness = Some(ground.broad());
+        let randomness = ground.randomness();
         let proposed = unknown.as_ref().map_or_else(Vec::new, |_| self.proposed(&ground));
-        Outcome { judged, imitated, overflowing, load, randomness, unknown, proposed }
+        Outcome { judged, imitated, overflowing, untold, load, randomness, unknown, proposed }
     }
 
     /// The drive of the round at its own best; nothing where it overflows.
     pub(crate) fn ground(&self) -> Option<Ground> {
         self.watch.step(&Step::Doing("filtering the recordings"));
-        Ground::of(Scene::of(self.model, self.estimation, self.validation), self.randomness)
+        Ground::of(self.model, (self.estimation, self.validation), self.randomness)
     }
 
     /// What every candidate and curve would explain.
@@ -128,15 +132,7 @@ impl Round<'_> {
             let sizes = self.formulas.iter().filter(own).map(|it| self.rule.formula * it.size);
             sizes.reduce(f64::max)
         };
-        weigh(
-            &ground.scene,
-            &ground.randomnesses(),
-            &ground.references,
-            self.all,
-            self.scales,
-            tolerated,
-            &|| self.watch.stopped(),
-        )
+        ground.weigh(self.all, self.scales, tolerated, &|| self.watch.stopped())
     }
 
     /// The candidates that are worth a fit, fitted and decided upon.
@@ -174,7 +170,7 @@ impl Round<'_> {
     /// Formulas for what nobody knows.
     fn proposed(&self, ground: &Ground) -> Vec<formula::Formula> {
         self.watch.step(&Step::Doing("trying formulas"));
-        formula::formulas(ground, self.rule.evidence, &|| self.watch.stopped())
+        ground.formulas(self.rule.evidence, &|| self.watch.stopped())
     }
 
     /// The line of a candidate in the ranking.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::weighed::{Visited, Weighed, different, weighed};
 use super::{Formula, FormulaLaw};
-use crate::likelihood::{Alongside, Ground};
+use crate::likelihood::{Alongside, Filtered};
 
 /// Formulas that are fitted at most, and what each must be worth, of the best: their constants are on
 /// a grid that misses a shape by less.
@@ -28,7 +28,7 @@ struct Judged {
 /// what choosing it costs, of more than `asked`, and what was held out speaks for it. Nothing where
 /// it is stopped.
 pub(crate) fn formulas(
-    ground: &Ground,
+    ground: &Filtered,
     asked: f64,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Formula> {
@@ -57,7 +57,7 @@ pub(crate) fn formulas(
     judged.into_iter().map(|it| it.formula).collect()
 }
 
-fn judged(ground: &Ground, drive: &Drive, it: &Weighed, visited: &Visited) -> Option<Judged> {
+fn judged(ground: &Filtered, drive: &Drive, it: &Weighed, visited: &Visited) -> Option<Judged> {
     let written = it.form.written(&visited.names);
     let coefficients = it.form.coefficients();
     let start = coefficients.iter().zip(&it.coefficients).map(|(name, value)| (*name, *value));

@@ -8,7 +8,7 @@ use super::base::{Further, Known, Pooled, grams, terms};
 use super::columns::{Series, Source};
 use super::filter::{Tick, Track};
 use super::gram::References;
-use super::ground::Ground;
+use super::ground::Filtered;
 use super::marginal::{Beside, ln_mean_exp, log_evidence};
 use super::randomness::excerpt;
 use super::scene::{Recorded, Scene};
@@ -38,7 +38,7 @@ pub(crate) struct Told {
 
 impl Alongside {
     /// Nothing where the drive overflows.
-    pub(crate) fn of(ground: &Ground) -> Option<Self> {
+    pub(crate) fn of(ground: &Filtered) -> Option<Self> {
         let scene = excerpt(&ground.scene);
         let all = ground.randomnesses();
         let own = *all.first()?;

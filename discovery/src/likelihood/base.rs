@@ -15,11 +15,11 @@ use super::scene::Scene;
 /// Standard deviation of a parameter's share, of the balance's size: nearly flat.
 pub(crate) const FLAT: f64 = 5.0;
 /// Standard deviation of a recording's own offset of the torque, of the balance's size.
-const OFFSET: f64 = 0.02;
+pub(super) const OFFSET: f64 = 0.02;
 /// Standard deviation by which dry friction at zero speed may differ, of the balance's size, and
 /// the speeds over which it does, over the fastest one.
-const ZERO_SPEED: f64 = 0.3;
-const NEAR_ZERO: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
+pub(super) const ZERO_SPEED: f64 = 0.3;
+pub(super) const NEAR_ZERO: [f64; 4] = [0.001, 0.003, 0.01, 0.03];
 
 /// Series of the base in one recording: offsets of the torque, then friction at zero speed.
 struct Base(Vec<Series>);

@@ -91,6 +91,34 @@ pub(crate) struct Products {
 }
 
 impl Products {
+    /// Of rows that are whitened: columns of the background, further ones in groups of so many, and
+    /// the data.
+    pub(super) fn of_rows(
+        background: &DMatrix<f64>,
+        judged: &DMatrix<f64>,
+        groups: &[usize],
+        data: &DMatrix<f64>,
+    ) -> Self {
+        let (known, count) = (background.ncols(), judged.ncols());
+        let mut with_background = DMatrix::zeros(known + 1, known + count + 1);
+        for (rows, row) in [(background, 0), (data, known)] {
+            let height = rows.ncols();
+            for (columns, column) in [(background, 0), (judged, known), (data, known + count)] {
+                let shape = (height, columns.ncols());
+                with_background
+                    .view_mut((row, column), shape)
+                    .copy_from(&(rows.transpose() * columns));
+            }
+        }
+        let mut from = 0;
+        let own = groups.iter().map(|count| {
+            from += count;
+            let columns = judged.columns(from - count, *count);
+            (known + from - count..known + from, columns.transpose() * columns)
+        });
+        Self { with_background, own: own.collect() }
+    }
+
     /// The number of the data among the columns.
     pub(crate) fn data(&self) -> usize {
         self.with_background.ncols() - 1

@@ -26,7 +26,7 @@ const ROUNDS: usize = 5;
 const FAR: f64 = 0.1;
 
 /// The base of a round, as evidence is counted from it.
-pub(crate) struct Ground {
+pub(crate) struct Filtered {
     pub(crate) scene: Scene,
     pub(crate) randomness: Randomness,
     pub(crate) references: References,
@@ -38,7 +38,7 @@ pub(crate) struct Ground {
     pub(crate) base: Optimum,
 }
 
-impl Ground {
+impl Filtered {
     /// Begins at what is random beside a drive that lacked more, where that is known; nothing where
     /// the drive overflows.
     pub(crate) fn of(scene: Scene, known: Option<Randomness>) -> Option<Self> {

@@ -9,7 +9,7 @@
 //!                                                  └─> marginal: evidence of any set of columns
 //! ```
 //!
-//! [`weigh()`] judges every law at its null and every curve; [`Ground::with`] a law at its own best.
+//! [`weigh()`] judges every law at its null and every curve; [`Filtered::with`] a law at its own best.
 
 mod alongside;
 mod averaged;
@@ -22,6 +22,7 @@ mod exponential;
 mod filter;
 mod gram;
 mod ground;
+mod inverse;
 mod linear;
 mod marginal;
 mod noise;
@@ -43,8 +44,9 @@ mod weights;
 
 pub(crate) use alongside::{Alongside, Told};
 pub(crate) use columns::Series;
-pub(crate) use ground::Ground;
-pub(crate) use optimum::Law;
+pub(crate) use ground::Filtered;
+pub(crate) use inverse::Inverse;
+pub(crate) use optimum::{Law, Optimum};
 pub(crate) use randomness::Randomness;
 pub(crate) use scene::Scene;
 pub(crate) use weigh::weigh;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::base::{Further, Known, Pooled, grams, parameters, terms};
 use super::columns::{Pass, Series, Share, Source};
 use super::filter::{Track, own_states};
-use super::gram::References;
+use super::gram::{Products, References};
 use super::marginal::{Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
 use super::scene::{Recorded, Scene};
 use super::stepper::stepped;
@@ -75,6 +75,65 @@ impl Law<'_> {
     }
 }
 
+/// What is known of a law before the recordings: around 0 for its coefficients.
+pub(super) struct Prior {
+    /// Values of its coefficients in the units of their columns.
+    values: Vec<f64>,
+    /// Places of its coefficients, and of all its parameters.
+    coefficients: Vec<usize>,
+    all: Vec<usize>,
+}
+
+impl Prior {
+    /// Of a law in a scene whose columns have that `scale`; its shapes, known to a factor, get their
+    /// variances among the terms.
+    pub(super) fn of(law: &Law<'_>, scene: &Scene, scale: &[f64], terms: &mut Terms) -> Self {
+        let mut prior =
+            Self { values: vec![0.0; terms.columns.len()], coefficients: vec![], all: vec![] };
+        let known = scene.drive.parameters();
+        for (place, name) in scene.names.iter().enumerate() {
+            let Some(("", parameter)) =
+                name.strip_prefix(law.id).map(|it| it.split_once('.').unwrap_or(("none", "")))
+            else {
+                continue;
+            };
+            prior.all.push(place);
+            let value = known.iter().find(|it| it.name == *name).map_or(0.0, |it| it.value);
+            if law.coefficients.iter().any(|it| it == parameter) {
+                prior.coefficients.push(place);
+                prior.values[place] = value / scale[place];
+            } else {
+                let relative = value.abs() / scale[place];
+                terms.variances[place] = (relative * relative).clamp(1e-12, 1e12);
+            }
+        }
+        prior
+    }
+
+    /// Those of the terms that are not the law's.
+    pub(super) fn others(&self, terms: Terms) -> Terms {
+        let each = terms.columns.iter().zip(&terms.variances);
+        let (columns, variances) = each.filter(|(column, _)| !self.all.contains(column)).unzip();
+        Terms { columns, variances }
+    }
+}
+
+/// ln of the evidence of the terms over that of no column, averaged over the sizes of a law's
+/// coefficients.
+pub(super) fn evidence(products: Products, terms: &Terms, prior: Option<&Prior>) -> f64 {
+    let Some(prior) = prior else { return log_evidence(&products, terms) };
+    let (products, moved) = products.shifted(&prior.values);
+    let of = |size: f64| {
+        let mut terms: Terms = terms.clone();
+        for place in &prior.coefficients {
+            terms.variances[*place] = size * size;
+        }
+        log_evidence(&products, &terms)
+    };
+    let none = prior.coefficients.is_empty();
+    moved + if none { of(1.0) } else { ln_mean_exp(SIZES.map(of).into_iter()) }
+}
+
 /// Of the scene's drive along those tracks, with the shares of its parameters and of what is lost
 /// without the law, `beside` a curve perhaps; nothing where it overflows.
 pub(super) fn optimum(
@@ -103,54 +162,18 @@ pub(super) fn optimum(
     }
     let base = terms.columns.len();
     let pooled = Pooled::of(&grams, base, scene, references);
-    // Values of the law's coefficients in the units of their columns: the prior stands around 0.
-    let mut values = vec![0.0; base];
-    let (mut own, mut of_law) = (Vec::new(), Vec::new());
-    if let Some(law) = law {
-        let known = scene.drive.parameters();
-        for (place, name) in scene.names.iter().enumerate() {
-            let Some(("", parameter)) =
-                name.strip_prefix(law.id).map(|it| it.split_once('.').unwrap_or(("none", "")))
-            else {
-                continue;
-            };
-            of_law.push(place);
-            let value = known.iter().find(|it| it.name == *name).map_or(0.0, |it| it.value);
-            if law.coefficients.iter().any(|it| it == parameter) {
-                own.push(place);
-                values[place] = value / pooled.scale[place];
-            } else {
-                // A shape is known to a factor.
-                let relative = value.abs() / pooled.scale[place];
-                terms.variances[place] = (relative * relative).clamp(1e-12, 1e12);
-            }
-        }
-    }
+    let prior = law.map(|law| Prior::of(law, scene, &pooled.scale, &mut terms));
     let likelihood = |wanted: &dyn Fn(bool) -> bool| -> f64 {
         let each = scene.recordings.iter().zip(tracks).filter(|(it, _)| wanted(it.held_out));
         each.map(|(_, track)| track.log_likelihood).sum()
     };
     let evidence = |wanted: &dyn Fn(bool) -> bool| {
-        let products = pooled.sum(scene, wanted);
-        let (products, moved) = products.shifted(&values);
-        let of = |size: f64| {
-            let mut terms: Terms = terms.clone();
-            for place in &own {
-                terms.variances[*place] = size * size;
-            }
-            log_evidence(&products, &terms)
-        };
-        let mean = if own.is_empty() { of(1.0) } else { ln_mean_exp(SIZES.map(of).into_iter()) };
-        likelihood(wanted) + moved + mean
+        likelihood(wanted) + evidence(pooled.sum(scene, wanted), &terms, prior.as_ref())
     };
-    let size = if law.is_some() {
+    let size = if let Some(prior) = &prior {
         let samples: usize = grams.iter().map(|gram| gram.samples).sum();
         let sum: f64 = grams.iter().map(|it| it.size[base] * it.samples as f64).sum();
-        let mut others = parameters(scene);
-        let kept: Vec<bool> = others.columns.iter().map(|it| !of_law.contains(it)).collect();
-        let mut keep = kept.iter();
-        others.columns.retain(|_| keep.next().is_some_and(|kept| *kept));
-        others.variances.truncate(others.columns.len());
+        let others = prior.others(parameters(scene));
         (sum / samples as f64).sqrt() * standing_out(&pooled.sum(scene, |_| true), &others, base)
     } else {
         0.0

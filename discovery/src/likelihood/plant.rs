@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Dual;
 use drivescope_plant::drive::Drive;
-use drivescope_plant::model::{Applied, Model, OWN, field};
+use drivescope_plant::model::{Applied, Model, OWN, SPEED, field};
 use drivescope_plant::sampled::DelayLine;
 
 use super::filter::{LOAD, OWN_STATES, SENSORS, VOLTAGE, Vector};
@@ -119,6 +119,16 @@ impl<'a, const P: usize> Plant<'a, P> {
         let sign = if resting { 1.0_f64.copysign(self.x[1][0].v) } else { direction };
         let (rate, decay) = (&mut self.rate, &mut self.decay);
         field(&self.model, &self.x, &applied, &[sign], rate, Some(decay.as_mut_slice()));
+    }
+
+    /// Torque (force) that accelerates the shaft by the rates that were set.
+    pub(super) fn torque(&self) -> Dual<P> {
+        self.model.motors.j[0] * self.rate[SPEED][0]
+    }
+
+    /// The inertia.
+    pub(super) fn inertia(&self) -> Dual<P> {
+        self.model.motors.j[0]
     }
 
     /// Advances the own states that are not imposed, by the rates that were set.

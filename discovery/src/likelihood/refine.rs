@@ -4,18 +4,18 @@
 //! beside something missing, it lies elsewhere, and evidence compares structures only where each
 //! is at its own best. Steps are those of Gauss and Newton on the columns of the base.
 
-use super::base::{Pooled, pooled, probability, terms};
-use super::gram::References;
-use super::marginal::coefficients;
+use super::base::{pooled, probability, terms};
+use super::gram::{Products, References};
+use super::marginal::{Terms, coefficients};
 use super::randomness::Randomness;
 use super::scene::Scene;
 
 /// Steps at most.
-const STEPS: usize = 8;
+pub(super) const STEPS: usize = 8;
 /// Gain in ln of the probability below which no further step is made.
-const WORTH: f64 = 0.5;
+pub(super) const WORTH: f64 = 0.5;
 /// Shares of a step that are tried.
-const SHARES: [f64; 3] = [1.0, 0.3, 0.1];
+pub(super) const SHARES: [f64; 3] = [1.0, 0.3, 0.1];
 /// Factor by which a value that must be positive moves in a step at most.
 const FURTHEST: f64 = 3.0;
 
@@ -41,7 +41,10 @@ pub(super) fn refined(
     let (mut products, probability) = at(&scene)?;
     let mut best = Refined { scene, probability };
     for _ in 0..STEPS {
-        let Some(step) = step(&best.scene, &products) else { break };
+        let sum = products.sum(&best.scene, |_| true);
+        let Some(step) = step(&best.scene, &sum, terms(&best.scene), &products.scale) else {
+            break;
+        };
         let better = SHARES.iter().find_map(|share| {
             let scene = moved(&best.scene, &step, *share);
             let (products, probability) = at(&scene)?;
@@ -57,10 +60,14 @@ pub(super) fn refined(
     Some(best)
 }
 
-/// The most probable change of each parameter; one at the end of its range does not leave it.
-fn step(scene: &Scene, pooled: &Pooled) -> Option<Vec<f64>> {
-    let mut terms = terms(scene);
-    let products = pooled.sum(scene, |_| true);
+/// The most probable change of each parameter, whose columns are the first of the `terms` and in units
+/// of that `scale`; one at the end of its range does not leave it.
+pub(super) fn step(
+    scene: &Scene,
+    products: &Products,
+    mut terms: Terms,
+    scale: &[f64],
+) -> Option<Vec<f64>> {
     let known = scene.drive.parameters();
     let at_end: Vec<bool> = scene
         .names
@@ -68,11 +75,11 @@ fn step(scene: &Scene, pooled: &Pooled) -> Option<Vec<f64>> {
         .map(|name| known.iter().any(|it| it.name == *name && it.value <= it.range.0))
         .collect();
     loop {
-        let mean = coefficients(&products, &terms)?;
+        let mean = coefficients(products, &terms)?;
         let leaves =
             |place: &usize| at_end[*place] && mean[*place] < 0.0 && terms.variances[*place] > STAYS;
         let Some(leaving) = (0..scene.names.len()).find(leaves) else {
-            let of = |place: usize| mean[place] * pooled.scale[place];
+            let of = |place: usize| mean[place] * scale[place];
             return Some((0..scene.names.len()).map(of).collect());
         };
         terms.variances[leaving] = STAYS;
@@ -83,7 +90,7 @@ fn step(scene: &Scene, pooled: &Pooled) -> Option<Vec<f64>> {
 const STAYS: f64 = 1e-20;
 
 /// The scene after a share of that step; a value that is not possible stays.
-fn moved(scene: &Scene, step: &[f64], share: f64) -> Scene {
+pub(super) fn moved(scene: &Scene, step: &[f64], share: f64) -> Scene {
     let mut moved = scene.clone();
     let known = scene.drive.parameters();
     for (name, step) in scene.names.iter().zip(step) {

@@ -67,7 +67,23 @@ pub(crate) fn longest(drive: &Drive) -> f64 {
 }
 
 impl Scene {
+    /// Along means and stretches of long recordings, as the filter sees them.
     pub(crate) fn of(model: &Model, estimation: &Evidence, validation: &Evidence) -> Self {
+        let mean = |measured: &Measured| averaged(&model.fitted.drive, measured);
+        Self::seen(model, estimation, validation, mean).shortened(MOST).looked_through()
+    }
+
+    /// Along every sample.
+    pub(crate) fn whole(model: &Model, estimation: &Evidence, validation: &Evidence) -> Self {
+        Self::seen(model, estimation, validation, |_| None)
+    }
+
+    fn seen(
+        model: &Model,
+        estimation: &Evidence,
+        validation: &Evidence,
+        mean: impl Fn(&Measured) -> Option<Measured>,
+    ) -> Self {
         let drive = &model.fitted.drive;
         // A sensor that hardly moves in one recording seems quieter there than it is.
         let mut sensors = [0.0_f64; SENSORS];
@@ -89,7 +105,7 @@ impl Scene {
                     let known = &mut noise[channel.output as usize];
                     *known = known.max(*sd);
                 }
-                let measured = averaged(drive, measured).unwrap_or_else(|| measured.clone());
+                let measured = mean(measured).unwrap_or_else(|| measured.clone());
                 Recorded {
                     drive: with_own(drive, fit),
                     own: fit.own.iter().map(|it| it.name.clone()).collect(),
@@ -104,7 +120,7 @@ impl Scene {
         let mut recordings = recorded(estimation, &model.fitted.recordings, false);
         recordings.extend(recorded(validation, &model.validation.recordings, true));
         let (names, longest_s) = (model.names(), longest(drive));
-        Self { drive: drive.clone(), names, recordings, longest_s }.shortened(MOST).looked_through()
+        Self { drive: drive.clone(), names, recordings, longest_s }
     }
 
     /// Whether it sees means or stretches of those recordings, and not every sample.

@@ -194,6 +194,7 @@ fn weigh_along(
             scale: &pooled.scale,
             background: background.clone(),
             parameters: parameters(scene),
+            feedback: None,
         };
         let each = || scene.recordings.iter().zip(*tracks);
         let fitted = each().filter(|(it, _)| !it.held_out);

@@ -58,6 +58,16 @@ pub(super) struct Weighing<'a> {
     pub(super) background: Terms,
     /// The parameters of the base alone.
     pub(super) parameters: Terms,
+    /// What becomes of a law over what is explained; none where that is not.
+    pub(super) feedback: Option<&'a dyn Fn(&Seat) -> Option<Feedback>>,
+}
+
+/// What becomes of a law that depends on what it explains, once that is allowed for.
+pub(super) struct Feedback {
+    /// ln of the evidence that it loses (below 0).
+    pub(super) evidence: f64,
+    /// Part of its coefficients that is most probable then.
+    pub(super) part: f64,
 }
 
 impl Weighing<'_> {
@@ -76,6 +86,7 @@ impl Weighing<'_> {
                 .iter()
                 .filter(|seat| seat.candidate == number)
                 .map(|seat| (seat, self.of(&self.fitted, &seat.columns, &SIZES) - base))
+                .map(|(seat, evidence)| (seat, evidence + self.lost(seat)))
                 .collect();
             let evidence = ln_mean_exp(own.iter().map(|(_, evidence)| *evidence));
             own.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -99,13 +110,19 @@ impl Weighing<'_> {
         found
     }
 
+    /// ln of the evidence that a law loses because it depends on what it explains.
+    fn lost(&self, seat: &Seat) -> f64 {
+        self.feedback.and_then(|of| of(seat)).map_or(0.0, |it| it.evidence)
+    }
+
     /// The most probable coefficients of a law, in their own units.
     fn coefficients(&self, seat: &Seat) -> Vec<f64> {
+        let part = self.feedback.and_then(|of| of(seat)).map_or(1.0, |it| it.part);
         let terms = self.background.with(&seat.columns, 1.0);
         let mean = coefficients(&self.fitted, &terms);
         let place = self.background.columns.len();
         let one = |(k, column): (usize, &usize)| {
-            mean.as_ref().map_or(0.0, |mean| mean[place + k] * self.scale[*column])
+            mean.as_ref().map_or(0.0, |mean| part * mean[place + k] * self.scale[*column])
         };
         seat.columns.iter().enumerate().map(one).collect()
     }

@@ -1,0 +1,200 @@
+//! What every law at its null, and every free curve, would explain of the torque.
+
+use drivescope_plant::effects::law::Variable;
+use drivescope_plant::model::{POSITION, SPEED};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::super::marginal::{Beside, log_evidence};
+use super::super::passes::{Passes, Seat};
+use super::super::scene::{Scene, rms};
+use super::super::weighing::{Feedback, Weighing};
+use super::super::weights::Weights;
+use super::torques::{Torques, shifted};
+use super::windows::Windows;
+use super::{Columns, Inverse, Table, TorqueNoise};
+use crate::discover::{Candidate, Curve, Scales, Trajectory, curves};
+use crate::response::Forcing;
+
+/// Size of the random load over that of the base with which laws and curves are weighed besides: it may
+/// have taken what they explain.
+const SMALLER: f64 = 0.2;
+/// Parts in which a coefficient is tried, between 0 and what explains most of the torque.
+const PARTS: usize = 40;
+
+impl Inverse {
+    /// Weighs the candidates and the curves beside the drive. `tolerated` names curves that stand in the
+    /// background with a standard deviation: what the formula of a named law may leave. Candidates of
+    /// which the torque does not tell are left out.
+    pub(crate) fn weigh(
+        &self,
+        candidates: &[Candidate],
+        scales: &Scales,
+        tolerated: impl Fn(&Curve) -> Option<f64>,
+    ) -> Option<Weights> {
+        let (scene, windows) = (&self.scene, &self.windows);
+        let told: Vec<Candidate> = candidates.iter().filter(|it| self.tells(it)).cloned().collect();
+        let number: Vec<usize> =
+            (0..candidates.len()).filter(|it| self.tells(&candidates[*it])).collect();
+        let each = || scene.recordings.iter().zip(windows);
+        let along: Vec<Trajectory> =
+            each().map(|(it, windows)| trajectory(&it.measured.u, windows)).collect();
+        let mut families = curves(&scene.drive, scales, &along);
+        // The driving signal is what is explained: a curve over it explains it by itself.
+        families.retain(|curve| !curve.is_over_current());
+        let (known, free): (Vec<_>, Vec<_>) = families
+            .into_iter()
+            .map(|curve| (tolerated(&curve), curve))
+            .partition(|it| it.0.is_some());
+        let shared = Passes::of(&told);
+        let by = 1e-3 * rms(each().flat_map(|(it, _)| it.measured.u.iter().copied()));
+        // Columns of the laws, and by how much each grows with the driving signal, over K.
+        let over_current = |pass: usize| {
+            let laws = shared.seats[pass].iter().map(|(candidate, _)| &told[*candidate]);
+            laws.into_iter().any(|law| law.fails_over.contains(&Variable::Current))
+        };
+        let per = by * scene.drive.motor.k_m;
+        let laws = |recording: usize| -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+            let (it, windows) = (&scene.recordings[recording], &windows[recording]);
+            let moved = shifted(it, by);
+            let pass = |pass: usize| {
+                let drive = shared.drive(pass, &it.drive, &told);
+                let of = |it| Torques::of(it, &drive, windows, &shared.names[pass]).columns;
+                let columns = of(it);
+                let grows = |(with, without): (Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                    with.iter().zip(without).map(|(with, without)| (with - without) / per).collect()
+                };
+                let grows = if over_current(pass) {
+                    of(&moved).into_iter().zip(&columns).map(grows).collect()
+                } else {
+                    vec![Vec::new(); columns.len()]
+                };
+                columns.into_iter().zip(grows)
+            };
+            (0..shared.seats.len()).into_par_iter().flat_map_iter(pass).unzip()
+        };
+        let (columns, grows): (Vec<_>, Vec<_>) = (0..scene.recordings.len()).map(laws).unzip();
+        let groups: Vec<usize> = shared
+            .seats
+            .iter()
+            .flatten()
+            .map(|(candidate, _)| told[*candidate].coefficients.len())
+            .chain(free.iter().map(|(_, curve)| curve.knots.len()))
+            .collect();
+        let further = |recording: usize| {
+            let of = |curve: &Curve| curve_columns(curve, scene, recording, &windows[recording]);
+            let known = known.iter().flat_map(|(sd, curve)| {
+                of(curve).into_iter().map(move |column| (column, sd.unwrap_or(0.0)))
+            });
+            let free = free.iter().flat_map(|(_, curve)| of(curve));
+            Columns {
+                background: known.collect(),
+                judged: columns[recording].iter().cloned().chain(free).collect(),
+            }
+        };
+        let table = Table::of(scene, windows, self.torque, &groups, further);
+        let background = table.terms.columns.len();
+        let (mut seats, mut next) = (Vec::new(), background);
+        for (candidate, variant) in shared.seats.iter().flatten() {
+            let count = told[*candidate].coefficients.len();
+            let columns = (next..next + count).collect();
+            seats.push(Seat { candidate: *candidate, variant: *variant, columns });
+            next += count;
+        }
+        let mut take = |curve: &Curve| {
+            next += curve.knots.len();
+            (curve.clone(), (next - curve.knots.len()..next).collect::<Vec<usize>>())
+        };
+        let free: Vec<(Curve, Vec<usize>)> = free.iter().map(|(_, curve)| take(curve)).collect();
+        let growth = |seat: &Seat| -> Option<DMatrix<f64>> {
+            if seat.columns.iter().any(|column| grows[0][column - background].is_empty()) {
+                return None;
+            }
+            let mut rows = Vec::new();
+            for (recording, windows) in windows.iter().enumerate() {
+                if scene.recordings[recording].held_out {
+                    continue;
+                }
+                for window in (0..windows.len()).filter(|window| windows.moves[*window]) {
+                    rows.extend(seat.columns.iter().map(|column| {
+                        table.scale[*column] * grows[recording][column - background][window]
+                    }));
+                }
+            }
+            let count = seat.columns.len();
+            Some(DMatrix::from_row_slice(rows.len() / count, count, &rows))
+        };
+        let growths: Vec<Option<DMatrix<f64>>> = seats.iter().map(growth).collect();
+        let of = |noise: TorqueNoise| {
+            let (fitted, likelihood) = table.products(&noise, |held_out| !held_out);
+            let (all, likelihood_of_all) = table.products(&noise, |_| true);
+            let beside = Beside::of(&fitted, &table.terms)?;
+            let feedback = |seat: &Seat| {
+                let place = seats.iter().position(|it| it.columns == seat.columns)?;
+                let grows = growths[place].as_ref()?;
+                let (information, score) = beside.told(&fitted, &seat.columns);
+                let most = information.clone().cholesky()?.solve(&score);
+                let whole = most.dot(&score);
+                let growth = grows * &most;
+                let at = |part: f64| {
+                    let left = 0.5 * whole * (1.0 - part) * (1.0 - part);
+                    let density = |grows: &f64| (1.0 + part * grows).abs().max(1e-9).ln();
+                    growth.iter().map(density).sum::<f64>() - left
+                };
+                let parts = (0..=PARTS).map(|part| part as f64 / PARTS as f64);
+                let best = parts.max_by(|a, b| at(*a).total_cmp(&at(*b)))?;
+                Some(Feedback { evidence: at(best), part: best })
+            };
+            let (base, base_of_all) = (
+                likelihood + log_evidence(&fitted, &table.terms),
+                likelihood_of_all + log_evidence(&all, &table.terms),
+            );
+            let weighing = Weighing {
+                fitted: fitted.clone(),
+                all,
+                scale: &table.scale,
+                background: table.terms.clone(),
+                parameters: table.parameters.clone(),
+                feedback: Some(&feedback),
+            };
+            let mut laws = weighing.laws(&told, &seats);
+            laws.iter_mut().for_each(|law| law.candidate = number[law.candidate]);
+            let curves = weighing.curves(free.clone());
+            Some(Weights { base, base_of_all, laws, curves })
+        };
+        let each = [self.noise, self.noise.with_load(SMALLER)].into_iter().filter_map(of);
+        each.reduce(Weights::best_of)
+    }
+}
+
+/// A curve's hats over the windows of a recording.
+pub(super) fn curve_columns(
+    curve: &Curve,
+    scene: &Scene,
+    recording: usize,
+    windows: &Windows,
+) -> Vec<Vec<f64>> {
+    let it = &scene.recordings[recording];
+    let along = trajectory(&it.measured.u, windows);
+    let forcings = curve.forcings(&it.drive, &it.measured, &along);
+    let column = |(knot, forcing): (usize, &Forcing)| {
+        // What acts where nothing accelerates is no matter of the acceleration.
+        if curve.is_of_no_acceleration(knot) {
+            vec![0.0; windows.len()]
+        } else {
+            windows.over(&forcing.torque)
+        }
+    };
+    forcings.iter().enumerate().map(column).collect()
+}
+
+/// The variables along a recording.
+fn trajectory(u: &[f64], windows: &Windows) -> Trajectory {
+    let of = |place: usize| windows.motion.iter().map(|at| at[place]).collect();
+    Trajectory {
+        current: u.to_vec(),
+        speed: of(SPEED),
+        position: of(POSITION),
+        acceleration: windows.by_sample(&windows.acceleration),
+    }
+}

@@ -1,0 +1,200 @@
+//! A recording in windows: the balance of torques times a bump, summed over it.
+//!
+//! With a bump h (a triangle, half as wide as its windows are apart on either side) the acceleration
+//! needs no derivative of what was measured: the sum of h times the acceleration is the second
+//! difference of the position over the windows. The torques are summed with the same bump, so that
+//! both sides of the balance are smoothed alike (modulating functions; Preisig and Rippin, Comput.
+//! Chem. Eng. 17, 1993).
+
+use std::ops::Range;
+
+use drivescope_plant::model::{POSITION, SPEED};
+
+use super::super::filter::Vector;
+use super::super::scene::Recorded;
+use crate::measured::{Measured, Output};
+
+/// Windows along the longest recording: some five to a tenth of a second of one of twenty seconds.
+const WINDOWS: f64 = 1000.0;
+/// Fewest samples from one window to the next.
+const FEWEST: usize = 2;
+
+/// One recording in windows.
+#[derive(Debug, Clone)]
+pub(super) struct Windows {
+    /// Samples from one window to the next.
+    every: usize,
+    pieces: Vec<Range<usize>>,
+    /// The motion over each sample: speed and position in its middle.
+    pub(super) motion: Vec<Vector>,
+    /// What the second difference of the position says of each window, rad/s^2 (m/s^2), and the
+    /// standard deviation of it.
+    pub(super) acceleration: Vec<f64>,
+    pub(super) acceleration_sd: f64,
+    /// Whether a piece begins with that window.
+    pub(super) begins: Vec<bool>,
+    /// Whether the shaft moves in one direction throughout the window, so that dry friction is known.
+    pub(super) moves: Vec<bool>,
+}
+
+/// Samples from one window to the next, for recordings of which the longest lasts that, s.
+pub(super) fn every(measured: &Measured, longest_s: f64) -> usize {
+    ((longest_s / WINDOWS / measured.period_s).round() as usize).max(FEWEST)
+}
+
+/// The way of the shaft as it was measured, with the standard deviation of its noise; nothing where
+/// it was not.
+pub(super) fn way(it: &Recorded) -> Option<(&[f64], f64)> {
+    let measured = &it.measured;
+    if let Some(shown) = measured.output(Output::Position) {
+        return Some((&shown.values, it.noise[Output::Position as usize]));
+    }
+    let angle = measured.angle.as_deref()?;
+    // Integrated from the speed, or measured beside it and no worse.
+    Some((angle, it.noise[Output::Speed as usize] * measured.period_s))
+}
+
+impl Windows {
+    /// Nothing where the position is not known throughout.
+    pub(super) fn of(it: &Recorded, every: usize) -> Option<Self> {
+        let (way, sd) = way(it)?;
+        let measured = &it.measured;
+        let period = measured.period_s;
+        let long = |piece: &&Range<usize>| piece.len() > 2 * every;
+        let pieces: Vec<Range<usize>> = measured.pieces.iter().filter(long).cloned().collect();
+        if pieces.iter().any(|piece| way[piece.clone()].iter().any(|value| !value.is_finite())) {
+            return None;
+        }
+        let mut motion = vec![Vector::zeros(); measured.len()];
+        let (mut acceleration, mut begins, mut moves) = (Vec::new(), Vec::new(), Vec::new());
+        let apart_s = every as f64 * period;
+        for piece in &pieces {
+            let last = piece.end - 1;
+            for k in piece.clone() {
+                let from = k.saturating_sub(every / 2).max(piece.start);
+                let to = (k + 1 + every / 2).min(last).max(from + 1).min(last);
+                let next = (k + 1).min(last);
+                motion[k][SPEED] = (way[to] - way[from]) / ((to - from).max(1) as f64 * period);
+                motion[k][POSITION] = 0.5 * (way[k] + way[next]);
+            }
+            for middle in middles(piece, every) {
+                let bent = way[middle + every] - 2.0 * way[middle] + way[middle - every];
+                acceleration.push(bent / (apart_s * apart_s));
+                begins.push(middle == piece.start + every);
+                let mut own = middle - every..middle + every;
+                let sign = it.direction.at(middle);
+                moves.push(sign != 0.0 && own.all(|k| it.direction.at(k) == sign));
+            }
+        }
+        let from_speed = measured.output(Output::Speed).is_some();
+        // Of three positions, or of the speeds over two windows.
+        let noise = if from_speed { 2.0 * every as f64 } else { 6.0 };
+        let acceleration_sd = noise.sqrt() * sd / (apart_s * apart_s);
+        Some(Self { every, pieces, motion, acceleration, acceleration_sd, begins, moves })
+    }
+
+    /// Number of windows.
+    pub(super) fn len(&self) -> usize {
+        self.acceleration.len()
+    }
+
+    /// Time from one window to the next, samples being so long, s.
+    pub(super) fn apart_s(&self, period_s: f64) -> f64 {
+        self.every as f64 * period_s
+    }
+
+    /// Samples that are used, one piece after the other.
+    pub(super) fn pieces(&self) -> &[Range<usize>] {
+        &self.pieces
+    }
+
+    /// The samples of a piece with the weight that each has in the windows around it, numbered over all
+    /// pieces; the sum of the weights of a window is 1.
+    pub(super) fn weights(
+        &self,
+        piece: usize,
+    ) -> impl Iterator<Item = (usize, [Option<(usize, f64)>; 2])> {
+        let before: usize =
+            self.pieces[..piece].iter().map(|piece| middles(piece, self.every).len()).sum();
+        let (range, every) = (self.pieces[piece].clone(), self.every);
+        let count = middles(&range, every).len();
+        range.clone().map(move |k| {
+            let (number, rest) = ((k - range.start) / every, (k - range.start) % every);
+            let part = (rest as f64 + 0.5) / every as f64;
+            // Falling in the window behind, rising in the one ahead.
+            let at = |window: Option<usize>, share: f64| {
+                let window = window.filter(|window| *window < count)?;
+                Some((before + window, share / every as f64))
+            };
+            (k, [at(number.checked_sub(1), 1.0 - part), at(Some(number), part)])
+        })
+    }
+
+    /// Values of the windows at the samples around them.
+    pub(super) fn by_sample(&self, values: &[f64]) -> Vec<f64> {
+        let mut samples = vec![0.0; self.motion.len()];
+        for piece in 0..self.pieces.len() {
+            for (k, weights) in self.weights(piece) {
+                let near = weights.into_iter().flatten();
+                let shares =
+                    near.map(|(window, weight)| weight * self.every as f64 * values[window]);
+                samples[k] = shares.sum();
+            }
+        }
+        samples
+    }
+
+    /// A series of the samples, summed over the windows.
+    pub(super) fn over(&self, values: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.len()];
+        if values.is_empty() {
+            return sums;
+        }
+        for piece in 0..self.pieces.len() {
+            for (k, weights) in self.weights(piece) {
+                for (window, weight) in weights.into_iter().flatten() {
+                    sums[window] += weight * values[k];
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// Middles of the windows that a piece holds whole.
+fn middles(piece: &Range<usize>, every: usize) -> impl ExactSizeIterator<Item = usize> {
+    let (start, count) = (piece.start, (piece.len().saturating_sub(1)) / every);
+    (1..count.max(1)).map(move |number| start + number * every)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn windows() -> Windows {
+        Windows {
+            every: 4,
+            pieces: vec![0..41, 50..72],
+            motion: Vec::new(),
+            acceleration: vec![0.0; 9 + 4],
+            acceleration_sd: 0.0,
+            begins: Vec::new(),
+            moves: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_window_holds_the_mean_of_what_never_changes_and_the_middle_of_a_line() {
+        let windows = windows();
+        let middles: Vec<usize> =
+            windows.pieces.iter().flat_map(|piece| middles(piece, 4)).collect();
+        assert_eq!(middles.len(), windows.len());
+        let ones = windows.over(&[1.0; 80]);
+        assert!(ones.iter().all(|one| (one - 1.0).abs() < 1e-12), "{ones:?}");
+        // A value is held over its sample: its middle counts.
+        let line: Vec<f64> = (0..80).map(|k| k as f64 + 0.5).collect();
+        for (sum, middle) in windows.over(&line).iter().zip(middles) {
+            assert!((sum - middle as f64).abs() < 1e-9, "{sum} at {middle}");
+        }
+    }
+}

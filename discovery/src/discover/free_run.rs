@@ -45,12 +45,25 @@ impl Round<'_> {
             let setting = finer(&self.model.setting, &drive);
             let as_it_is = Options { steps: 0, ..Options::NEAR };
             let unfitted = || Model::fit(&drive, estimation, validation, setting, &as_it_is, &seen);
+            let both = before.zip(self.torque_left(&drive));
+            let error = |model: &Model| model.validation.squares.error();
+            let was = error(self.model);
+            // Where the torque was the datum, its error decides, and a fit to the motion would only
+            // move the parameters away.
+            let less = 1.0 - self.rule.size;
+            if ground.filtered().is_none()
+                && both.is_some_and(|(before, after)| after * after <= less * before * before)
+                && let Some(model) = unfitted().ok().filter(|model| error(model) <= was)
+            {
+                one.model = model;
+                one.weighed.by_balance = true;
+                break;
+            }
             let Some(model) = self.in_free_run(one) else {
                 one.refused = Some("no fit with it ends".to_owned());
                 continue;
             };
-            let error = |model: &Model| model.validation.squares.error();
-            let (was, is) = (error(self.model), error(&model));
+            let is = error(&model);
             let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
             one.model = model;
             let falls = fits && is <= (1.0 - FALLS) * was;
@@ -62,7 +75,6 @@ impl Round<'_> {
                 one.weighed.by_balance = true;
                 break;
             }
-            let both = before.zip(self.torque_left(&drive));
             let less_torque = both.is_some_and(|(before, after)| after < (1.0 - FALLS) * before);
             let unfitted = less_torque.then(unfitted).and_then(Result::ok);
             if let Some(model) = unfitted.filter(|model| error(model) <= was) {

@@ -68,6 +68,8 @@ pub(super) struct Feedback {
     pub(super) evidence: f64,
     /// Part of its coefficients that is most probable then.
     pub(super) part: f64,
+    /// Share of its amplitude that is not what it explains, times a factor.
+    pub(super) stands_out: f64,
 }
 
 impl Weighing<'_> {
@@ -102,7 +104,7 @@ impl Weighing<'_> {
                 variants: own.iter().map(|(seat, _)| seat.variant).collect(),
                 coefficients,
                 evidence,
-                imitated: own.iter().all(|(seat, _)| self.imitated(&seat.columns)),
+                imitated: own.iter().all(|(seat, _)| self.imitated(seat)),
                 finite,
             });
         }
@@ -128,9 +130,11 @@ impl Weighing<'_> {
     }
 
     /// Whether nothing of a law stands out of the base's own columns.
-    fn imitated(&self, columns: &[usize]) -> bool {
+    fn imitated(&self, seat: &Seat) -> bool {
         let out = |column: &usize| standing_out(&self.fitted, &self.parameters, *column);
-        columns.iter().all(|column| out(column) < IMITATED)
+        let feedback = self.feedback.and_then(|of| of(seat));
+        feedback.is_some_and(|it| it.stands_out < IMITATED)
+            || seat.columns.iter().all(|column| out(column) < IMITATED)
     }
 
     /// The most probable values of hats drawn with that standard deviation: root of their mean square,

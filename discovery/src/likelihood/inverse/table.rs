@@ -41,8 +41,9 @@ pub(super) struct Table {
     pub(super) scale: Vec<f64>,
     /// The background's priors.
     pub(super) terms: Terms,
-    /// Those of the drive's parameters alone.
+    /// Those of the drive's parameters alone, and with them what drives: another K.
     pub(super) parameters: Terms,
+    pub(super) driven: Terms,
 }
 
 /// Columns beside the base of one recording: in the background, in units of the balance with that
@@ -141,16 +142,16 @@ impl Table {
         let mut scale: Vec<f64> = (0..count).map(sizes).collect();
         standing.for_each(|column| scale[column] = torque);
         scale.push(1.0);
-        let flat = |column: &usize| variances[*column] == FLAT * FLAT || *column == driving;
-        let parameters: Vec<usize> = (0..known).filter(flat).collect();
+        let flat =
+            |columns: Vec<usize>| Terms { variances: vec![FLAT * FLAT; columns.len()], columns };
+        let is_flat = |column: &usize| variances[*column] == FLAT * FLAT;
+        let parameters: Vec<usize> = (0..known).filter(is_flat).collect();
         Self {
             sheets,
             groups: groups.to_vec(),
             scale,
-            parameters: Terms {
-                variances: vec![FLAT * FLAT; parameters.len()],
-                columns: parameters,
-            },
+            driven: flat(parameters.iter().copied().chain([driving]).collect()),
+            parameters: flat(parameters),
             terms: Terms { columns: (0..known).collect(), variances },
         }
     }

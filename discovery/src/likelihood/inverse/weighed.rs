@@ -5,7 +5,7 @@ use drivescope_plant::model::{POSITION, SPEED};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::super::marginal::{Beside, log_evidence};
+use super::super::marginal::{Beside, log_evidence, standing_out};
 use super::super::passes::{Passes, Seat};
 use super::super::scene::{Scene, rms};
 use super::super::weighing::{Feedback, Weighing};
@@ -143,7 +143,9 @@ impl Inverse {
                 };
                 let parts = (0..=PARTS).map(|part| part as f64 / PARTS as f64);
                 let best = parts.max_by(|a, b| at(*a).total_cmp(&at(*b)))?;
-                Some(Feedback { evidence: at(best), part: best })
+                let out = |column: &usize| standing_out(&fitted, &table.driven, *column);
+                let stands_out = seat.columns.iter().map(out).fold(0.0, f64::max);
+                Some(Feedback { evidence: at(best), part: best, stands_out })
             };
             let (base, base_of_all) = (
                 likelihood + log_evidence(&fitted, &table.terms),

@@ -1,0 +1,99 @@
+//! Motors that a position loop turns slowly, simulated here and not by the plant: the loop cancels what
+//! disturbs the motion, so that only the current shows it.
+
+use std::f64::consts::TAU;
+
+use drivescope_discovery::{Discovery, Evidence, Measured, Unwatched, Verdict, discover, noise};
+use drivescope_plant::drive::Drive;
+use drivescope_recording::{Recording, Signal};
+use rand::SeedableRng as _;
+use rand_distr::{Distribution as _, StandardNormal};
+use rand_pcg::Pcg64;
+
+/// A first drive file of such a motor, with values that are off.
+const DRIVE: &str = "schema = 1\nname = \"servo\"\n[motor]\ninput = \"force\"\nK_m = 0.05\n\
+                     J = 1.0e-4\nB_m = 1.0e-3\n[[effect]]\nkind = \"coulomb\"\nT_c = 0.01\n\
+                     [fit]\nfixed = [\"K_m\"]\n";
+const K_M: f64 = 0.05;
+const PERIOD_S: f64 = 2e-3;
+/// Steps of the simulation a sample.
+const STEPS: usize = 40;
+const COUNTS: f64 = 8192.0;
+
+/// Current and position of a motor that follows a triangle of so many revolutions at that speed,
+/// rad/s, against a torque that depends on the position.
+fn recorded(speed: f64, seed: u64, disturbs: impl Fn(f64) -> f64) -> Recording {
+    let (j, b, t_c) = (6e-5, 4e-4, 6e-3);
+    let (stiff, damped, integral) = (4.0, 0.04, 40.0);
+    let mut random = Pcg64::seed_from_u64(seed);
+    let (mut theta, mut omega, mut sum) = (0.0, 0.0, 0.0);
+    let dt = PERIOD_S / STEPS as f64;
+    let (mut current, mut position) = (Vec::new(), Vec::new());
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    for k in 0..9000 {
+        let t = k as f64 * PERIOD_S;
+        // There and back every six seconds.
+        let part = (t / 6.0).fract();
+        let (forth, way) = if part < 0.5 { (1.0, part) } else { (-1.0, 1.0 - part) };
+        let (wanted, wanted_speed) = (speed * 6.0 * way, speed * forth);
+        let measured = (theta * COUNTS / TAU).round() * TAU / COUNTS;
+        sum += integral * (wanted - theta) * PERIOD_S;
+        let torque = stiff * (wanted - theta) + damped * (wanted_speed - omega) + sum;
+        current.push(torque / K_M + 0.002 * normal());
+        position.push(measured);
+        for _ in 0..STEPS {
+            let friction = t_c * (omega / 1e-2_f64).tanh() + b * omega;
+            omega += dt / j * (torque - friction - disturbs(theta));
+            theta += dt * omega;
+        }
+    }
+    let signal = |name: &str, unit: &str, values| Signal {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        values,
+    };
+    let signals = vec![signal("i", "A", current), signal("theta", "rad", position)];
+    Recording::new("servo", 0.0, PERIOD_S, signals)
+}
+
+fn evidence(drive: &Drive, recording: &Recording) -> Evidence {
+    let measured = Measured::new(drive, recording).expect("it can be used");
+    let sds = noise(drive, &measured, &[]).iter().map(|noise| noise.sd).collect();
+    Evidence { recordings: vec![measured], noise: vec![sds] }
+}
+
+fn found(disturbs: impl Fn(f64) -> f64) -> Discovery {
+    let drive = Drive::parse(DRIVE, "servo.toml").expect("right");
+    let [estimation, validation] = [(4.0, 1), (3.0, 2)]
+        .map(|(speed, seed)| evidence(&drive, &recorded(speed, seed, &disturbs)));
+    discover(&drive, &estimation, &validation, &Unwatched).expect("the base can be fitted")
+}
+
+fn torque(found: &Discovery, step: usize) -> f64 {
+    let left = &found.ladder[step].validation_unexplained;
+    left.torque.expect("torque and motion were measured").rms
+}
+
+#[test]
+fn a_cogging_that_the_loop_cancels_is_named_with_its_periods() {
+    let answer = found(|theta| 4e-3 * (7.0 * theta + 0.4).sin());
+    assert_eq!(answer.named, ["cogging"], "{:?}", answer.ranking);
+    let first = answer.ranking.iter().find(|it| it.refused.is_none()).expect("it was named");
+    assert_eq!(first.parameters["cogging.N"].value, 7.0);
+    let (a, b) = (first.parameters["cogging.a"].value, first.parameters["cogging.b"].value);
+    let size = a.hypot(b);
+    assert!((size / 4e-3 - 1.0).abs() < 0.1, "{size}");
+    assert!(torque(&answer, 1) < 0.5 * torque(&answer, 0), "{:?}", answer.ladder);
+}
+
+#[test]
+fn a_weight_that_the_loop_holds_is_named() {
+    let answer = found(|theta| 6e-3 * theta.sin());
+    assert_eq!(answer.named, ["unbalance"], "{:?}", answer.ranking);
+}
+
+#[test]
+fn nothing_is_named_where_nothing_disturbs() {
+    let answer = found(|_| 0.0);
+    assert_eq!((answer.verdict, answer.named.len()), (Verdict::None, 0), "{:?}", answer.ranking);
+}

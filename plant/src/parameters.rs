@@ -1,8 +1,8 @@
 //! The numbers of a drive by the names under which people, fits and FMUs know them.
 //!
-//! One list for units, ranges and descriptions, [`fields`]: the drive file is checked against it, its
-//! schema is filled from it, and [`Drive::parameters`] and [`Drive::set`] read it. Effects bring their
-//! own list, the registry.
+//! One list for units, ranges and descriptions, `drive/sections.rs`: the drive file is checked against
+//! it, its schema is filled from it, and [`Drive::parameters`] and [`Drive::set`] read it. Effects bring
+//! their own list, the registry.
 
 use thiserror::Error;
 

@@ -14,11 +14,13 @@ use std::process::{Command, exit};
 const PACKAGE: &str = "drivescope-fmu-drive";
 const STEM: &str = "drivescope_fmu_drive";
 /// What the library is made from.
-const SOURCES: [&str; 14] = [
+const SOURCES: [&str; 16] = [
     "Cargo.toml",
     "Cargo.lock",
     "numerics/Cargo.toml",
     "numerics/src",
+    "units/Cargo.toml",
+    "units/src",
     "plant/Cargo.toml",
     "plant/src",
     "recording/Cargo.toml",

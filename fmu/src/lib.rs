@@ -13,4 +13,7 @@ pub mod description;
 pub mod export;
 #[cfg(feature = "import")]
 pub mod import;
+#[cfg(feature = "import")]
+mod position;
 mod vocabulary;
+mod xml;

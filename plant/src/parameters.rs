@@ -1,20 +1,16 @@
 //! The numbers of a drive by the names under which people, fits and FMUs know them.
 //!
-//! One list for units, ranges and descriptions: the drive file is checked against it, its schema
-//! is filled from it, and [`Drive::parameters`] and [`Drive::set`] read it. Effects bring their
-//! own list, the registry.
-
-mod fields;
+//! One list for units, ranges and descriptions, `drive/sections.rs`: the drive file is checked against
+//! it, its schema is filled from it, and [`Drive::parameters`] and [`Drive::set`] read it. Effects bring
+//! their own list, the registry.
 
 use thiserror::Error;
 
-use crate::drive::{Drive, EffectData, Input, LawData};
+use crate::drive::{ANY, Drive, EffectData, Field, Input, LawData, fields};
 use crate::effects::custom::Target;
 use crate::effects::law::Parameter;
 use crate::effects::registry::Entry;
 use crate::units::for_motion;
-
-pub(crate) use fields::{FIELDS, Field};
 
 /// What a number of the drive is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,11 +47,11 @@ pub struct NamedParameter {
 
 /// Why a value cannot be set.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum SetError {
     /// The drive has no parameter of that name.
     #[error("the drive has no parameter `{name}`{}; it has {known}", meant(.nearest))]
     Unknown {
-        /// The name.
         name: String,
         /// A name of the drive that is spelt alike.
         nearest: Option<String>,
@@ -65,9 +61,7 @@ pub enum SetError {
     /// The value is not physically possible.
     #[error("`{name}` = {value} is outside what is possible: give {allowed}")]
     OutOfRange {
-        /// The name.
         name: String,
-        /// The value.
         value: f64,
         /// What is possible, in words, with the unit.
         allowed: String,
@@ -119,7 +113,7 @@ impl Drive {
     /// Every number of the drive in one order: motor, effects as the file lists them,
     /// controller, amplifier, generator, sensors, noise. What the drive does not have is absent.
     pub fn parameters(&self) -> Vec<NamedParameter> {
-        let of_field = |field: &&Field| {
+        let of_field = |field: &Field| {
             let value = (field.get)(self)?;
             Some(NamedParameter {
                 name: field.name(self.motion),
@@ -131,14 +125,14 @@ impl Drive {
                 role: field.role,
             })
         };
-        let (motor, rest): (Vec<_>, Vec<_>) = FIELDS.iter().partition(|f| f.section == "motor");
-        let mut all: Vec<_> = motor.iter().filter_map(of_field).collect();
+        let (motor, others): (Vec<_>, Vec<_>) = fields().partition(|f| f.section == "motor");
+        let mut all: Vec<_> = motor.into_iter().filter_map(of_field).collect();
         for effect in &self.effects {
             all.extend(
                 effect.parameters.iter().map(|(name, value)| self.of_effect(effect, name, *value)),
             );
         }
-        all.extend(rest.iter().filter_map(of_field));
+        all.extend(others.into_iter().filter_map(of_field));
         all
     }
 
@@ -160,7 +154,7 @@ impl Drive {
             name: format!("{}.{name}", effect.id),
             value,
             unit: for_motion(self.motion, known.map_or(of_file.0, |p| p.unit)),
-            range: known.map_or(fields::ANY, |p| p.range),
+            range: known.map_or(ANY, |p| p.range),
             description: known.map_or(of_file.1, |p| p.description),
             nominal: magnitude(value, known.map_or(1.0, |p| p.nominal)),
             role: Role::Physics,
@@ -208,7 +202,7 @@ impl Drive {
     }
 
     fn slot(&mut self, name: &str) -> Option<&mut f64> {
-        if let Some(field) = FIELDS.iter().find(|field| field.name(self.motion) == name) {
+        if let Some(field) = fields().find(|field| field.name(self.motion) == name) {
             return (field.slot)(self);
         }
         let (id, key) = name.split_once('.')?;
@@ -273,7 +267,7 @@ mod tests {
                 assert_eq!(now.value, expected, "{} after {}", now.name, parameter.name);
             }
         }
-        assert_eq!(before.len(), FIELDS.len() + 3, "the three parameters of its effects");
+        assert_eq!(before.len(), fields().count() + 3, "the three parameters of its effects");
     }
 
     #[test]

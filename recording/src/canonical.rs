@@ -1,7 +1,5 @@
 //! The names that the other parts of the program know.
 
-use crate::unit::{Quantity, Unit};
-
 /// A signal with a meaning of its own in the program.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Canonical {
@@ -36,6 +34,7 @@ use Quantity::{
     Angle, AngularSpeed, Current, Dimensionless, Force, Length, Speed, Temperature, Time, Torque,
     Voltage,
 };
+use drivescope_units::{Quantity, Unit};
 
 /// `time` first: every recording has one.
 pub(crate) const CANONICAL: &[Canonical] = &[

@@ -1,7 +1,8 @@
 //! What a column may be said to be, in words.
 
+use drivescope_units::{Quantity, Unit};
+
 use crate::canonical::{self, CANONICAL};
-use crate::unit::{Quantity, Unit};
 
 /// A signal that a column may be taken as.
 #[derive(Debug, Clone, PartialEq)]

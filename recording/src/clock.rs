@@ -68,11 +68,11 @@ impl Clock {
 
 /// The ranges into which the beginnings of all but the first part so many rows.
 pub(crate) fn parted(
-    begins: impl Iterator<Item = usize> + Clone,
+    starts: impl Iterator<Item = usize> + Clone,
     rows: usize,
 ) -> Vec<Range<usize>> {
-    let ends = begins.clone().chain([rows]);
-    std::iter::once(0).chain(begins).zip(ends).map(|(from, to)| from..to).collect()
+    let ends = starts.clone().chain([rows]);
+    std::iter::once(0).chain(starts).zip(ends).map(|(from, to)| from..to).collect()
 }
 
 #[cfg(test)]

@@ -7,15 +7,11 @@ use crate::rounded::rounded;
 
 /// Why a recording could not be read, used or written.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Error {
     /// The file cannot be opened or read.
     #[error("{file}: cannot be read: {source}")]
-    Read {
-        /// The file as the user named it.
-        file: String,
-        /// What the operating system says.
-        source: io::Error,
-    },
+    Read { file: String, source: io::Error },
     /// The path is a folder.
     #[error("{file}: is a folder; name the recording inside it")]
     IsFolder {
@@ -27,7 +23,6 @@ pub enum Error {
         "{file}: is a recording in no known format; read are {known}, so export it as one of them"
     )]
     Format {
-        /// The file as the user named it.
         file: String,
         /// The formats that are read.
         known: String,
@@ -35,50 +30,33 @@ pub enum Error {
     /// A file of another kind, whatever its name says.
     #[error("{file}: is {what}, no recording; read are {known}, so export it as one of them")]
     Other {
-        /// The file as the user named it.
         file: String,
-        /// What it is.
         what: &'static str,
         /// The formats that are read.
         known: String,
     },
     /// The file cannot be written.
     #[error("{file}: cannot be written: {source}")]
-    Write {
-        /// The file as the user named it.
-        file: String,
-        /// What the operating system says.
-        source: io::Error,
-    },
+    Write { file: String, source: io::Error },
     /// Reading is all that is offered for the format.
     #[error("{file}: such files are not written; name it {known}")]
     WriteFormat {
-        /// The file as the user named it.
         file: String,
         /// The extensions that are written.
         known: String,
     },
     /// Nothing in the file.
     #[error("{file}: is empty; a recording starts with a header such as `time [s],u [V],i [A]`")]
-    Empty {
-        /// The file.
-        file: String,
-    },
+    Empty { file: String },
     /// Names, or any other text, but no samples.
     #[error(
         "{file}: holds no rows of numbers; a recording is a table with a header such as \
          `time [s],u [V],i [A]` and numbers below it"
     )]
-    HeaderOnly {
-        /// The file.
-        file: String,
-    },
+    HeaderOnly { file: String },
     /// A single sample tells no sampling time.
     #[error("{file}: holds one sample; at least two are needed to know the sampling time")]
-    OneRow {
-        /// The file.
-        file: String,
-    },
+    OneRow { file: String },
     /// The first line holds values.
     #[error(
         "{place}: the first line holds numbers, not names; put a header such as \
@@ -94,7 +72,6 @@ pub enum Error {
          and quote a name or a number that holds what parts them"
     )]
     Ragged {
-        /// The row.
         place: Place,
         /// Values in the row.
         found: usize,
@@ -107,7 +84,6 @@ pub enum Error {
          write numbers there"
     )]
     NotANumber {
-        /// The row.
         place: Place,
         /// Which column, the first is 1.
         position: usize,
@@ -121,7 +97,6 @@ pub enum Error {
         "{place}: column {position} is no text (byte 0x{byte:02x}); save the recording as CSV text"
     )]
     NotUtf8 {
-        /// The line.
         place: Place,
         /// Which column, the first is 1.
         position: usize,
@@ -145,26 +120,20 @@ pub enum Error {
          --columns time=NAME:UNIT"
     )]
     MissingTime {
-        /// The file.
         file: String,
         /// The names that are there.
         columns: String,
     },
     /// Nothing but time.
     #[error("{file}: holds time but no signal; a column of numbers beside it is needed")]
-    NoSignals {
-        /// The file.
-        file: String,
-    },
+    NoSignals { file: String },
     /// Two columns of one name.
     #[error(
         "{file}: columns {first} and {second} are both called `{name}`; rename one, or leave \
          the later one out with --columns {name}_unused={name}#2"
     )]
     DuplicateColumn {
-        /// The file.
         file: String,
-        /// The name.
         name: String,
         /// The earlier column, the first is 1.
         first: usize,
@@ -177,9 +146,7 @@ pub enum Error {
          as in --columns {name}_2={second}"
     )]
     DuplicateSignal {
-        /// The file.
         file: String,
-        /// The signal.
         name: String,
         /// The earlier column.
         first: String,
@@ -192,9 +159,7 @@ pub enum Error {
          with --columns {signal}={column}:UNIT"
     )]
     UnknownUnit {
-        /// The file.
         file: String,
-        /// The column.
         column: String,
         /// The signal it stands for.
         signal: String,
@@ -205,14 +170,10 @@ pub enum Error {
     },
     /// An item of `--columns` that is none.
     #[error("`{text}` is not a column mapping; write signal=COLUMN or signal=COLUMN:UNIT")]
-    Mapping {
-        /// The item.
-        text: String,
-    },
+    Mapping { text: String },
     /// A file of kept mappings that is none.
     #[error("{file}: {reason}; mend it, or remove it to have the columns guessed again")]
     Kept {
-        /// The file.
         file: String,
         /// What is wrong.
         reason: String,
@@ -220,7 +181,6 @@ pub enum Error {
     /// A mapping to a column that is not there.
     #[error("{file}: has no column `{column}` to take as {signal}; it has {columns}")]
     MappedColumn {
-        /// The file.
         file: String,
         /// The column asked for.
         column: String,
@@ -234,10 +194,7 @@ pub enum Error {
         "{place}: time is missing or not finite; cut the rows without one, or name the column of \
          time with --columns time=NAME:UNIT"
     )]
-    TimeNotFinite {
-        /// The row.
-        place: Place,
-    },
+    TimeNotFinite { place: Place },
     /// Time runs backwards.
     #[error(
         "{place}: time goes back from {from_s} s to {to_s} s, and so on from row to row; sort the \
@@ -286,7 +243,6 @@ pub enum Error {
          with --columns time=NAME:UNIT"
     )]
     NoClock {
-        /// The file.
         file: String,
         /// How often time jumps.
         jumps: usize,
@@ -313,7 +269,6 @@ pub enum Error {
          {signal}=COLUMN:UNIT"
     )]
     MissingSignal {
-        /// The file.
         file: String,
         /// The signal needed.
         signal: String,
@@ -338,11 +293,8 @@ pub enum Error {
     /// Signals of different length cannot share a time axis.
     #[error("{name}: `{signal}` has {found} samples, others have {expected}")]
     UnequalLengths {
-        /// The recording.
         name: String,
-        /// The signal.
         signal: String,
-        /// Its length.
         found: usize,
         /// Length of the first signal.
         expected: usize,
@@ -353,7 +305,6 @@ pub enum Error {
          or keep fewer columns"
     )]
     TooLarge {
-        /// The file.
         file: String,
         /// Numbers that are read at most.
         most: usize,
@@ -361,7 +312,6 @@ pub enum Error {
     /// Bytes that are not what the format says.
     #[error("{file}: is not a whole {format} file: {what}; copy or export it once more")]
     Damaged {
-        /// The file.
         file: String,
         /// The format's name.
         format: &'static str,
@@ -374,9 +324,7 @@ pub enum Error {
          tools/convert_recording.py {file} OUT.csv"
     )]
     Variety {
-        /// The file.
         file: String,
-        /// What it is.
         what: String,
         /// What to do in the program that wrote it.
         instead: &'static str,
@@ -387,7 +335,6 @@ pub enum Error {
          beside a time, or convert it: python tools/convert_recording.py {file} OUT.csv"
     )]
     NoSeries {
-        /// The file.
         file: String,
         /// What is there instead.
         found: String,

@@ -1,9 +1,9 @@
 //! A header's text parted into name and unit.
 
+use drivescope_units::{Unit, is_counts};
+
 use crate::canonical;
-use crate::counts::is_counts;
 use crate::guess;
-use crate::unit::Unit;
 
 /// A header's text split into name and unit.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,7 +16,6 @@ mod budget;
 mod canonical;
 mod choices;
 mod clock;
-mod counts;
 mod csv;
 mod error;
 mod file;
@@ -39,8 +38,9 @@ mod suspicion;
 mod table;
 mod time;
 mod time_unit;
-mod unit;
 mod words;
+
+pub use drivescope_units::{Quantity, Unit};
 
 pub use budget::MOST_NUMBERS;
 pub use choices::{Choice, choices, in_words};
@@ -62,4 +62,3 @@ pub use report::{Constant, Report, Sampling, Stretch, Stretches};
 pub use rounded::rounded;
 pub use signal::{NoiseGain, Recording, Signal, TextSignal};
 pub use suspicion::{Suspicion, suspicions};
-pub use unit::{Quantity, Unit};

@@ -1,5 +1,6 @@
 //! A file's columns as they stand, before they are mapped: for whoever says what they are.
 
+use drivescope_units::{Quantity, Unit};
 use serde::Serialize;
 
 use crate::canonical;
@@ -7,7 +8,6 @@ use crate::given::Given;
 use crate::guess;
 use crate::table::Table;
 use crate::time_unit::{by_step, median_step};
-use crate::unit::{Quantity, Unit};
 
 /// Buckets that a column is thinned to: enough for a plot as wide as a word.
 const BUCKETS: usize = 120;

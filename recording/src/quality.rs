@@ -153,8 +153,8 @@ pub(crate) fn inspect(name: &str, unit: &str, values: &[f64], lines: &Lines) -> 
 fn usual_stay(values: &[f64], min: f64, max: f64) -> f64 {
     let inner = |value: &f64| value.is_finite() && *value != min && *value != max;
     let samples = values.iter().filter(|value| inner(value)).count();
-    let begins = values.windows(2).filter(|pair| inner(&pair[1]) && pair[0] != pair[1]).count();
-    samples as f64 / begins.max(1) as f64
+    let starts = values.windows(2).filter(|pair| inner(&pair[1]) && pair[0] != pair[1]).count();
+    samples as f64 / starts.max(1) as f64
 }
 
 fn limit(extreme: f64, values: &[f64], lines: &Lines) -> Option<Limit> {

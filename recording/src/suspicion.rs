@@ -7,11 +7,11 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
+use drivescope_units::Unit;
 use serde::Serialize;
 
 use crate::rounded::rounded;
 use crate::signal::{Recording, Signal};
-use crate::unit::Unit;
 
 /// Two ratios agree when they differ by less than this share: sensors are not better calibrated.
 const SAME_RATIO: f64 = 0.04;

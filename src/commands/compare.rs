@@ -67,7 +67,7 @@ struct SpanOf<'a> {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
+struct CompareAnswer<'a> {
     drive: &'a str,
     /// What is wrong with the signals of the recordings.
     signals: &'a [SignalFinding],
@@ -132,7 +132,7 @@ impl Run for Compare {
             .iter()
             .flat_map(|it| it.spans.iter().map(|span| SpanOf { recording: &it.name, span }));
         let first = evidence.recordings.first();
-        let answer = Answer {
+        let answer = CompareAnswer {
             drive: &drive.name,
             signals: &signals,
             motion: drive.motion,
@@ -182,7 +182,7 @@ impl Run for Compare {
 }
 
 /// The answer for a person.
-fn text(drive: &str, compared: &Comparison, answer: &Answer<'_>) -> String {
+fn text(drive: &str, compared: &Comparison, answer: &CompareAnswer<'_>) -> String {
     let mut text = String::new();
     text += &unusable(answer.signals);
     let name = if drive.is_empty() { "the drive" } else { drive };

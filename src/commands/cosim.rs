@@ -25,7 +25,7 @@ pub(crate) struct Cosim {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer {
+struct CosimAnswer {
     output: PathBuf,
     samples: usize,
     start: f64,
@@ -83,7 +83,7 @@ impl Run for Cosim {
         for outputs in &outcome.algebraic_loops {
             let _ = writeln!(text, "algebraic loop, solved at the start: {}", outputs.join(", "));
         }
-        let answer = Answer {
+        let answer = CosimAnswer {
             signals: recording.signals.iter().map(|signal| signal.header()).collect(),
             output,
             samples,

@@ -48,7 +48,7 @@ enum Kind {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
+struct InitAnswer<'a> {
     output: PathBuf,
     motion: drivescope_plant::drive::Motion,
     input: Input,
@@ -95,7 +95,7 @@ impl Run for Init {
         let (text, _) = first.file(&self.output.display().to_string())?;
         output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
         let next = self.next();
-        let answer = Answer {
+        let answer = InitAnswer {
             output: self.output.clone(),
             motion: first.choice.motion,
             input: first.choice.input,
@@ -128,7 +128,7 @@ fn parameter(value: &Value) -> Parameter<'_> {
     Parameter { name, value: *value, std_error: *std_error, unit, estimated, origin }
 }
 
-fn said(first: &FirstDrive, answer: &Answer<'_>) -> String {
+fn said(first: &FirstDrive, answer: &InitAnswer<'_>) -> String {
     let mut text = format!("{}: {}\n", answer.output.display(), first.choice.sentence);
     for Value { name, value, unit, std_error, origin } in &first.values {
         let known = match (origin, std_error) {

@@ -4,9 +4,10 @@ use drivescope_plant::drive::Input;
 use drivescope_recording::Constant;
 
 use super::FirstDriveError;
+use super::offset::FRICTION;
 
 /// What may be given: parameters of the motor, and dry friction, SI.
-const NAMES: [&str; 7] = ["R", "L", "K_e", "K_m", "J", "B_m", "coulomb.T_c"];
+const NAMES: [&str; 7] = ["R", "L", "K_e", "K_m", "J", "B_m", FRICTION];
 
 /// Values by parameter, SI.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -28,9 +29,9 @@ const ALSO: [(&str, &str); 17] = [
     ("b", "B_m"),
     ("bm", "B_m"),
     ("fv", "B_m"),
-    ("tc", "coulomb.T_c"),
-    ("fc", "coulomb.T_c"),
-    ("coulombtc", "coulomb.T_c"),
+    ("tc", FRICTION),
+    ("fc", FRICTION),
+    ("coulombtc", FRICTION),
 ];
 
 /// What may be given of the numbers that stand beside the signals of a file: the name there, the
@@ -81,10 +82,10 @@ impl Given {
             let wrong =
                 || FirstDriveError::Given { item: item.to_owned(), names: NAMES.join(", ") };
             let (name, value) = item.split_once('=').ok_or_else(wrong)?;
-            let alias = if name.trim() == "T_c" { "coulomb.T_c" } else { name.trim() };
+            let alias = if name.trim() == "T_c" { FRICTION } else { name.trim() };
             let name = NAMES.iter().find(|known| **known == alias).ok_or_else(wrong)?;
             let value: f64 = value.trim().parse().map_err(|_| wrong())?;
-            let friction = ["B_m", "coulomb.T_c"].contains(name);
+            let friction = ["B_m", FRICTION].contains(name);
             if !value.is_finite() || value < 0.0 || (value == 0.0 && !friction) {
                 return Err(wrong());
             }

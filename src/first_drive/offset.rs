@@ -13,16 +13,25 @@ use super::estimate::seen;
 const CLEARLY_LESS: f64 = 0.9;
 /// The offset's parameter.
 pub(super) const OFFSET: &str = "constant_load.T_0";
+/// Dry friction's, which every first drive has.
+pub(super) const FRICTION: &str = "coulomb.T_c";
+
+/// Kind of the effect and key of the parameter.
+pub(super) fn split(name: &'static str) -> (&'static str, &'static str) {
+    name.split_once('.').unwrap_or((name, ""))
+}
+
 /// The same drive with a constant load, where that explains the torque clearly better.
 pub(super) fn with_constant_load(
     template: &Drive,
     recording: &Recording,
     without: &Begun,
 ) -> miette::Result<Option<Begun>> {
+    let (kind, key) = split(OFFSET);
     let load = EffectData {
-        kind: "constant_load".to_owned(),
-        id: "constant_load".to_owned(),
-        parameters: vec![("T_0".to_owned(), 0.0)],
+        kind: kind.to_owned(),
+        id: kind.to_owned(),
+        parameters: vec![(key.to_owned(), 0.0)],
         law: None,
     };
     let mut drive = template.clone();
@@ -34,4 +43,19 @@ pub(super) fn with_constant_load(
     let (before, after) = (left(&without.drive), left(&begun.drive));
     let clearly = before.zip(after).is_some_and(|(before, after)| after < CLEARLY_LESS * before);
     Ok((clearly && begun.told.iter().any(|it| it.name == OFFSET)).then_some(begun))
+}
+
+#[cfg(test)]
+mod tests {
+    use drivescope_plant::effects::registry::Entry;
+
+    use super::*;
+
+    #[test]
+    fn the_library_has_both_parameters() {
+        for (kind, key) in [FRICTION, OFFSET].map(split) {
+            let entry = Entry::find(kind).expect("an effect of the library");
+            assert!(entry.parameters.iter().any(|it| it.name == key), "{kind}.{key}");
+        }
+    }
 }

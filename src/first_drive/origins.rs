@@ -4,7 +4,7 @@
 use drivescope_discovery::{Begun, Estimate};
 use drivescope_plant::drive::{Drive, Input};
 
-use super::offset::OFFSET;
+use super::offset::{FRICTION, OFFSET};
 use super::{Choice, Constant, Given, Origin, Value};
 
 const BY_BALANCES: &str = "estimated: least squares on the balances";
@@ -30,7 +30,7 @@ pub(super) fn values(
     choice: &Choice,
     given: &Given,
 ) -> Vec<Value> {
-    let names = ["R", "L", "K_e", "K_m", "J", "B_m", "coulomb.T_c", OFFSET];
+    let names = ["R", "L", "K_e", "K_m", "J", "B_m", FRICTION, OFFSET];
     let all = drive.parameters();
     let by_voltage_alone =
         choice.input == Input::Voltage && !begun.told.iter().any(|it| it.name == "R");

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use drivescope_plant::drive::{Input, Motion};
 use drivescope_plant::units::for_motion;
 
+use super::offset::{FRICTION, OFFSET, split};
 use super::{Choice, FirstDrive, Origin};
 
 /// Significant digits of a rough value.
@@ -63,9 +64,9 @@ pub(super) fn drive_file(first: &FirstDrive) -> String {
     if !force && first.value("K_e").map(|it| it.value) == first.value("K_m").map(|it| it.value) {
         text.push_str("tie_K = true  # a fit keeps K_m = K_e, which are equal in SI units\n");
     }
-    for (kind, key) in [("coulomb", "T_c"), ("constant_load", "T_0")] {
-        let name = format!("{kind}.{key}");
-        let Some(value) = first.value(&name) else { continue };
+    for name in [FRICTION, OFFSET] {
+        let (kind, key) = split(name);
+        let Some(value) = first.value(name) else { continue };
         let remark = match value.origin {
             Origin::Guessed(todo) => format!("; FILL IN: {todo}"),
             Origin::Given(_) | Origin::Estimated(_) => String::new(),
@@ -74,7 +75,7 @@ pub(super) fn drive_file(first: &FirstDrive) -> String {
         let _ =
             writeln!(text, "\n[[effect]]\nkind = \"{kind}\"\n{key} = {value}  # {unit}{remark}");
     }
-    let per_recording = first.value("constant_load.T_0").map(|it| quoted(it.name));
+    let per_recording = first.value(OFFSET).map(|it| quoted(it.name));
     let fixed: Vec<String> = first.fixed.iter().map(|name| quoted(name)).collect();
     if per_recording.is_some() || !fixed.is_empty() {
         text.push_str("\n[fit]\n");

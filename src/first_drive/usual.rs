@@ -3,6 +3,7 @@
 
 use drivescope_plant::drive::{Drive, Input};
 
+use super::offset::{FRICTION, split};
 use super::{Choice, FirstDriveError, Given};
 
 /// What a small motor has where the recording does not tell: R ohm, L / R s, K V s/rad, J / K.
@@ -26,20 +27,21 @@ pub(super) fn template(choice: &Choice, given: &Given) -> Result<Drive, FirstDri
             of("K_e", k) == k_m,
         ),
     };
-    let fixed = ["R", "L", "K_e", "K_m", "J", "B_m", "coulomb.T_c"].into_iter();
+    let fixed = ["R", "L", "K_e", "K_m", "J", "B_m", FRICTION].into_iter();
     let fixed = fixed.filter(|name| {
         let of_voltage = ["R", "L", "K_e"].contains(name);
         (given.value(name, choice.input).is_some() && !(force && of_voltage))
             || (*name == "K_m" && force)
     });
     let fixed: Vec<String> = fixed.map(|name| format!("{name:?}")).collect();
+    let (kind, key) = split(FRICTION);
     let text = format!(
         "schema = 1\nname = \"first\"\nmotion = \"{}\"\n[motor]\n{motor}J = {:?}\nB_m = {:?}\n\
-         [[effect]]\nkind = \"coulomb\"\nT_c = {:?}\n[fit]\nfixed = [{}]\n",
+         [[effect]]\nkind = {kind:?}\n{key} = {:?}\n[fit]\nfixed = [{}]\n",
         super::text::motion(choice.motion),
         of("J", j * k_m),
         of("B_m", 0.0),
-        of("coulomb.T_c", USUAL_FRICTION * k_m),
+        of(FRICTION, USUAL_FRICTION * k_m),
         fixed.join(", "),
     );
     Drive::parse(&text, "first.toml")

@@ -17,7 +17,7 @@ use super::typed;
 use crate::estimate::Evidence;
 use crate::measured::{Measured, Output};
 
-/// Most periods of a ripple a revolution (SCIENCE 7).
+/// Most periods of a ripple a revolution.
 const MOST_PERIODS: usize = 48;
 /// Shortest spatial period on an axis over its travel: finer ones than this are not searched.
 const FINEST_WAVE: f64 = 240.0;

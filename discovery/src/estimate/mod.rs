@@ -1,5 +1,5 @@
 //! The one estimator: all parameters jointly, over all recordings, by the error of the observed
-//! run in units of the noise (SCIENCE: output error with a frozen observer).
+//! run in units of the noise (output error with a frozen observer).
 //!
 //! [`fit`] searches by Levenberg and Marquardt with exact sensitivities: from the values that least
 //! squares on the balances give and, where these do not lead to the noise floor, from the drive's

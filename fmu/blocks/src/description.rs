@@ -37,10 +37,10 @@ pub(crate) fn describe(unit: &Unit) -> ModelDescription {
         variables: unit.variables().iter().enumerate().map(variable).collect(),
         structure: known_structure(unit),
         default_experiment: DefaultExperiment {
-            start: 0.0,
-            stop: STOP_S,
-            tolerance: TOLERANCE,
-            step: unit.period().unwrap_or(STEP_S),
+            start: Some(0.0),
+            stop: Some(STOP_S),
+            tolerance: Some(TOLERANCE),
+            step: Some(unit.period().unwrap_or(STEP_S)),
         },
     }
 }

@@ -1,7 +1,7 @@
 //! The variables of the oscillator and its model structure.
 
 use drivescope_fmu::description::{
-    Capabilities, Causality, DefaultExperiment, Initial, Kind, ModelDescription, Structure,
+    Capabilities, Causality, DefaultExperiment, Initial, ModelDescription, Structure, Type,
     UnitError, Unknown, Variability, Variable,
 };
 
@@ -61,10 +61,10 @@ pub(super) fn description() -> Result<ModelDescription, UnitError> {
             ],
         },
         default_experiment: DefaultExperiment {
-            start: 0.0,
-            stop: 2.0,
-            tolerance: 1e-9,
-            step: 0.01,
+            start: Some(0.0),
+            stop: Some(2.0),
+            tolerance: Some(1e-9),
+            step: Some(0.01),
         },
     })
 }
@@ -98,11 +98,11 @@ fn variables() -> Result<Vec<Variable>, UnitError> {
             .in_unit("N")?
             .starting_at(0.0),
         Variable {
-            kind: Kind::Boolean,
+            kind: Type::Boolean,
             ..Variable::new(STUCK, "stuck", Output, Discrete).described("The mass is stuck")
         },
         Variable {
-            kind: Kind::Integer,
+            kind: Type::Int32,
             ..Variable::new(EVENTS, "events", Output, Discrete).described("Time events so far")
         },
         Variable::new(Z_STOP, "z.stop", Local, Continuous),
@@ -125,7 +125,7 @@ fn variables() -> Result<Vec<Variable>, UnitError> {
             .in_unit("N")?
             .starting_at(1.0),
         Variable {
-            kind: Kind::Boolean,
+            kind: Type::Boolean,
             ..Variable::new(PANICS, "panics", Parameter, Tunable)
                 .described("The next step panics: the instance is lost, the importer is not")
                 .starting_at(0.0)

@@ -4,11 +4,8 @@
 //! The same content gives the same bytes: names are sorted, and every entry has the one date that
 //! the format begins with.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
 
-use tempfile::NamedTempFile;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -93,14 +90,6 @@ pub enum ArchiveError {
         "`{0}` cannot be a file name inside an FMU: relative, with `/`, without `..`, and once"
     )]
     Name(String),
-    /// A file cannot be written or renamed.
-    #[error("cannot write `{}`: {source}", path.display())]
-    Write {
-        /// The FMU's path.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
 }
 
 impl Archive<'_> {
@@ -138,17 +127,6 @@ impl Archive<'_> {
         }
         Ok(zipped(&entries).expect("a Vec takes all that is written, and names are unique"))
     }
-
-    /// Writes the `.fmu` file: to a temporary name beside it, then renamed.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Archive::to_bytes`], and what the file system refuses.
-    pub fn write(&self, version: Version, path: &Path) -> Result<(), ArchiveError> {
-        let bytes = self.to_bytes(version)?;
-        persist(&bytes, path)
-            .map_err(|source| ArchiveError::Write { path: path.to_owned(), source })
-    }
 }
 
 fn zipped(entries: &[(String, &[u8])]) -> zip::result::ZipResult<Vec<u8>> {
@@ -163,30 +141,6 @@ fn zipped(entries: &[(String, &[u8])]) -> zip::result::ZipResult<Vec<u8>> {
         writer.write_all(bytes)?;
     }
     Ok(writer.finish()?.into_inner())
-}
-
-fn persist(bytes: &[u8], path: &Path) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let file = NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
-    let mut writer = BufWriter::new(file.as_file());
-    writer.write_all(bytes)?;
-    writer.flush()?;
-    drop(writer);
-    make_readable(file.as_file())?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
-}
-
-/// A temporary file is its owner's alone; an FMU is an ordinary file.
-#[cfg(unix)]
-fn make_readable(file: &File) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &File) -> io::Result<()> {
-    Ok(())
 }
 
 #[cfg(test)]
@@ -249,20 +203,5 @@ mod tests {
         let mut empty = archive(&description);
         empty.libraries.clear();
         assert!(matches!(empty.to_bytes(Version::Two), Err(ArchiveError::NoLibrary)));
-    }
-
-    #[test]
-    fn nothing_is_left_when_the_target_cannot_be_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let description = description();
-        let target = folder.path().join("taken.fmu");
-        fs::create_dir_all(target.join("not empty")).unwrap();
-        let refused = archive(&description).write(Version::Two, &target).unwrap_err();
-        assert!(refused.to_string().contains("taken.fmu"), "{refused}");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file stays");
-        let good = folder.path().join("good.fmu");
-        archive(&description).write(Version::Two, &good).unwrap();
-        let bytes = archive(&description).to_bytes(Version::Two).unwrap();
-        assert_eq!(fs::read(&good).unwrap(), bytes);
     }
 }

@@ -3,12 +3,10 @@
 
 use roxmltree::Node;
 
-use crate::import::xml::{self, required};
-use crate::import::{
-    Causality, Conversion, Description, Type, Unit, Variable, XmlProblem, convert,
-};
+use crate::import::{Causality, Conversion, Description, Type, Unit, Variable, convert};
+use crate::xml::read::{self as xml, required};
 
-use super::document::Place;
+use crate::position::{DocumentProblem, Position};
 
 /// A connector as the file declares it.
 #[derive(Debug, Clone)]
@@ -18,13 +16,12 @@ pub(super) struct ConnectorEntry {
     pub(super) kind: String,
     /// Element of its type, `Real` and the like, and the unit; none where the FMU's own holds.
     pub(super) declared: Option<(String, Option<Unit>)>,
-    pub(super) place: Place,
+    pub(super) place: Position,
 }
 
 impl ConnectorEntry {
     /// Reads a `<Connector>`; units are looked up among those that the file defines.
-    pub(super) fn read(node: Node, units: &[Unit]) -> Result<ConnectorEntry, XmlProblem> {
-        let place = xml::place(node);
+    pub(super) fn read(node: Node, units: &[Unit]) -> Result<ConnectorEntry, DocumentProblem> {
         let of_type = |child: &Node| {
             child.is_element()
                 && !matches!(child.tag_name().name(), "ConnectorGeometry" | "Annotations")
@@ -37,7 +34,7 @@ impl ConnectorEntry {
             name: required(node, "name")?.to_owned(),
             kind: required(node, "kind")?.to_owned(),
             declared,
-            place: (place.line, place.column),
+            place: xml::position(node),
         })
     }
 

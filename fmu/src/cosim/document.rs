@@ -6,20 +6,18 @@ use std::sync::Arc;
 use drivescope_recording::Recording;
 
 use crate::import::{
-    Conversion, ExperimentProblem, Fmu, InstanceOptions, Kind, Unit, Unpacked, Value, convert,
+    Conversion, ExperimentProblem, Fmu, InstanceOptions, Interface, Unit, Unpacked, Value, convert,
 };
 
 use super::connector::ConnectorEntry;
-use super::error::{Error, Problem, ReadError};
+use super::error::{Error, ReadError};
 use super::fmu_component::FmuComponent;
 use super::system::{Algorithm, Experiment, System};
 use super::{ssp, text_form};
+use crate::position::{DocumentProblem, Position};
 
 /// Steps of a run for which nobody states a step size.
 const STEPS: f64 = 1000.0;
-
-/// A place in a file, from 1.
-pub(super) type Place = (u32, u32);
 
 /// A system description. Fields may be changed before the system is built.
 #[derive(Debug)]
@@ -42,7 +40,7 @@ pub struct Document {
     pub(super) components: Vec<ComponentEntry>,
     pub(super) connections: Vec<ConnectionEntry>,
     pub(super) inputs: Vec<InputEntry>,
-    pub(super) records: Vec<(String, Place)>,
+    pub(super) records: Vec<(String, Position)>,
     /// Outputs of the system: the port behind each, and what the file says about it.
     pub(super) outputs: Vec<(String, ConnectorEntry)>,
     /// The unpacked package of an `.ssp`, in which the FMUs are.
@@ -54,11 +52,11 @@ pub(super) struct ComponentEntry {
     pub(super) name: String,
     pub(super) fmu: PathBuf,
     /// Co-Simulation if it is offered, unless stated.
-    pub(super) kind: Option<Kind>,
+    pub(super) kind: Option<Interface>,
     pub(super) parameters: Vec<ParameterEntry>,
     /// What the file says about ports; empty where it says nothing.
     pub(super) connectors: Vec<ConnectorEntry>,
-    pub(super) place: Place,
+    pub(super) place: Position,
 }
 
 /// A value that is set before the run.
@@ -68,7 +66,7 @@ pub(super) struct ParameterEntry {
     pub(super) value: Value,
     /// The unit in which it is stated; none for that of the variable.
     pub(super) unit: Option<Unit>,
-    pub(super) place: Place,
+    pub(super) place: Position,
 }
 
 #[derive(Debug)]
@@ -78,7 +76,7 @@ pub(super) struct ConnectionEntry {
     pub(super) scaling: Conversion,
     /// Whether units are converted before the scaling.
     pub(super) converts: bool,
-    pub(super) place: Place,
+    pub(super) place: Position,
 }
 
 #[derive(Debug)]
@@ -86,7 +84,7 @@ pub(super) struct InputEntry {
     pub(super) recording: PathBuf,
     pub(super) signal: String,
     pub(super) to: String,
-    pub(super) place: Place,
+    pub(super) place: Position,
 }
 
 /// Reads a system description: `.toml`, `.ssd` or `.ssp`.
@@ -146,8 +144,8 @@ impl Document {
         }
         let mut system = System::new(self.experiment(&opened)?);
         for (entry, fmu) in self.components.iter().zip(&opened) {
-            let kinds = fmu.description().kinds();
-            let kind = entry.kind.or(kinds.first().copied()).unwrap_or(Kind::CoSimulation);
+            let kinds = fmu.description().interfaces();
+            let kind = entry.kind.or(kinds.first().copied()).unwrap_or(Interface::CoSimulation);
             let instance = fmu.instantiate(kind, &InstanceOptions::named(&entry.name));
             let mut instance = instance.map_err(|error| self.wrong(entry.place, error))?;
             for connector in &entry.connectors {
@@ -220,7 +218,7 @@ impl Document {
         Ok(experiment)
     }
 
-    pub(super) fn wrong(&self, place: Place, error: impl std::fmt::Display) -> Error {
+    pub(super) fn wrong(&self, place: Position, error: impl std::fmt::Display) -> Error {
         wrong(&self.path, place, error.to_string())
     }
 }
@@ -246,7 +244,7 @@ impl ParameterEntry {
     }
 }
 
-/// A problem at a place of a file.
-pub(super) fn wrong(path: &Path, (line, column): Place, text: String) -> Error {
-    Error::Document { path: path.to_owned(), problem: Problem { line, column, text } }
+/// A problem at a position of a file.
+pub(super) fn wrong(path: &Path, position: Position, text: String) -> Error {
+    Error::Document { path: path.to_owned(), problem: DocumentProblem { position, text } }
 }

@@ -7,6 +7,7 @@ use drivescope_recording::rounded;
 use crate::import;
 
 use super::component::{Failure, PortKind};
+use crate::position::DocumentProblem;
 
 /// What a reader of recordings may fail with.
 pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
@@ -14,17 +15,14 @@ pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
 /// An error of a system.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Error {
     /// A name that is taken.
     #[error("component `{name}` exists twice; names must be unique")]
-    Twice {
-        /// The name.
-        name: String,
-    },
+    Twice { name: String },
     /// No such component.
     #[error("there is no component `{name}` (in `{path}`); there are: {}", there.join(", "))]
     NoComponent {
-        /// The name.
         name: String,
         /// The whole port path.
         path: String,
@@ -34,25 +32,16 @@ pub enum Error {
     /// No such input or output.
     #[error("component `{component}` has no {what} `{port}`{}", near.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?")))]
     NoPort {
-        /// The component.
         component: String,
         /// `input` or `output`.
         what: &'static str,
-        /// The port.
         port: String,
         /// The most similar name there is.
         near: Option<String>,
     },
     /// An input or output that is no scalar number.
     #[error("`{component}.{port}` is {what}: only scalar numbers are connected and recorded")]
-    NotScalar {
-        /// The component.
-        component: String,
-        /// The port.
-        port: String,
-        /// What it is.
-        what: String,
-    },
+    NotScalar { component: String, port: String, what: String },
     /// Not `component.port`.
     #[error("`{path}` is no port; write `component.port`")]
     NoPath {
@@ -62,9 +51,7 @@ pub enum Error {
     /// An input with two sources.
     #[error("input `{input}` has two sources, `{first}` and `{second}`; connect one")]
     TwoSources {
-        /// The input.
         input: String,
-        /// Its source.
         first: String,
         /// Its other source.
         second: String,
@@ -73,50 +60,26 @@ pub enum Error {
     #[error(
         "`{from}` ({from_kind:?}) cannot drive `{to}` ({to_kind:?}); connect ports of one type"
     )]
-    Kind {
-        /// The output.
-        from: String,
-        /// Its kind.
-        from_kind: PortKind,
-        /// The input.
-        to: String,
-        /// Its kind.
-        to_kind: PortKind,
-    },
+    Kind { from: String, from_kind: PortKind, to: String, to_kind: PortKind },
     /// Units that do not convert.
     #[error(
         "`{from}` is in `{from_unit}`, `{to}` in `{to_unit}`, and these do not convert; connect ports of one quantity, or define the units in the FMU"
     )]
-    Unit {
-        /// The output.
-        from: String,
-        /// Its unit.
-        from_unit: String,
-        /// The input.
-        to: String,
-        /// Its unit.
-        to_unit: String,
-    },
+    Unit { from: String, from_unit: String, to: String, to_unit: String },
     /// A recording without the signal.
     #[error("recording `{recording}` has no signal `{signal}`; it has: {}", there.join(", "))]
     NoSignal {
-        /// The recording.
         recording: String,
-        /// The signal.
         signal: String,
         /// The signals there are.
         there: Vec<String>,
     },
     /// A recording without samples.
     #[error("recording `{recording}` has no sample; give one that covers the experiment")]
-    EmptyRecording {
-        /// The recording.
-        recording: String,
-    },
+    EmptyRecording { recording: String },
     /// Something that cannot be recorded.
     #[error("`{path}` is a connected input; record the output that drives it, `{source_path}`")]
     RecordInput {
-        /// The input.
         path: String,
         /// What drives it.
         source_path: String,
@@ -130,7 +93,6 @@ pub enum Error {
     /// An order that does not name each component once.
     #[error("the order must name each component once; `{name}` is {problem}")]
     Order {
-        /// The component.
         name: String,
         /// `missing`, `unknown` or `named twice`.
         problem: &'static str,
@@ -149,67 +111,32 @@ pub enum Error {
     #[error(
         "component `{component}` cannot save its state, so steps cannot be rolled back; switch `rollback` off"
     )]
-    NoRollback {
-        /// The component.
-        component: String,
-    },
+    NoRollback { component: String },
     /// A component failed.
     #[error("component `{component}` failed at {} s: {failure}", rounded(*time))]
     Component {
-        /// The component.
         component: String,
         /// Simulation time, s.
         time: f64,
-        /// Why.
         failure: Failure,
     },
     /// A file that cannot be read.
     #[error("{}: cannot be read ({source})", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// A system description that is wrong at one place.
-    #[error("{}:{}:{}: {}", path.display(), problem.line, problem.column, problem.text)]
+    #[error("{}:{}:{}: {}", path.display(), problem.position.line, problem.position.column, problem.text)]
     Document {
-        /// The file.
         path: PathBuf,
         /// Where and what.
-        problem: Problem,
+        problem: DocumentProblem,
     },
     /// An FMU of the system cannot be used.
     #[error("component `{component}`: {source}")]
-    Fmu {
-        /// The component.
-        component: String,
-        /// Why.
-        source: Box<import::Error>,
-    },
+    Fmu { component: String, source: Box<import::Error> },
     /// A recording of the system cannot be read.
     #[error("recording `{}`: {source}", path.display())]
-    Recording {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: ReadError,
-    },
+    Recording { path: PathBuf, source: ReadError },
     /// A file name that no system description has.
     #[error("{}: not a system description; give a .toml, .ssd or .ssp file", path.display())]
-    FileKind {
-        /// The file.
-        path: PathBuf,
-    },
-}
-
-/// A problem at a place of a system description.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Problem {
-    /// Line, from 1.
-    pub line: u32,
-    /// Column, from 1.
-    pub column: u32,
-    /// What is wrong there.
-    pub text: String,
+    FileKind { path: PathBuf },
 }

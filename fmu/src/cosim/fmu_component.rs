@@ -111,7 +111,7 @@ impl Component for FmuComponent {
     }
 
     fn save(&mut self) -> Result<bool, Failure> {
-        let kind = self.instance.kind();
+        let kind = self.instance.interface();
         if !self.instance.fmu().description().capabilities(kind).is_some_and(|c| c.state) {
             return Ok(false);
         }

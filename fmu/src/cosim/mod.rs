@@ -26,7 +26,7 @@ mod text_form;
 
 pub use component::{Component, Failure, Phase, Port, PortKind, Ports, Window};
 pub use document::{Document, open};
-pub use error::{Error, Problem, ReadError};
+pub use error::{Error, ReadError};
 pub use fmu_component::FmuComponent;
 pub use run::{End, Outcome};
 pub use system::{Algorithm, Experiment, System};

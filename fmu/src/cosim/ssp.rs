@@ -8,14 +8,15 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
-use crate::import::xml::{self, child, children, required, value};
-use crate::import::{Conversion, Kind, Limits, Unit, Value, XmlProblem, read_unit, unpack};
+use crate::import::{Conversion, Interface, Limits, Unit, Value, unpack};
+use crate::position::{DocumentProblem, Position};
+use crate::xml::read::{self as xml, child, children, required, value};
 
 use super::connector::{ConnectorEntry, named};
-use super::document::{ComponentEntry, ConnectionEntry, Document, ParameterEntry, Place, wrong};
+use super::document::{ComponentEntry, ConnectionEntry, Document, ParameterEntry, wrong};
 use super::error::Error;
 
-type Parsed<T> = Result<T, XmlProblem>;
+type Parsed<T> = Result<T, DocumentProblem>;
 
 /// Reads a package; its files live as long as the document.
 pub(super) fn read_package(path: &Path) -> Result<Document, Error> {
@@ -49,17 +50,12 @@ fn load(path: &Path) -> Result<String, Error> {
     fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 
-fn at(path: &Path, XmlProblem { line, column, problem }: XmlProblem) -> Error {
-    wrong(path, (line, column), problem)
-}
-
-fn place(node: Node) -> Place {
-    let place = xml::place(node);
-    (place.line, place.column)
+fn at(path: &Path, DocumentProblem { position, text }: DocumentProblem) -> Error {
+    wrong(path, position, text)
 }
 
 /// Parameter values in another file: the component (none: the whole system), prefix, file, place.
-type Elsewhere = (Option<usize>, String, String, Place);
+type Elsewhere = (Option<usize>, String, String, Position);
 
 fn document(root: Node, path: &Path, files: &mut Vec<Elsewhere>) -> Parsed<Document> {
     if root.tag_name().name() != "SystemStructureDescription" {
@@ -105,7 +101,7 @@ fn document(root: Node, path: &Path, files: &mut Vec<Elsewhere>) -> Parsed<Docum
 /// The units that an element defines.
 fn units(owner: Node) -> Parsed<Vec<Unit>> {
     let list = child(owner, "Units").into_iter().flat_map(|list| children(list, "Unit"));
-    list.map(read_unit).collect()
+    list.map(Unit::read).collect()
 }
 
 fn component(node: Node, folder: &Path, units: &[Unit]) -> Parsed<ComponentEntry> {
@@ -118,8 +114,8 @@ fn component(node: Node, folder: &Path, units: &[Unit]) -> Parsed<ComponentEntry
         return Err(unsupported(node, &format!("a component of type `{kind}`")));
     }
     let kind = match node.attribute("implementation") {
-        Some("CoSimulation") => Some(Kind::CoSimulation),
-        Some("ModelExchange") => Some(Kind::ModelExchange),
+        Some("CoSimulation") => Some(Interface::CoSimulation),
+        Some("ModelExchange") => Some(Interface::ModelExchange),
         None | Some("any") => None,
         Some(other) => return Err(unsupported(node, &format!("the implementation `{other}`"))),
     };
@@ -135,7 +131,7 @@ fn component(node: Node, folder: &Path, units: &[Unit]) -> Parsed<ComponentEntry
         connectors: connectors
             .map(|node| ConnectorEntry::read(node, units))
             .collect::<Parsed<_>>()?,
-        place: place(node),
+        place: xml::position(node),
     })
 }
 
@@ -172,7 +168,7 @@ fn bind(
                     component,
                     prefix,
                     file.to_string_lossy().into_owned(),
-                    place(binding),
+                    xml::position(binding),
                 ));
             }
             (None, None) => return Err(xml::problem(binding, "the binding has no values")),
@@ -200,7 +196,7 @@ fn parameter_set(set: Node, prefix: &str) -> Parsed<Vec<ParameterEntry>> {
         };
         let name = format!("{prefix}{}", required(node, "name")?);
         let unit = body.attribute("unit").map(|name| named(name, &units));
-        Ok(ParameterEntry { name, value, unit, place: place(node) })
+        Ok(ParameterEntry { name, value, unit, place: xml::position(node) })
     })
     .collect()
 }
@@ -223,10 +219,9 @@ fn apply(
                     .iter()
                     .enumerate()
                     .find_map(|(at, entry)| Some((at, split(entry)?)));
-                found.ok_or_else(|| XmlProblem {
-                    line: place.0,
-                    column: place.1,
-                    problem: format!("parameter `{name}` belongs to no component"),
+                found.ok_or_else(|| DocumentProblem {
+                    position: place,
+                    text: format!("parameter `{name}` belongs to no component"),
                 })?
             }
         };
@@ -257,7 +252,7 @@ fn connection(document: &mut Document, node: Node, of_system: &[ConnectorEntry])
     let converts = !value(node, "suppressUnitConversion")?.unwrap_or(false);
     match (from, to) {
         (Some(from), Some(to)) => {
-            let place = place(node);
+            let place = xml::position(node);
             document.connections.push(ConnectionEntry { from, to, scaling, converts, place });
         }
         // An output of the system itself is there to be seen.
@@ -268,7 +263,7 @@ fn connection(document: &mut Document, node: Node, of_system: &[ConnectorEntry])
                 xml::problem(node, format!("the system has no connector `{name}`; declare it"))
             })?;
             document.outputs.push((from.clone(), connector.clone()));
-            document.records.push((from, place(node)));
+            document.records.push((from, xml::position(node)));
         }
         (None, _) => {
             return Err(unsupported(node, "an input of the system itself, which nothing drives,"));
@@ -277,6 +272,6 @@ fn connection(document: &mut Document, node: Node, of_system: &[ConnectorEntry])
     Ok(())
 }
 
-fn unsupported(node: Node, what: &str) -> XmlProblem {
+fn unsupported(node: Node, what: &str) -> DocumentProblem {
     xml::problem(node, format!("{what} is not supported; describe one flat system of FMUs"))
 }

@@ -28,10 +28,11 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::import::{Conversion, Kind, Value};
+use crate::import::{Conversion, Interface, Value};
+use crate::position::Position;
 
 use super::document::{
-    ComponentEntry, ConnectionEntry, Document, InputEntry, ParameterEntry, Place, wrong,
+    ComponentEntry, ConnectionEntry, Document, InputEntry, ParameterEntry, wrong,
 };
 use super::error::Error;
 use super::system::Algorithm;
@@ -166,8 +167,8 @@ fn parse(path: &Path, text: &str) -> Result<Document, Error> {
             ParameterEntry { name, value, unit: None, place: at }
         });
         let kind = kind.map(|kind| match kind {
-            KindName::CoSimulation => Kind::CoSimulation,
-            KindName::ModelExchange => Kind::ModelExchange,
+            KindName::CoSimulation => Interface::CoSimulation,
+            KindName::ModelExchange => Interface::ModelExchange,
         });
         ComponentEntry {
             name,
@@ -214,11 +215,12 @@ fn parse(path: &Path, text: &str) -> Result<Document, Error> {
 }
 
 /// Line and column of a byte, from 1.
-fn place(text: &str, at: usize) -> Place {
+fn place(text: &str, at: usize) -> Position {
     let before = text.get(..at).unwrap_or(text);
     let line = before.matches('\n').count() + 1;
     let column = before.rsplit('\n').next().map_or(0, |last| last.chars().count()) + 1;
-    (u32::try_from(line).unwrap_or(u32::MAX), u32::try_from(column).unwrap_or(u32::MAX))
+    let bounded = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+    Position { line: bounded(line), column: bounded(column) }
 }
 
 #[cfg(test)]
@@ -241,11 +243,12 @@ mod tests {
         let a = &document.components[0];
         assert_eq!((a.name.as_str(), a.fmu.as_path()), ("a", Path::new("dir/a.fmu")));
         let (name, value) = ("K".to_owned(), Value::Number(2.0));
-        let first = ParameterEntry { name, value, unit: None, place: (8, 20) };
+        let first =
+            ParameterEntry { name, value, unit: None, place: Position { line: 8, column: 20 } };
         assert_eq!(a.parameters[0], first);
         assert_eq!(a.parameters[1].value, Value::Text("true".to_owned()));
         assert_eq!(document.connections[0].scaling, Conversion { factor: 3.0, offset: 0.0 });
-        assert_eq!(document.records, [("a.y".to_owned(), (14, 8))]);
+        assert_eq!(document.records, [("a.y".to_owned(), Position { line: 14, column: 8 })]);
     }
 
     #[test]

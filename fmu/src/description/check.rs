@@ -2,11 +2,15 @@
 
 use std::collections::HashSet;
 
-use super::{Causality, Initial, Kind, ModelDescription, TIME, Unknown, Variability, Variable};
+use super::{
+    Causality, DefaultExperiment, Initial, ModelDescription, TIME, Type, Unknown, Variability,
+    Variable,
+};
 use crate::vocabulary::go_together;
 
 /// A model description that the standard does not allow.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum DescriptionError {
     /// The identifier names a file and a C prefix.
     #[error("model identifier `{0}` is not a C identifier (letters, digits, `_`)")]
@@ -16,7 +20,6 @@ pub enum DescriptionError {
     Text {
         /// Which text.
         field: String,
-        /// The text.
         text: String,
     },
     /// Two variables of one name.
@@ -27,7 +30,6 @@ pub enum DescriptionError {
     DuplicateReference {
         /// The second variable.
         name: String,
-        /// The reference.
         reference: u32,
     },
     /// Causality, variability, initial and type do not go together.
@@ -35,37 +37,33 @@ pub enum DescriptionError {
         "variable `{name}`: {causality:?}, {variability:?}, {initial:?} and {kind:?} do not go together"
     )]
     Combination {
-        /// The variable.
         name: String,
-        /// Its causality.
         causality: Causality,
-        /// Its variability.
         variability: Variability,
         /// Its initial, default included.
         initial: Initial,
-        /// Its type.
-        kind: Kind,
+        kind: Type,
     },
+    /// A type that a model of ours cannot answer in.
+    #[error("variable `{name}` is a {kind:?}; make it a Float64, an Int32 or a Boolean")]
+    Type { name: String, kind: Type },
     /// A start value is missing, superfluous, or of the wrong type.
     #[error(
         "variable `{name}`: start value {start:?} does not fit initial {initial:?} of a {kind:?}"
     )]
     Start {
-        /// The variable.
         name: String,
         /// Its start value.
         start: Option<f64>,
         /// Its initial, default included.
         initial: Initial,
-        /// Its type.
-        kind: Kind,
+        kind: Type,
     },
     /// min <= start <= max or 0 < nominal is broken, or one is not finite.
     #[error(
         "variable `{name}`: min {min:?} <= start {start:?} <= max {max:?}, nominal {nominal:?} > 0 must hold"
     )]
     Range {
-        /// The variable.
         name: String,
         /// Its least value.
         min: Option<f64>,
@@ -81,7 +79,6 @@ pub enum DescriptionError {
         "variable `{name}` is the derivative of reference {state}, which is no continuous real variable"
     )]
     State {
-        /// The derivative.
         name: String,
         /// The missing state.
         state: u32,
@@ -99,20 +96,12 @@ pub enum DescriptionError {
         /// Names found.
         found: Vec<String>,
     },
-    /// The default experiment is not one.
+    /// The default experiment is not one, or not all of it is stated.
     #[error(
-        "default experiment: start {start} < stop {stop}, step {step} > 0 and tolerance {tolerance} > 0 must hold"
+        "default experiment: start {:?} < stop {:?}, step {:?} > 0 and tolerance {:?} > 0 must hold",
+        .0.start, .0.stop, .0.step, .0.tolerance
     )]
-    Experiment {
-        /// Start time, s.
-        start: f64,
-        /// Stop time, s.
-        stop: f64,
-        /// Step, s.
-        step: f64,
-        /// Relative tolerance.
-        tolerance: f64,
-    },
+    Experiment(DefaultExperiment),
     /// Neither interface is offered.
     #[error("an FMU needs Co-Simulation or Model Exchange; switch one on in `capabilities`")]
     NoInterface,
@@ -153,10 +142,13 @@ impl ModelDescription {
         check_text("description", &self.description, true)?;
         check_text("version", &self.version, true)?;
         check_text("generation tool", &self.generation_tool, true)?;
-        let super::DefaultExperiment { start, stop, tolerance, step } = self.default_experiment;
-        let finite = [start, stop, tolerance, step].iter().all(|value| value.is_finite());
+        let experiment = self.default_experiment;
+        let DefaultExperiment { start, stop, tolerance, step } = experiment;
+        let stated = [start, stop, tolerance, step].map(|value| value.unwrap_or(f64::NAN));
+        let [start, stop, tolerance, step] = stated;
+        let finite = stated.iter().all(|value| value.is_finite());
         if !(finite && start < stop && tolerance > 0.0 && step > 0.0) {
-            return Err(DescriptionError::Experiment { start, stop, step, tolerance });
+            return Err(DescriptionError::Experiment(experiment));
         }
         if !self.capabilities.co_simulation && !self.capabilities.model_exchange {
             return Err(DescriptionError::NoInterface);
@@ -167,7 +159,7 @@ impl ModelDescription {
     fn check_derivative(&self, variable: &Variable) -> Result<(), DescriptionError> {
         let Some(state) = variable.derivative_of else { return Ok(()) };
         let continuous =
-            |v: &Variable| v.kind == Kind::Real && v.variability == Variability::Continuous;
+            |v: &Variable| v.kind == Type::Float64 && v.variability == Variability::Continuous;
         if continuous(variable) && self.variable(state).is_some_and(continuous) {
             return Ok(());
         }
@@ -244,18 +236,21 @@ fn check_variable(variable: &Variable) -> Result<(), DescriptionError> {
     check_text(&format!("description of {}", variable.name), &variable.description, true)?;
     let name = || variable.name.clone();
     let Variable { causality, variability, kind, start, min, max, nominal, .. } = *variable;
+    if !matches!(kind, Type::Float64 | Type::Int32 | Type::Boolean) {
+        return Err(DescriptionError::Type { name: name(), kind });
+    }
     let initial = variable.initial();
     // A structural parameter needs Configuration Mode, which our FMUs do not have.
     let together =
         causality != C::StructuralParameter && go_together(causality, variability, Some(initial));
-    if !together || (kind != Kind::Real && variability == V::Continuous) {
+    if !together || (kind != Type::Float64 && variability == V::Continuous) {
         let name = name();
         return Err(DescriptionError::Combination { name, causality, variability, initial, kind });
     }
     let typed = start.is_none_or(|value| match kind {
-        Kind::Real => value.is_finite(),
-        Kind::Integer => value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX),
-        Kind::Boolean => value == 0.0 || value == 1.0,
+        Type::Float64 => value.is_finite(),
+        Type::Int32 => value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX),
+        _ => value == 0.0 || value == 1.0,
     });
     if start.is_some() == (initial == I::Calculated) || !typed {
         return Err(DescriptionError::Start { name: name(), start, initial, kind });
@@ -298,6 +293,7 @@ mod tests {
             broken(|d| d.variables[0].variability = Variability::Continuous),
             E::Combination { .. }
         ));
+        assert!(matches!(broken(|d| d.variables[0].kind = Type::String), E::Type { .. }));
         assert!(matches!(broken(|d| d.variables[0].start = None), E::Start { .. }));
         assert!(matches!(broken(|d| d.variables[0].start = Some(f64::NAN)), E::Start { .. }));
         assert!(matches!(broken(|d| d.variables[0].max = Some(0.0)), E::Range { .. }));
@@ -305,7 +301,7 @@ mod tests {
         assert!(matches!(broken(|d| d.structure.outputs[0].dependencies.push(99)), E::Unknown(99)));
         assert!(matches!(broken(|d| d.structure.outputs.clear()), E::Structure { .. }));
         assert!(matches!(broken(|d| d.structure.initial_unknowns.clear()), E::Structure { .. }));
-        assert!(matches!(broken(|d| d.default_experiment.step = 0.0), E::Experiment { .. }));
+        assert!(matches!(broken(|d| d.default_experiment.step = Some(0.0)), E::Experiment(_)));
         assert!(matches!(
             broken(
                 |d| (d.capabilities.co_simulation, d.capabilities.model_exchange) = (false, false)

@@ -5,9 +5,11 @@
 
 use std::collections::HashMap;
 
-use super::xml::{self, Element};
-use super::{Causality, Kind, ModelDescription, TIME, Unknown, Variability, Variable};
+use super::{
+    Causality, ModelDescription, TIME, Type, Unknown, Variability, Variable, Version, common,
+};
 use crate::vocabulary::Word;
+use crate::xml::element::{Element, number};
 
 pub(super) fn document(description: &ModelDescription, token: &str) -> Element {
     let indicators = description.structure.event_indicators.len();
@@ -19,7 +21,7 @@ pub(super) fn document(description: &ModelDescription, token: &str) -> Element {
         .text("description", &description.description)
         .text("version", &description.version)
         .text("generationTool", &description.generation_tool)
-        .with("variableNamingConvention", xml::naming(description))
+        .with("variableNamingConvention", common::naming(description))
         .with("numberOfEventIndicators", indicators);
     if capabilities.model_exchange {
         let exchange = Element::new("ModelExchange")
@@ -36,9 +38,9 @@ pub(super) fn document(description: &ModelDescription, token: &str) -> Element {
     let index = indices(description);
     let derivative = |variable: &Variable| index[&variable.derivative_of.unwrap_or(TIME)];
     let variables = description.variables.iter().map(|v| scalar(v, derivative(v)));
-    root.child(xml::units(description))
-        .child(xml::log_categories())
-        .child(xml::default_experiment(description))
+    root.child(common::units(description))
+        .child(common::log_categories())
+        .child(description.default_experiment.element())
         .child(Element::new("ModelVariables").child(time()).children(variables))
         .child(structure(description, &index))
 }
@@ -68,18 +70,17 @@ fn time() -> Element {
 }
 
 fn scalar(variable: &Variable, state: u32) -> Element {
+    let value = Element::new(common::element_name(variable, Version::Two));
     let value = match variable.kind {
-        Kind::Real => xml::real_attributes(Element::new("Real"), variable)
-            .maybe("start", variable.start.map(xml::number))
+        Type::Float64 => common::real_attributes(value, variable)
+            .maybe("start", variable.start.map(number))
             .maybe("derivative", variable.derivative_of.map(|_| state))
             .flag("reinit", variable.reinit),
-        Kind::Integer => Element::new("Integer")
+        Type::Int32 => value
             .maybe("min", variable.min)
             .maybe("max", variable.max)
             .maybe("start", variable.start),
-        Kind::Boolean => {
-            Element::new("Boolean").maybe("start", variable.start.map(|value| value != 0.0))
-        }
+        _ => value.maybe("start", variable.start.map(|value| value != 0.0)),
     };
     Element::new("ScalarVariable")
         .with("name", &variable.name)
@@ -87,7 +88,7 @@ fn scalar(variable: &Variable, state: u32) -> Element {
         .text("description", &variable.description)
         .with("causality", variable.causality.word())
         .with("variability", variable.variability.word())
-        .maybe("initial", xml::initial(variable))
+        .maybe("initial", common::initial(variable))
         .child(value)
 }
 
@@ -97,7 +98,7 @@ fn structure(description: &ModelDescription, index: &HashMap<u32, u32>) -> Eleme
         known.sort_unstable();
         Element::new("Unknown")
             .with("index", index[&unknown.reference])
-            .with("dependencies", xml::joined(known.into_iter()))
+            .with("dependencies", common::joined(known.into_iter()))
     };
     // The standard wants initial unknowns by ascending index; the other lists have their order.
     let mut initial: Vec<&Unknown> = description.structure.initial_unknowns.iter().collect();

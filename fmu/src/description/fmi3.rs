@@ -2,9 +2,11 @@
 //!
 //! The model structure and derivatives refer to value references; event indicators are variables.
 
-use super::xml::{self, Element};
-use super::{Causality, Kind, ModelDescription, TIME, Unknown, Variability, Variable};
+use super::{
+    Causality, ModelDescription, TIME, Type, Unknown, Variability, Variable, Version, common,
+};
 use crate::vocabulary::Word;
+use crate::xml::element::{Element, number};
 
 pub(super) fn document(description: &ModelDescription, token: &str) -> Element {
     let capabilities = description.capabilities;
@@ -15,7 +17,7 @@ pub(super) fn document(description: &ModelDescription, token: &str) -> Element {
         .text("description", &description.description)
         .text("version", &description.version)
         .text("generationTool", &description.generation_tool)
-        .with("variableNamingConvention", xml::naming(description));
+        .with("variableNamingConvention", common::naming(description));
     if capabilities.model_exchange {
         let exchange = Element::new("ModelExchange");
         root = root.child(interface(exchange, description));
@@ -29,9 +31,9 @@ pub(super) fn document(description: &ModelDescription, token: &str) -> Element {
     let listed = |name: &'static str, unknowns: &[Unknown]| {
         unknowns.iter().map(|unknown| element(name, unknown)).collect::<Vec<_>>()
     };
-    root.child(xml::units(description))
-        .child(xml::log_categories())
-        .child(xml::default_experiment(description))
+    root.child(common::units(description))
+        .child(common::log_categories())
+        .child(description.default_experiment.element())
         .child(
             Element::new("ModelVariables")
                 .child(time())
@@ -67,32 +69,28 @@ fn time() -> Element {
 }
 
 fn variable(variable: &Variable) -> Element {
-    let element = Element::new(match variable.kind {
-        Kind::Real => "Float64",
-        Kind::Integer => "Int32",
-        Kind::Boolean => "Boolean",
-    })
-    .with("name", &variable.name)
-    .with("valueReference", variable.reference)
-    .text("description", &variable.description)
-    .with("causality", variable.causality.word())
-    .with("variability", variable.variability.word())
-    .maybe("initial", xml::initial(variable));
+    let element = Element::new(common::element_name(variable, Version::Three))
+        .with("name", &variable.name)
+        .with("valueReference", variable.reference)
+        .text("description", &variable.description)
+        .with("causality", variable.causality.word())
+        .with("variability", variable.variability.word())
+        .maybe("initial", common::initial(variable));
     match variable.kind {
-        Kind::Real => xml::real_attributes(element, variable)
-            .maybe("start", variable.start.map(xml::number))
+        Type::Float64 => common::real_attributes(element, variable)
+            .maybe("start", variable.start.map(number))
             .maybe("derivative", variable.derivative_of)
             .flag("reinit", variable.reinit),
-        Kind::Integer => element
+        Type::Int32 => element
             .maybe("min", variable.min)
             .maybe("max", variable.max)
             .maybe("start", variable.start),
-        Kind::Boolean => element.maybe("start", variable.start.map(|value| value != 0.0)),
+        _ => element.maybe("start", variable.start.map(|value| value != 0.0)),
     }
 }
 
 fn element(name: &'static str, unknown: &Unknown) -> Element {
     Element::new(name)
         .with("valueReference", unknown.reference)
-        .with("dependencies", xml::joined(unknown.dependencies.iter().copied()))
+        .with("dependencies", common::joined(unknown.dependencies.iter().copied()))
 }

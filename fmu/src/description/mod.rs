@@ -6,32 +6,24 @@
 
 mod check;
 #[cfg(feature = "export")]
+mod common;
+#[cfg(feature = "export")]
 mod fmi2;
 #[cfg(feature = "export")]
 mod fmi3;
-mod unit;
 mod variable;
-#[cfg(feature = "export")]
-mod xml;
 
 pub use check::DescriptionError;
-pub use unit::{BaseUnit, Unit, UnitError};
-pub use variable::{Kind, Variable};
+pub use drivescope_units::UnitError;
+pub use variable::Variable;
 
-pub use crate::vocabulary::{Causality, Initial, Variability};
+pub use crate::vocabulary::{
+    Causality, DefaultExperiment, Initial, Type, Unit, Variability, Version,
+};
 
 /// Value reference of the independent variable `time` \[s\], which every description has without
 /// listing it. The model's own references start at 1.
 pub const TIME: u32 = 0;
-
-/// Version of the FMI standard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Version {
-    /// FMI 2.0.
-    Two,
-    /// FMI 3.0.
-    Three,
-}
 
 /// Everything that the two model description files say.
 ///
@@ -69,19 +61,6 @@ pub struct Capabilities {
     pub directional_derivatives: bool,
     /// Communication steps may differ from the default experiment's step.
     pub variable_step: bool,
-}
-
-/// The default experiment: an interval, its tolerance and its communication step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DefaultExperiment {
-    /// Start time, s.
-    pub start: f64,
-    /// Stop time, s; after `start`.
-    pub stop: f64,
-    /// Relative tolerance, > 0.
-    pub tolerance: f64,
-    /// Communication step, s; > 0.
-    pub step: f64,
 }
 
 /// The model structure: unknowns in order, each with what it depends on.

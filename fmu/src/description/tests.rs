@@ -45,8 +45,8 @@ pub(crate) fn description() -> ModelDescription {
             Variable { derivative_of: Some(3), ..unit(derivative, "rad/s") },
             y,
             z,
-            Variable { kind: Kind::Integer, max: Some(7.0), ..n },
-            Variable { kind: Kind::Boolean, ..held },
+            Variable { kind: Type::Int32, max: Some(7.0), ..n },
+            Variable { kind: Type::Boolean, ..held },
             g,
         ],
         structure: Structure {
@@ -56,10 +56,10 @@ pub(crate) fn description() -> ModelDescription {
             initial_unknowns: vec![unknown(5, &[3]), unknown(4, &[3, 1])],
         },
         default_experiment: DefaultExperiment {
-            start: 0.0,
-            stop: 2.0,
-            tolerance: 1e-9,
-            step: 0.01,
+            start: Some(0.0),
+            stop: Some(2.0),
+            tolerance: Some(1e-9),
+            step: Some(0.01),
         },
     }
 }
@@ -112,4 +112,45 @@ fn the_token_follows_the_content() {
 #[test]
 fn states_are_ordered_by_their_derivatives() {
     assert_eq!(description().states(), [3]);
+}
+
+/// What the importer reads is what the model said, by the importer's own model of a description.
+#[cfg(feature = "import")]
+#[test]
+fn the_importer_reads_what_was_written() {
+    let own = description();
+    for version in [Version::Two, Version::Three] {
+        let xml = own.to_xml(version).unwrap();
+        let read = crate::import::parsed(&xml).unwrap();
+        assert_eq!((read.fmi, &read.token), (version, &own.token()));
+        assert_eq!(
+            (&read.model_name, read.default_experiment),
+            (&own.name, own.default_experiment)
+        );
+        assert_eq!(read.variables.len(), own.variables.len() + 1, "and time");
+        for said in &own.variables {
+            let got = read.variable(&said.name).unwrap();
+            assert_eq!((got.reference, got.kind), (said.reference, said.kind), "{}", said.name);
+            assert_eq!((got.causality, got.variability), (said.causality, said.variability));
+            assert_eq!(got.initial, Some(said.initial()), "{}", said.name);
+            assert_eq!(got.description.as_deref().unwrap_or_default(), said.description);
+            assert_eq!((got.range, got.nominal), ((said.min, said.max), said.nominal));
+            assert_eq!(got.unit, said.unit.as_ref().map(|unit| unit.name.clone()));
+            assert_eq!(got.unit.as_ref().and_then(|name| read.unit(name)), said.unit.as_ref());
+            let start = got.start.first().map(|text| match text.as_str() {
+                "true" => 1.0,
+                "false" => 0.0,
+                number => number.parse().unwrap(),
+            });
+            assert_eq!(start, said.start, "{}", said.name);
+        }
+        let names = |unknowns: &[crate::import::Unknown]| -> Vec<String> {
+            let positions = unknowns.iter().map(|unknown| unknown.variable.unwrap());
+            positions.map(|position| read.variables[position].name.clone()).collect()
+        };
+        assert_eq!(names(&read.structure.outputs), ["y"]);
+        assert_eq!(names(&read.structure.derivatives), ["der(shaft.x)"]);
+        assert_eq!(read.structure.event_indicators, own.structure.event_indicators.len());
+        assert!(crate::import::against_rules(&read).is_empty(), "{version:?}");
+    }
 }

@@ -1,18 +1,7 @@
 //! A variable: its name, type, role, unit and start value.
 
-use super::{Causality, Initial, Unit, UnitError, Variability};
+use super::{Causality, Initial, Type, Unit, UnitError, Variability};
 use crate::vocabulary::default_initial;
-
-/// Data type. The interface to the model is `f64` for all three.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
-    /// FMI 2.0 `Real`, FMI 3.0 `Float64`.
-    Real,
-    /// FMI 2.0 `Integer`, FMI 3.0 `Int32`.
-    Integer,
-    /// `Boolean`.
-    Boolean,
-}
 
 /// A scalar variable of the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +12,8 @@ pub struct Variable {
     pub name: String,
     /// One line for users; may be empty.
     pub description: String,
-    /// Data type.
-    pub kind: Kind,
+    /// Data type: `Float64`, `Int32` or `Boolean`; the interface to the model is `f64` for all.
+    pub kind: Type,
     /// Who gives the value.
     pub causality: Causality,
     /// When it may change.
@@ -59,7 +48,7 @@ impl Variable {
             reference,
             name: name.into(),
             description: String::new(),
-            kind: Kind::Real,
+            kind: Type::Float64,
             causality,
             variability,
             initial: None,

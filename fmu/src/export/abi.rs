@@ -11,12 +11,13 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-pub use super::instance::{Instance, Interface};
+pub use super::instance::Instance;
 pub use super::lifecycle::Experiment;
 pub use super::refusal::{Refusal, Status};
 pub use super::values::{Boolean2, Boolean3};
 use super::{DiscreteUpdate, Model, instance, location};
 pub use crate::description::Version;
+pub use crate::vocabulary::Interface;
 
 /// A pointer to values that the importer gives.
 #[derive(Debug)]

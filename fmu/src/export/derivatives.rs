@@ -6,7 +6,7 @@ use super::exchange::finite;
 use super::instance::{Instance, Phase};
 use super::refusal::Refusal;
 use super::values::same_length;
-use crate::description::{Kind, TIME};
+use crate::description::{TIME, Type};
 
 const EVALUATED: &[Phase] = &[
     Phase::Initialization,
@@ -64,7 +64,7 @@ impl<M: Model> Instance<M> {
     ) -> Result<(), Refusal> {
         self.require(EVALUATED)?;
         for reference in unknowns.iter().chain(knowns).filter(|reference| **reference != TIME) {
-            self.table.variable(*reference, Kind::Real)?;
+            self.table.variable(*reference, Type::Float64)?;
         }
         seed.iter().try_for_each(|seed| finite("a seed", *seed))
     }

@@ -165,8 +165,8 @@ macro_rules! fmi3_functions {
             let (flags, time) = ([again.get()?, terminate.get()?, nominals.get()?, values.get()?, defined.get()?], time.get()?);
             let update = i.update_discrete()?;
             *time = update.next_event.unwrap_or(0.0);
-            let told = [update.again, false, false, update.states_changed, update.next_event.is_some()];
-            flags.into_iter().zip(told).for_each(|(flag, value)| *flag = value.into());
+            let reported = [update.again, false, false, update.states_changed, update.next_event.is_some()];
+            flags.into_iter().zip(reported).for_each(|(flag, value)| *flag = value.into());
             Ok(())
         };
     fn fmi3EnterContinuousTimeMode(c) => |i| i.enter_continuous_time_mode();

@@ -8,15 +8,7 @@ use super::refusal::{Refusal, Status};
 use super::saved::SavedStates;
 use super::table::Table;
 use crate::description::{LogCategory, Version};
-
-/// The interface that an instance was made for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Interface {
-    /// The importer integrates.
-    ModelExchange,
-    /// The FMU integrates.
-    CoSimulation,
-}
+use crate::vocabulary::Interface;
 
 /// States of both standards' state machines, as far as we offer them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,11 +4,12 @@
 use std::path::Path;
 
 use super::Model;
-use super::instance::{Instance, Interface, Logging, Phase, Run};
+use super::instance::{Instance, Logging, Phase, Run};
 use super::refusal::{Refusal, Status};
 use super::saved::SavedStates;
 use super::table::Table;
 use crate::description::{LogCategory, Version};
+use crate::vocabulary::Interface;
 
 /// What an importer tells about the run.
 #[derive(Clone, Copy, Debug)]

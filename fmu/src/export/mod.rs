@@ -46,7 +46,9 @@ mod values;
 
 use std::path::Path;
 
-pub use instance::{Instance, Interface, Phase};
+pub use instance::{Instance, Phase};
+
+pub use crate::vocabulary::Interface;
 pub use refusal::{Refusal, Status};
 pub use saved::SerializedError;
 

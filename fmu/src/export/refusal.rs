@@ -1,7 +1,8 @@
 //! Why a call is not answered with OK, and which status and log category that is.
 
-use super::instance::{Interface, Phase};
-use crate::description::{Causality, Kind, LogCategory, Variability, Version};
+use super::instance::Phase;
+use crate::description::{Causality, LogCategory, Type, Variability, Version};
+use crate::vocabulary::Interface;
 
 /// The status of both standards (FMI 2.0.4 section 2.1.3, FMI 3.0.2 section 2.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,6 +22,7 @@ pub enum Status {
 
 /// A call that is not answered with OK.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Refusal {
     /// An argument that must not be NULL is.
     #[error("a pointer argument is NULL where {0} value(s) are expected")]
@@ -39,7 +41,6 @@ pub enum Refusal {
         "the instantiation token (GUID) is {given} and this model's is {own}: description and library do not belong together"
     )]
     Token {
-        /// As given.
         given: String,
         /// The model's.
         own: String,
@@ -85,12 +86,9 @@ pub enum Refusal {
     /// The function is for another type.
     #[error("variable {name} (value reference {reference}) is a {kind:?}, not a {asked}")]
     WrongKind {
-        /// Value reference.
         reference: u32,
-        /// Its name.
         name: String,
-        /// Its type.
-        kind: Kind,
+        kind: Type,
         /// The type that the function is for.
         asked: &'static str,
     },
@@ -108,11 +106,8 @@ pub enum Refusal {
     /// The variable may not be set now.
     #[error("variable {name} ({causality:?}, {variability:?}) may not be set in state {now:?}")]
     NotSettable {
-        /// Its name.
         name: String,
-        /// Its causality.
         causality: Causality,
-        /// Its variability.
         variability: Variability,
         /// Present state.
         now: Phase,
@@ -122,11 +117,9 @@ pub enum Refusal {
         "variable {name} changes at events only: {held} is kept and {given} not taken; set it in Event Mode"
     )]
     Held {
-        /// Its name.
         name: String,
         /// The value that it keeps.
         held: f64,
-        /// The value given.
         given: f64,
     },
     /// NaN, infinite, or not of the type.
@@ -134,15 +127,12 @@ pub enum Refusal {
     Value {
         /// The variable or argument.
         what: String,
-        /// The value.
         value: f64,
     },
     /// Outside of min and max.
     #[error("variable {name}: {value} is not allowed, it must be {}", allowed(*min, *max))]
     Range {
-        /// Its name.
         name: String,
-        /// The value.
         value: f64,
         /// Least value.
         min: Option<f64>,

@@ -7,9 +7,10 @@
 use std::collections::HashMap;
 
 use super::Model;
-use super::instance::{Instance, Interface, Phase, Run};
+use super::instance::{Instance, Phase, Run};
 use super::refusal::Refusal;
 use super::values::same_length;
+use crate::vocabulary::Interface;
 
 /// A run at one moment: a deep copy of the model and of where it stands.
 #[derive(Debug)]

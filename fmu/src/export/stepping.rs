@@ -3,8 +3,9 @@
 
 use super::Model;
 use super::exchange::finite;
-use super::instance::{Instance, Interface, Phase};
+use super::instance::{Instance, Phase};
 use super::refusal::Refusal;
+use crate::vocabulary::Interface;
 
 /// Rounding that `t0 + k h` and a sum of steps may differ by, relative to the larger of the time
 /// and the step: a step that begins elsewhere is off by a step, a million times more.

@@ -1,7 +1,7 @@
 //! The description's variables by value reference.
 
 use super::refusal::Refusal;
-use crate::description::{Kind, ModelDescription, Variable};
+use crate::description::{ModelDescription, Type, Variable};
 
 /// Variables sorted by value reference, and what the state machine needs of the structure.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ impl Table {
 
     /// The variable of a reference, which must be of the kind asked for.
     #[inline]
-    pub(super) fn variable(&self, reference: u32, kind: Kind) -> Result<&Variable, Refusal> {
+    pub(super) fn variable(&self, reference: u32, kind: Type) -> Result<&Variable, Refusal> {
         // Not `ok_or`: the drop of a refusal costs more than the search.
         let Some(variable) = self.find(reference) else {
             return Err(Refusal::UnknownReference(reference));
@@ -41,7 +41,7 @@ impl Table {
         if variable.kind == kind {
             return Ok(variable);
         }
-        Err(wrong_kind(variable, kind_name(kind)))
+        Err(wrong_kind(variable, kind.name()))
     }
 
     /// Refuses a type of which this FMU has no variable.
@@ -71,14 +71,6 @@ fn wrong_kind(variable: &Variable, asked: &'static str) -> Refusal {
     Refusal::WrongKind { reference, name: variable.name.clone(), kind, asked }
 }
 
-fn kind_name(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Real => "Real",
-        Kind::Integer => "Integer",
-        Kind::Boolean => "Boolean",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -89,10 +81,10 @@ mod tests {
         let mut description = description();
         description.variables[8].reference = 4_000_000_000;
         let table = Table::new(description).unwrap();
-        assert_eq!(table.variable(4_000_000_000, Kind::Real).unwrap().name, "g");
-        assert_eq!(table.variable(5, Kind::Real).unwrap().name, "y");
+        assert_eq!(table.variable(4_000_000_000, Type::Float64).unwrap().name, "g");
+        assert_eq!(table.variable(5, Type::Float64).unwrap().name, "y");
         for reference in [0, 9, 10, u32::MAX] {
-            let refused = table.variable(reference, Kind::Real);
+            let refused = table.variable(reference, Type::Float64);
             assert!(matches!(refused, Err(Refusal::UnknownReference(r)) if r == reference));
         }
         assert_eq!(table.nominals, [5.0]);

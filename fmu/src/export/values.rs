@@ -4,12 +4,12 @@
 use super::Model;
 use super::instance::{Instance, Phase};
 use super::refusal::Refusal;
-use crate::description::{Causality, Initial, Kind, TIME, Variability, Variable, Version};
+use crate::description::{Causality, Initial, TIME, Type, Variability, Variable, Version};
 
 /// A C type in which values cross the interface.
 pub trait Value: Copy {
     /// The variables' type.
-    const KIND: Kind;
+    const KIND: Type;
 
     /// From the model's number.
     fn from_number(number: f64) -> Self;
@@ -19,7 +19,7 @@ pub trait Value: Copy {
 }
 
 impl Value for f64 {
-    const KIND: Kind = Kind::Real;
+    const KIND: Type = Type::Float64;
 
     fn from_number(number: f64) -> Self {
         number
@@ -31,7 +31,7 @@ impl Value for f64 {
 }
 
 impl Value for i32 {
-    const KIND: Kind = Kind::Integer;
+    const KIND: Type = Type::Int32;
 
     fn from_number(number: f64) -> Self {
         number as i32
@@ -48,7 +48,7 @@ impl Value for i32 {
 pub struct Boolean2(i32);
 
 impl Value for Boolean2 {
-    const KIND: Kind = Kind::Boolean;
+    const KIND: Type = Type::Boolean;
 
     fn from_number(number: f64) -> Self {
         Self(i32::from(number != 0.0))
@@ -65,7 +65,7 @@ impl Value for Boolean2 {
 pub struct Boolean3(u8);
 
 impl Value for Boolean3 {
-    const KIND: Kind = Kind::Boolean;
+    const KIND: Type = Type::Boolean;
 
     fn from_number(number: f64) -> Self {
         Self(u8::from(number != 0.0))
@@ -181,8 +181,8 @@ impl<M: Model> Instance<M> {
     }
 
     #[inline]
-    fn value(&self, reference: u32, kind: Kind) -> Result<f64, Refusal> {
-        if reference == TIME && kind == Kind::Real {
+    fn value(&self, reference: u32, kind: Type) -> Result<f64, Refusal> {
+        if reference == TIME && kind == Type::Float64 {
             return Ok(self.run.time);
         }
         let variable = self.table.variable(reference, kind)?;
@@ -190,9 +190,9 @@ impl<M: Model> Instance<M> {
     }
 
     #[inline]
-    fn check(&self, reference: u32, kind: Kind, value: f64) -> Result<(), Refusal> {
+    fn check(&self, reference: u32, kind: Type, value: f64) -> Result<(), Refusal> {
         let now = self.run.phase;
-        if reference == TIME && kind == Kind::Real {
+        if reference == TIME && kind == Type::Float64 {
             let (causality, variability) = (Causality::Local, Variability::Continuous);
             return Err(Refusal::NotSettable { name: "time".into(), causality, variability, now });
         }

@@ -1,7 +1,7 @@
 //! Groups of variables that are read or written together, whatever their types: FMI has one function
 //! a type, so a group is sorted by type once, and each transfer is then one C call a type.
 
-use super::description::{Description, FmiVersion, Type, Variable};
+use super::description::{Description, Type, Variable, Version};
 use super::handle::Handle;
 use super::native::{Boolean2, Native};
 use super::problem::VariableProblem;
@@ -81,7 +81,7 @@ impl Group {
     pub(super) fn read(
         &self,
         from: &mut Handle,
-        fmi: FmiVersion,
+        fmi: Version,
         values: &mut [f64],
     ) -> Result<(), Failure> {
         for run in &self.runs {
@@ -97,16 +97,16 @@ impl Group {
                 (Type::UInt8, _) => run.read::<u8>(from, values)?,
                 (Type::Int16, _) => run.read::<i16>(from, values)?,
                 (Type::UInt16, _) => run.read::<u16>(from, values)?,
-                (Type::Int32, _) | (Type::Enumeration, FmiVersion::V2) => {
+                (Type::Int32, _) | (Type::Enumeration, Version::Two) => {
                     run.read::<i32>(from, values)?
                 }
                 (Type::UInt32, _) => run.read::<u32>(from, values)?,
-                (Type::Int64, _) | (Type::Enumeration, FmiVersion::V3) => {
+                (Type::Int64, _) | (Type::Enumeration, Version::Three) => {
                     run.read::<i64>(from, values)?
                 }
                 (Type::UInt64, _) => run.read::<u64>(from, values)?,
-                (Type::Boolean, FmiVersion::V2) => run.read::<Boolean2>(from, values)?,
-                (Type::Boolean, FmiVersion::V3) => run.read::<bool>(from, values)?,
+                (Type::Boolean, Version::Two) => run.read::<Boolean2>(from, values)?,
+                (Type::Boolean, Version::Three) => run.read::<bool>(from, values)?,
                 (Type::String | Type::Binary | Type::Clock, _) => {}
             }
         }
@@ -116,7 +116,7 @@ impl Group {
     pub(super) fn write(
         &self,
         to: &mut Handle,
-        fmi: FmiVersion,
+        fmi: Version,
         values: &[f64],
     ) -> Result<(), Failure> {
         for run in &self.runs {
@@ -132,16 +132,16 @@ impl Group {
                 (Type::UInt8, _) => run.write::<u8>(to, values)?,
                 (Type::Int16, _) => run.write::<i16>(to, values)?,
                 (Type::UInt16, _) => run.write::<u16>(to, values)?,
-                (Type::Int32, _) | (Type::Enumeration, FmiVersion::V2) => {
+                (Type::Int32, _) | (Type::Enumeration, Version::Two) => {
                     run.write::<i32>(to, values)?
                 }
                 (Type::UInt32, _) => run.write::<u32>(to, values)?,
-                (Type::Int64, _) | (Type::Enumeration, FmiVersion::V3) => {
+                (Type::Int64, _) | (Type::Enumeration, Version::Three) => {
                     run.write::<i64>(to, values)?
                 }
                 (Type::UInt64, _) => run.write::<u64>(to, values)?,
-                (Type::Boolean, FmiVersion::V2) => run.write::<Boolean2>(to, values)?,
-                (Type::Boolean, FmiVersion::V3) => run.write::<bool>(to, values)?,
+                (Type::Boolean, Version::Two) => run.write::<Boolean2>(to, values)?,
+                (Type::Boolean, Version::Three) => run.write::<bool>(to, values)?,
                 (Type::String | Type::Binary | Type::Clock, _) => {}
             }
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use libloading::Library;
 
 use super::binding;
-use super::description::{Description, FmiVersion, Kind};
+use super::description::{Description, Interface, Version};
 use super::error::Error;
 use super::functions::Functions;
 use super::python;
@@ -24,7 +24,7 @@ impl Binary {
         folder: &Path,
         fmu: &str,
         description: &Description,
-        kind: Kind,
+        kind: Interface,
     ) -> Result<Binary, Error> {
         let identifier = &description.capabilities(kind).expect("checked").model_identifier;
         let platform = platform(description.fmi);
@@ -59,20 +59,20 @@ impl Binary {
 }
 
 /// This platform as the standard calls it (FMI 2.0 section 2.3, FMI 3.0 section 2.5.1.4).
-pub(super) fn platform(fmi: FmiVersion) -> &'static str {
+pub(super) fn platform(fmi: Version) -> &'static str {
     let windows = cfg!(target_os = "windows");
     let mac = cfg!(target_os = "macos");
     match (fmi, std::env::consts::ARCH) {
-        (FmiVersion::V2, "x86_64") if windows => "win64",
-        (FmiVersion::V2, "x86_64") if mac => "darwin64",
-        (FmiVersion::V2, "x86_64") => "linux64",
-        (FmiVersion::V2, "x86") if windows => "win32",
-        (FmiVersion::V2, "x86") => "linux32",
-        (FmiVersion::V3, "x86_64") if windows => "x86_64-windows",
-        (FmiVersion::V3, "x86_64") if mac => "x86_64-darwin",
-        (FmiVersion::V3, "x86_64") => "x86_64-linux",
-        (FmiVersion::V3, "x86") if windows => "x86-windows",
-        (FmiVersion::V3, "x86") => "x86-linux",
+        (Version::Two, "x86_64") if windows => "win64",
+        (Version::Two, "x86_64") if mac => "darwin64",
+        (Version::Two, "x86_64") => "linux64",
+        (Version::Two, "x86") if windows => "win32",
+        (Version::Two, "x86") => "linux32",
+        (Version::Three, "x86_64") if windows => "x86_64-windows",
+        (Version::Three, "x86_64") if mac => "x86_64-darwin",
+        (Version::Three, "x86_64") => "x86_64-linux",
+        (Version::Three, "x86") if windows => "x86-windows",
+        (Version::Three, "x86") => "x86-linux",
         // FMI 2.0 names no other processor; exporters took the names of FMI 3.0.
         (_, "aarch64") if windows => "aarch64-windows",
         (_, "aarch64") if mac => "aarch64-darwin",

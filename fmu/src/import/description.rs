@@ -1,90 +1,9 @@
 //! What an FMU says about itself, in plain types that are the same for FMI 2.0 and 3.0.
 
-use std::fmt;
-
-use super::units::Unit;
-pub use crate::vocabulary::{Causality, Initial, Variability};
-
-/// The major version of the standard that an FMU follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FmiVersion {
-    /// FMI 2.0.
-    V2,
-    /// FMI 3.0 and its compatible successors.
-    V3,
-}
-
-/// The interface type: how an FMU is simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// The FMU integrates itself.
-    CoSimulation,
-    /// The importer integrates.
-    ModelExchange,
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
-        out.write_str(match self {
-            Kind::CoSimulation => "Co-Simulation",
-            Kind::ModelExchange => "Model Exchange",
-        })
-    }
-}
-
-/// The type of a variable's value. FMI 2.0's `Real` is `Float64` and its `Integer` is `Int32`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // The names are the standard's and say all.
-pub enum Type {
-    Float64,
-    Float32,
-    Int8,
-    UInt8,
-    Int16,
-    UInt16,
-    Int32,
-    UInt32,
-    Int64,
-    UInt64,
-    Boolean,
-    Enumeration,
-    String,
-    Binary,
-    Clock,
-}
-
-impl Type {
-    /// The name that FMI 3.0 gives it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Type::Float64 => "Float64",
-            Type::Float32 => "Float32",
-            Type::Int8 => "Int8",
-            Type::UInt8 => "UInt8",
-            Type::Int16 => "Int16",
-            Type::UInt16 => "UInt16",
-            Type::Int32 => "Int32",
-            Type::UInt32 => "UInt32",
-            Type::Int64 => "Int64",
-            Type::UInt64 => "UInt64",
-            Type::Boolean => "Boolean",
-            Type::Enumeration => "Enumeration",
-            Type::String => "String",
-            Type::Binary => "Binary",
-            Type::Clock => "Clock",
-        }
-    }
-
-    /// Whether it is a floating-point type.
-    pub fn is_float(self) -> bool {
-        matches!(self, Type::Float64 | Type::Float32)
-    }
-
-    /// Whether its values are numbers (Boolean: 0 and 1).
-    pub fn is_numeric(self) -> bool {
-        !matches!(self, Type::String | Type::Binary | Type::Clock)
-    }
-}
+pub(super) use crate::position::Position;
+pub(super) use crate::vocabulary::{
+    Causality, DefaultExperiment, Initial, Interface, Type, Unit, Variability, Version,
+};
 
 /// One dimension of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,15 +12,6 @@ pub enum Dimension {
     Fixed(usize),
     /// As many as the structural parameter with this value reference says.
     Structural(u32),
-}
-
-/// A place in `modelDescription.xml`, both from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Place {
-    /// Line.
-    pub line: u32,
-    /// Column.
-    pub column: u32,
 }
 
 /// One variable.
@@ -140,7 +50,7 @@ pub struct Variable {
     /// The variable whose second name this is (FMI 3.0).
     pub alias_of: Option<String>,
     /// Where it is described.
-    pub place: Place,
+    pub place: Position,
 }
 
 /// One type definition.
@@ -156,19 +66,6 @@ pub struct TypeDefinition {
     pub range: (Option<f64>, Option<f64>),
     /// The items of an enumeration: name and value.
     pub items: Vec<(String, i64)>,
-}
-
-/// The experiment that the FMU proposes; all times in s.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct DefaultExperiment {
-    /// Start time.
-    pub start: Option<f64>,
-    /// Stop time.
-    pub stop: Option<f64>,
-    /// Relative tolerance.
-    pub tolerance: Option<f64>,
-    /// Communication step size.
-    pub step: Option<f64>,
 }
 
 /// What an FMU can do in one interface type.
@@ -206,7 +103,7 @@ pub struct Unknown {
     /// How many kinds of dependency are stated.
     pub kinds: Option<usize>,
     /// Where it is described.
-    pub place: Place,
+    pub place: Position,
 }
 
 /// Which variables are outputs, states and unknowns of the initialisation.
@@ -226,7 +123,7 @@ pub struct Structure {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
     /// Major version of the standard.
-    pub fmi: FmiVersion,
+    pub fmi: Version,
     /// The version as written (`2.0`, `3.0`).
     pub fmi_version: String,
     /// Name of the model.
@@ -280,17 +177,17 @@ impl Description {
     }
 
     /// The capabilities in one interface type.
-    pub fn capabilities(&self, kind: Kind) -> Option<&Capabilities> {
+    pub fn capabilities(&self, kind: Interface) -> Option<&Capabilities> {
         match kind {
-            Kind::CoSimulation => self.co_simulation.as_ref(),
-            Kind::ModelExchange => self.model_exchange.as_ref(),
+            Interface::CoSimulation => self.co_simulation.as_ref(),
+            Interface::ModelExchange => self.model_exchange.as_ref(),
         }
     }
 
     /// The interface types that are offered, Co-Simulation first.
-    pub fn kinds(&self) -> Vec<Kind> {
-        let offered = |kind: &Kind| self.capabilities(*kind).is_some();
-        [Kind::CoSimulation, Kind::ModelExchange].into_iter().filter(offered).collect()
+    pub fn interfaces(&self) -> Vec<Interface> {
+        let offered = |it: &Interface| self.capabilities(*it).is_some();
+        [Interface::CoSimulation, Interface::ModelExchange].into_iter().filter(offered).collect()
     }
 
     /// The scalar numeric variables of one causality, in the order of the file.

@@ -6,7 +6,7 @@ use super::error::Error;
 use super::instance::Instance;
 use super::native::{Boolean2, Native};
 use super::problem::VariableProblem;
-use crate::import::FmiVersion;
+use crate::import::Version;
 
 /// Calls a generic method with the C type of a numeric variable.
 macro_rules! of_native {
@@ -18,16 +18,16 @@ macro_rules! of_native {
             (Type::UInt8, _) => $self.$method::<u8>($($argument),*),
             (Type::Int16, _) => $self.$method::<i16>($($argument),*),
             (Type::UInt16, _) => $self.$method::<u16>($($argument),*),
-            (Type::Int32, _) | (Type::Enumeration, FmiVersion::V2) => {
+            (Type::Int32, _) | (Type::Enumeration, Version::Two) => {
                 $self.$method::<i32>($($argument),*)
             }
             (Type::UInt32, _) => $self.$method::<u32>($($argument),*),
-            (Type::Int64, _) | (Type::Enumeration, FmiVersion::V3) => {
+            (Type::Int64, _) | (Type::Enumeration, Version::Three) => {
                 $self.$method::<i64>($($argument),*)
             }
             (Type::UInt64, _) => $self.$method::<u64>($($argument),*),
-            (Type::Boolean, FmiVersion::V2) => $self.$method::<Boolean2>($($argument),*),
-            (Type::Boolean, FmiVersion::V3) => $self.$method::<bool>($($argument),*),
+            (Type::Boolean, Version::Two) => $self.$method::<Boolean2>($($argument),*),
+            (Type::Boolean, Version::Three) => $self.$method::<bool>($($argument),*),
             (Type::String | Type::Binary | Type::Clock, _) => Err($self.not_numeric($($argument),*)),
         }
     };

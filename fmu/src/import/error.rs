@@ -6,25 +6,20 @@ use std::path::PathBuf;
 
 use drivescope_recording::rounded;
 
-use super::description::Kind;
+use super::description::Interface;
 use super::logging::Message;
-use super::problem::{
-    ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem, XmlProblem,
-};
+use super::problem::{ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem};
 use super::status::Status;
+use crate::position::DocumentProblem;
 
 /// An error while an FMU is opened, instantiated or run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Error {
     /// The file could not be opened.
     #[error("{fmu}: cannot open the file ({source}); check the path and its permissions")]
-    Open {
-        /// The path as it was given.
-        fmu: String,
-        /// Why.
-        source: std::io::Error,
-    },
+    Open { fmu: String, source: std::io::Error },
     /// The file is no zip archive, or its directory is damaged.
     #[error("{fmu}: not a readable zip archive ({source}); export or download the FMU again")]
     Archive {
@@ -62,7 +57,6 @@ pub enum Error {
         fmu: String,
         /// The entry at which the limit was passed.
         entry: String,
-        /// The limit.
         limit: u64,
         /// What the limit counts (`bytes`, `entries`).
         unit: &'static str,
@@ -74,7 +68,6 @@ pub enum Error {
         fmu: String,
         /// The file that could not be written.
         path: PathBuf,
-        /// Why.
         source: std::io::Error,
     },
     /// `modelDescription.xml` is missing.
@@ -89,7 +82,7 @@ pub enum Error {
         /// The FMU's file name.
         fmu: String,
         /// Where and what.
-        place: Box<XmlProblem>,
+        place: Box<DocumentProblem>,
     },
     /// An FMI version other than 2.0 and 3.x.
     #[error("{fmu}: FMI version `{version}` is not supported; export the model as FMI 2.0 or 3.0")]
@@ -154,7 +147,7 @@ pub enum Error {
         /// The FMU's file name.
         fmu: String,
         /// What was asked for.
-        wanted: Kind,
+        wanted: Interface,
         /// What there is.
         has: Vec<String>,
     },
@@ -191,7 +184,6 @@ pub enum Error {
     Variable {
         /// The FMU's file name.
         fmu: String,
-        /// The variable's name.
         name: String,
         /// Why it cannot.
         problem: VariableProblem,

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::archive::{self, Limits};
 use super::binary::{self, Binary};
-use super::description::{Description, FmiVersion, Kind};
+use super::description::{Description, Interface, Version};
 use super::error::Error;
 use super::handle::{Handle, Making};
 use super::instance::Instance;
@@ -120,7 +120,7 @@ impl Fmu {
     /// The FMU has no Co-Simulation, no binary for this platform, allows no second instance, or
     /// refuses.
     pub fn co_simulation(&self, options: &InstanceOptions) -> Result<Instance, Error> {
-        self.instantiate(Kind::CoSimulation, options)
+        self.instantiate(Interface::CoSimulation, options)
     }
 
     /// Makes an instance for Model Exchange, which [`Instance::step`] integrates.
@@ -128,14 +128,18 @@ impl Fmu {
     /// # Errors
     /// As [`co_simulation`](Fmu::co_simulation).
     pub fn model_exchange(&self, options: &InstanceOptions) -> Result<Instance, Error> {
-        self.instantiate(Kind::ModelExchange, options)
+        self.instantiate(Interface::ModelExchange, options)
     }
 
     /// Makes an instance of either interface type.
     ///
     /// # Errors
     /// As [`co_simulation`](Fmu::co_simulation).
-    pub fn instantiate(&self, kind: Kind, options: &InstanceOptions) -> Result<Instance, Error> {
+    pub fn instantiate(
+        &self,
+        kind: Interface,
+        options: &InstanceOptions,
+    ) -> Result<Instance, Error> {
         let fmu = || self.inner.name.clone();
         let binary = self.binary(kind)?;
         let missing = binary.functions.missing_to_run(kind);
@@ -167,18 +171,18 @@ impl Fmu {
     ///
     /// # Errors
     /// The binary cannot be loaded.
-    pub fn missing_functions(&self, kind: Kind) -> Result<Vec<String>, Error> {
+    pub fn missing_functions(&self, kind: Interface) -> Result<Vec<String>, Error> {
         let binary = self.binary(kind)?;
         let identifier = |kind| Some(&self.description().capabilities(kind)?.model_identifier);
-        let mut kinds = self.description().kinds();
+        let mut kinds = self.description().interfaces();
         kinds.retain(|other| identifier(*other) == identifier(kind));
         Ok(binary.functions.missing(&binary.library, &kinds))
     }
 
-    fn binary(&self, kind: Kind) -> Result<Arc<Binary>, Error> {
+    fn binary(&self, kind: Interface) -> Result<Arc<Binary>, Error> {
         let inner = &*self.inner;
         let Some(capabilities) = inner.description.capabilities(kind) else {
-            let has = inner.description.kinds().iter().map(Kind::to_string).collect();
+            let has = inner.description.interfaces().iter().map(Interface::to_string).collect();
             return Err(Error::NoInterface { fmu: inner.name.clone(), wanted: kind, has });
         };
         let mut binaries = inner.binaries.lock().unwrap_or_else(PoisonError::into_inner);
@@ -192,7 +196,7 @@ impl Fmu {
         Ok(binary)
     }
 
-    fn take(&self, kind: Kind) -> Result<Option<Once>, Error> {
+    fn take(&self, kind: Interface) -> Result<Option<Once>, Error> {
         if !self.description().capabilities(kind).is_some_and(|c| c.only_once_per_process) {
             return Ok(None);
         }
@@ -206,8 +210,8 @@ impl Fmu {
     fn resource_location(&self) -> Option<String> {
         let path = self.resources()?;
         Some(match self.description().fmi {
-            FmiVersion::V2 => file_uri(&path.to_string_lossy()),
-            FmiVersion::V3 => path.join("").to_string_lossy().into_owned(),
+            Version::Two => file_uri(&path.to_string_lossy()),
+            Version::Three => path.join("").to_string_lossy().into_owned(),
         })
     }
 }

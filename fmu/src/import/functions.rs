@@ -9,7 +9,7 @@ use std::ffi::{CStr, c_char, c_void};
 use libloading::Library;
 
 use super::binding::{Callbacks, Environment, EventInfo, LogLine, Pointer, symbol};
-use super::description::{FmiVersion, Kind};
+use super::description::{Interface, Version};
 use super::native::Boolean2;
 
 pub(super) type Instance = Pointer;
@@ -197,24 +197,24 @@ pub(super) enum Functions {
 }
 
 impl Functions {
-    pub(super) fn load(library: &Library, fmi: FmiVersion) -> Functions {
+    pub(super) fn load(library: &Library, fmi: Version) -> Functions {
         match fmi {
-            FmiVersion::V2 => Functions::Two(Box::new(Two::load(library))),
-            FmiVersion::V3 => Functions::Three(Box::new(Three::load(library))),
+            Version::Two => Functions::Two(Box::new(Two::load(library))),
+            Version::Three => Functions::Three(Box::new(Three::load(library))),
         }
     }
 
     /// The functions without which no run of this interface type is possible, and that are missing.
-    pub(super) fn missing_to_run(&self, kind: Kind) -> Vec<String> {
+    pub(super) fn missing_to_run(&self, kind: Interface) -> Vec<String> {
         let there = match (self, kind) {
-            (Functions::Two(f), Kind::CoSimulation) => vec![
+            (Functions::Two(f), Interface::CoSimulation) => vec![
                 (c"fmi2Instantiate", f.instantiate.is_some()),
                 (c"fmi2SetupExperiment", f.setup.is_some()),
                 (c"fmi2EnterInitializationMode", f.enter_initialization.is_some()),
                 (c"fmi2ExitInitializationMode", f.exit_initialization.is_some()),
                 (c"fmi2DoStep", f.do_step.is_some()),
             ],
-            (Functions::Two(f), Kind::ModelExchange) => vec![
+            (Functions::Two(f), Interface::ModelExchange) => vec![
                 (c"fmi2Instantiate", f.instantiate.is_some()),
                 (c"fmi2SetupExperiment", f.setup.is_some()),
                 (c"fmi2EnterInitializationMode", f.enter_initialization.is_some()),
@@ -222,13 +222,13 @@ impl Functions {
                 (c"fmi2NewDiscreteStates", f.new_discrete_states.is_some()),
                 (c"fmi2SetTime", f.set_time.is_some()),
             ],
-            (Functions::Three(f), Kind::CoSimulation) => vec![
+            (Functions::Three(f), Interface::CoSimulation) => vec![
                 (c"fmi3InstantiateCoSimulation", f.instantiate_cs.is_some()),
                 (c"fmi3EnterInitializationMode", f.enter_initialization.is_some()),
                 (c"fmi3ExitInitializationMode", f.exit_initialization.is_some()),
                 (c"fmi3DoStep", f.do_step.is_some()),
             ],
-            (Functions::Three(f), Kind::ModelExchange) => vec![
+            (Functions::Three(f), Interface::ModelExchange) => vec![
                 (c"fmi3InstantiateModelExchange", f.instantiate_me.is_some()),
                 (c"fmi3EnterInitializationMode", f.enter_initialization.is_some()),
                 (c"fmi3ExitInitializationMode", f.exit_initialization.is_some()),
@@ -242,7 +242,7 @@ impl Functions {
 
     /// The functions that the standard demands of a binary with these interface types, and that
     /// are missing.
-    pub(super) fn missing(&self, library: &Library, kinds: &[Kind]) -> Vec<String> {
+    pub(super) fn missing(&self, library: &Library, kinds: &[Interface]) -> Vec<String> {
         let absent = |name: &&'static CStr| symbol::<Pointer>(library, name).is_none();
         let mut missing = match self {
             Functions::Two(f) => f.missing(),
@@ -252,12 +252,12 @@ impl Functions {
             Functions::Three(_) => missing.extend(REST_OF_THREE.iter().filter(|n| absent(n))),
             Functions::Two(_) => {
                 missing.extend(REST_OF_TWO.iter().filter(|n| absent(n)));
-                if kinds.contains(&Kind::CoSimulation) {
+                if kinds.contains(&Interface::CoSimulation) {
                     missing.extend(REST_OF_TWO_CS.iter().filter(|n| absent(n)));
                 } else {
                     missing.retain(|name| !TWO_CS.contains(name));
                 }
-                if !kinds.contains(&Kind::ModelExchange) {
+                if !kinds.contains(&Interface::ModelExchange) {
                     missing.retain(|name| !TWO_ME.contains(name));
                 }
             }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::binary::Binary;
 use super::binding::{Call, EventInfo, Foreign, Kept, LOG_LINE, Saved, bytes_of, text_of};
-use super::description::Kind;
+use super::description::Interface;
 use super::functions::Functions;
 use super::logging::Log;
 use super::native::{Getter, Native, Setter};
@@ -15,7 +15,7 @@ use super::status::Status;
 
 /// How an instance is to be made.
 pub(super) struct Making<'a> {
-    pub(super) kind: Kind,
+    pub(super) kind: Interface,
     pub(super) name: &'a CStr,
     pub(super) token: &'a CStr,
     /// FMI 2.0: URI, FMI 3.0: path; an FMU without resources gets a null pointer.
@@ -57,12 +57,12 @@ impl Handle {
         // without, and no intermediate update.
         let instance = match (&binary.functions, kind) {
             (Functions::Two(f), kind) => {
-                let kind = i32::from(kind == Kind::CoSimulation);
+                let kind = i32::from(kind == Interface::CoSimulation);
                 let callbacks = kept.callbacks();
                 let logging = i32::from(logging);
                 f.instantiate.call((name, kind, token, resources, callbacks, 0, logging))
             }
-            (Functions::Three(f), Kind::CoSimulation) => {
+            (Functions::Three(f), Interface::CoSimulation) => {
                 let none = (false, false, null(), 0);
                 let (event_mode, early_return, intermediate, count) = none;
                 f.instantiate_cs.call((
@@ -80,7 +80,7 @@ impl Handle {
                     null(),
                 ))
             }
-            (Functions::Three(f), Kind::ModelExchange) => {
+            (Functions::Three(f), Interface::ModelExchange) => {
                 f.instantiate_me.call((name, token, resources, false, logging, to, LOG_LINE))
             }
         };

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use drivescope_recording::{Clock, Recording};
 
-use super::units::{Conversion, Unit, convert};
+use drivescope_units::Conversion;
+
+use crate::vocabulary::{Unit, convert};
 
 /// One signal of a recording as an input.
 #[derive(Debug, Clone)]
@@ -58,9 +60,9 @@ mod tests {
 
     #[test]
     fn recorded_units_convert_as_the_component_defines_them() {
-        use crate::import::BaseUnit;
+        use drivescope_units::BaseUnit;
         let base =
-            |factor| Some(BaseUnit { exponents: [0, 0, -1, 0, 0, 0, 0, 1], factor, offset: 0.0 });
+            |factor| Some(BaseUnit { powers: [0, 0, -1, 0, 0, 0, 0, 1], factor, offset: 0.0 });
         let rad = Unit { name: "rad/s".into(), base: base(1.0) };
         let rpm = Unit { name: "rpm".into(), base: base(0.1) };
         let defined = [rad.clone(), rpm];

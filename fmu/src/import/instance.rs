@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::description::{FmiVersion, Kind};
+use super::description::{Interface, Version};
 use super::error::Error;
 use super::fmu::{Fmu, Once};
 use super::handle::Handle;
@@ -21,7 +21,7 @@ pub struct Instance {
     pub(super) mode: Mode,
     /// Simulation time, s.
     pub(super) time: f64,
-    pub(super) fmi: FmiVersion,
+    pub(super) fmi: Version,
     pub(super) fmu: Fmu,
     name: String,
     log: Arc<Log>,
@@ -65,13 +65,13 @@ impl Instance {
     pub(super) fn new(
         handle: Handle,
         fmu: Fmu,
-        kind: Kind,
+        kind: Interface,
         name: String,
         log: Arc<Log>,
         once: Option<Once>,
     ) -> Instance {
-        let integrator =
-            (kind == Kind::ModelExchange).then(|| Box::new(Integrator::new(fmu.description())));
+        let integrator = (kind == Interface::ModelExchange)
+            .then(|| Box::new(Integrator::new(fmu.description())));
         Instance {
             handle,
             integrator,
@@ -97,8 +97,8 @@ impl Instance {
     }
 
     /// The interface type.
-    pub fn kind(&self) -> Kind {
-        if self.integrator.is_some() { Kind::ModelExchange } else { Kind::CoSimulation }
+    pub fn interface(&self) -> Interface {
+        if self.integrator.is_some() { Interface::ModelExchange } else { Interface::CoSimulation }
     }
 
     /// Simulation time, s.

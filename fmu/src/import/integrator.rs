@@ -6,7 +6,7 @@
 //! the inputs have been set: a sampled controller then sees the inputs of its sampling time.
 
 use super::bytes::{Reader, Writer};
-use super::description::{Description, Kind};
+use super::description::{Description, Interface};
 use super::handle::Handle;
 use super::problem::IntegrationProblem;
 use super::solver::{self, Reached, Start};
@@ -52,7 +52,7 @@ pub(super) struct Integrator {
 impl Integrator {
     pub(super) fn new(description: &Description) -> Integrator {
         let structure = &description.structure;
-        let capabilities = description.capabilities(Kind::ModelExchange);
+        let capabilities = description.capabilities(Interface::ModelExchange);
         Integrator {
             tolerance: description.default_experiment.tolerance.unwrap_or(TOLERANCE),
             announces: capabilities.is_some_and(|c| c.needs_completed_step),

@@ -19,6 +19,11 @@
 //! # Ok::<(), drivescope_fmu::import::Error>(())
 //! ```
 //!
+//! Why not a crate. `fmi-rs` 0.3.4 comes nearest, and its source shows what is missing: errors of a
+//! description name no line, an archive is unpacked without a bound on its size, entries that lead out
+//! of the folder are passed over in silence. `fmi` 0.8 needs libclang to build, refuses the valid
+//! Reference FMU Roberts and knows no FMU state.
+//!
 //! Data flow: archive -> `modelDescription.xml` -> [`Description`]; binary -> function table -> handle
 //! -> [`Instance`]. All foreign code is reached through `binding.rs`.
 
@@ -51,18 +56,17 @@ mod run;
 mod solver;
 mod state;
 mod status;
-mod units;
 mod unpacked;
 mod validate;
 mod values;
-pub(crate) mod xml;
+
+pub use drivescope_units::{BaseUnit, Conversion};
 
 pub use access::Group;
 pub use archive::Limits;
 pub(crate) use archive::unpack;
 pub use description::{
-    Capabilities, Causality, DefaultExperiment, Description, Dimension, FmiVersion, Initial, Kind,
-    Place, Structure, Type, TypeDefinition, Unknown, Variability, Variable,
+    Capabilities, Description, Dimension, Structure, TypeDefinition, Unknown, Variable,
 };
 pub use error::Error;
 pub(crate) use experiment::{recordable, steps};
@@ -70,16 +74,29 @@ pub use fmu::{Fmu, InstanceOptions};
 pub(crate) use held::{Held, from_recorded};
 pub use instance::{Instance, Progress};
 pub use logging::Message;
-pub(crate) use parse::read_unit;
-pub use problem::{
-    ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem, XmlProblem,
-};
+pub use problem::{ExperimentProblem, IntegrationProblem, UnsafeEntry, VariableProblem};
 pub use run::{Ran, RunOptions, run};
 pub use state::State;
 pub use status::Status;
-pub use units::{BaseUnit, Conversion, Unit, convert};
 pub(crate) use unpacked::Unpacked;
 pub use unpacked::remove_unpacked;
 pub use validate::{Finding, Severity, validate};
 pub use values::Value;
 pub(crate) use values::nearest;
+
+pub use crate::position::{DocumentProblem, Position};
+pub use crate::vocabulary::{
+    Causality, DefaultExperiment, Initial, Interface, Type, Unit, Variability, Version, convert,
+};
+
+/// A description as it is read, for the tests of those that write one.
+#[cfg(all(test, feature = "export"))]
+pub(crate) fn parsed(xml: &str) -> Result<Description, Error> {
+    parse::read(xml, "written.fmu")
+}
+
+/// What of that is against the standard.
+#[cfg(all(test, feature = "export"))]
+pub(crate) fn against_rules(description: &Description) -> Vec<Finding> {
+    [rules::check(description), rules_structure::check(description)].concat()
+}

@@ -7,11 +7,10 @@ use super::description::*;
 use super::error::Error;
 use super::parse_structure;
 use super::parse_variables;
-use super::problem::XmlProblem;
-use super::units::{BaseUnit, Unit};
-use super::xml::{self, child, children, problem, required, text, value};
+use crate::position::DocumentProblem;
+use crate::xml::read::{self as xml, child, children, problem, required, text, value};
 
-type Parsed<T> = Result<T, XmlProblem>;
+type Parsed<T> = Result<T, DocumentProblem>;
 
 /// Reads a model description.
 ///
@@ -30,15 +29,15 @@ pub(crate) fn read(document: &str, fmu: &str) -> Result<Description, Error> {
     }
     let version = required(root, "fmiVersion").map_err(wrong)?;
     let fmi = match version.split('.').next() {
-        Some("2") => FmiVersion::V2,
-        Some("3") => FmiVersion::V3,
+        Some("2") => Version::Two,
+        Some("3") => Version::Three,
         _ => return Err(Error::Version { fmu: fmu.to_owned(), version: version.to_owned() }),
     };
     description(root, fmi, version).map_err(wrong)
 }
 
-fn description(root: Node, fmi: FmiVersion, version: &str) -> Parsed<Description> {
-    let token = if fmi == FmiVersion::V2 { "guid" } else { "instantiationToken" };
+fn description(root: Node, fmi: Version, version: &str) -> Parsed<Description> {
+    let token = if fmi == Version::Two { "guid" } else { "instantiationToken" };
     let types = read_types(root, fmi)?;
     let variables = parse_variables::read(root, fmi, &types)?;
     let structure = parse_structure::read(root, fmi, &variables)?;
@@ -52,15 +51,10 @@ fn description(root: Node, fmi: FmiVersion, version: &str) -> Parsed<Description
         version: text(root, "version"),
         generation_tool: text(root, "generationTool"),
         structured_names: root.attribute("variableNamingConvention") == Some("structured"),
-        default_experiment: match child(root, "DefaultExperiment") {
-            Some(node) => DefaultExperiment {
-                start: value(node, "startTime")?,
-                stop: value(node, "stopTime")?,
-                tolerance: value(node, "tolerance")?,
-                step: value(node, "stepSize")?,
-            },
-            None => DefaultExperiment::default(),
-        },
+        default_experiment: child(root, "DefaultExperiment")
+            .map(DefaultExperiment::read)
+            .transpose()?
+            .unwrap_or_default(),
         co_simulation: child(root, "CoSimulation")
             .map(|node| capabilities(node, fmi))
             .transpose()?,
@@ -75,7 +69,7 @@ fn description(root: Node, fmi: FmiVersion, version: &str) -> Parsed<Description
         units: child(root, "UnitDefinitions")
             .into_iter()
             .flat_map(|node| children(node, "Unit"))
-            .map(read_unit)
+            .map(Unit::read)
             .collect::<Parsed<_>>()?,
         types,
         variables,
@@ -83,14 +77,14 @@ fn description(root: Node, fmi: FmiVersion, version: &str) -> Parsed<Description
     })
 }
 
-fn capabilities(node: Node, fmi: FmiVersion) -> Parsed<Capabilities> {
+fn capabilities(node: Node, fmi: Version) -> Parsed<Capabilities> {
     let flag = |two: &str, three: &str| -> Parsed<bool> {
-        let name = if fmi == FmiVersion::V2 { two } else { three };
+        let name = if fmi == Version::Two { two } else { three };
         Ok(value(node, name)?.unwrap_or(false))
     };
     let announced = match fmi {
-        FmiVersion::V2 => !value(node, "completedIntegratorStepNotNeeded")?.unwrap_or(false),
-        FmiVersion::V3 => value(node, "needsCompletedIntegratorStep")?.unwrap_or(false),
+        Version::Two => !value(node, "completedIntegratorStepNotNeeded")?.unwrap_or(false),
+        Version::Three => value(node, "needsCompletedIntegratorStep")?.unwrap_or(false),
     };
     Ok(Capabilities {
         model_identifier: required(node, "modelIdentifier")?.to_owned(),
@@ -115,35 +109,15 @@ fn capabilities(node: Node, fmi: FmiVersion) -> Parsed<Capabilities> {
     })
 }
 
-/// A `<Unit>` of a model description, or of an SSP file, which says it alike.
-pub(crate) fn read_unit(node: Node) -> Parsed<Unit> {
-    const BASES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
-    let base = |node: Node| -> Parsed<BaseUnit> {
-        let mut exponents = [0; 8];
-        for (exponent, name) in exponents.iter_mut().zip(BASES) {
-            *exponent = value(node, name)?.unwrap_or(0);
-        }
-        Ok(BaseUnit {
-            exponents,
-            factor: value(node, "factor")?.unwrap_or(1.0),
-            offset: value(node, "offset")?.unwrap_or(0.0),
-        })
-    };
-    Ok(Unit {
-        name: required(node, "name")?.to_owned(),
-        base: child(node, "BaseUnit").map(base).transpose()?,
-    })
-}
-
-fn read_types(root: Node, fmi: FmiVersion) -> Parsed<Vec<TypeDefinition>> {
+fn read_types(root: Node, fmi: Version) -> Parsed<Vec<TypeDefinition>> {
     let Some(list) = child(root, "TypeDefinitions") else { return Ok(Vec::new()) };
     list.children()
         .filter(Node::is_element)
         .map(|node| {
             // FMI 2.0 wraps the type in <SimpleType>, FMI 3.0 says <Float64Type>.
             let body = match fmi {
-                FmiVersion::V2 => node.children().find(Node::is_element).unwrap_or(node),
-                FmiVersion::V3 => node,
+                Version::Two => node.children().find(Node::is_element).unwrap_or(node),
+                Version::Three => node,
             };
             let item = |item: Node| -> Parsed<(String, i64)> {
                 let number = value(item, "value")?;
@@ -192,12 +166,12 @@ mod tests {
     #[test]
     fn fmi_2_is_read() {
         let d = read(TWO, "m.fmu").unwrap();
-        assert_eq!((d.fmi, d.token.as_str()), (FmiVersion::V2, "{1}"));
-        assert_eq!(d.kinds(), [Kind::CoSimulation, Kind::ModelExchange]);
+        assert_eq!((d.fmi, d.token.as_str()), (Version::Two, "{1}"));
+        assert_eq!(d.interfaces(), [Interface::CoSimulation, Interface::ModelExchange]);
         assert!(!d.model_exchange.as_ref().unwrap().needs_completed_step);
         assert!(d.co_simulation.as_ref().unwrap().state);
         assert_eq!(d.default_experiment.stop, Some(2.5));
-        assert_eq!(d.units[0].base.unwrap().exponents, [0, 0, -1, 0, 0, 0, 0, 1]);
+        assert_eq!(d.units[0].base.unwrap().powers, [0, 0, -1, 0, 0, 0, 0, 1]);
         let n = d.variable("n").unwrap();
         assert_eq!((n.unit.as_deref(), n.nominal, n.place.line), (Some("rpm"), Some(3000.0), 12));
         assert_eq!(n.initial, Some(Initial::Calculated));

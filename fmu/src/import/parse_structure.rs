@@ -6,12 +6,12 @@ use std::collections::HashMap;
 use roxmltree::Node;
 
 use super::description::*;
-use super::problem::XmlProblem;
-use super::xml::{Places, Value, child, children, problem, value};
+use crate::position::DocumentProblem;
+use crate::xml::read::{Positions, Value, child, children, problem, value};
 
-type Parsed<T> = Result<T, XmlProblem>;
+type Parsed<T> = Result<T, DocumentProblem>;
 
-pub(super) fn read(root: Node, fmi: FmiVersion, variables: &[Variable]) -> Parsed<Structure> {
+pub(super) fn read(root: Node, fmi: Version, variables: &[Variable]) -> Parsed<Structure> {
     let Some(node) = child(root, "ModelStructure") else {
         return Err(problem(root, "there is no <ModelStructure>"));
     };
@@ -22,24 +22,24 @@ pub(super) fn read(root: Node, fmi: FmiVersion, variables: &[Variable]) -> Parse
         .map(|(position, variable)| (variable.reference, position))
         .collect();
     let position = |number: u32| match fmi {
-        FmiVersion::V2 => {
+        Version::Two => {
             (number as usize).checked_sub(1).filter(|position| *position < variables.len())
         }
-        FmiVersion::V3 => by_reference.get(&number).copied(),
+        Version::Three => by_reference.get(&number).copied(),
     };
     let list = |two: &'static str, three: &'static str| -> Parsed<Vec<Unknown>> {
         let nodes: Vec<Node> = match fmi {
-            FmiVersion::V2 => {
+            Version::Two => {
                 child(node, two).into_iter().flat_map(|list| children(list, "Unknown")).collect()
             }
-            FmiVersion::V3 => children(node, three).collect(),
+            Version::Three => children(node, three).collect(),
         };
-        let mut places = Places::new(root.document().input_text());
-        nodes.into_iter().map(|node| unknown(node, fmi, &position, places.of(node))).collect()
+        let mut positions = Positions::new(root.document().input_text());
+        nodes.into_iter().map(|node| unknown(node, fmi, &position, positions.of(node))).collect()
     };
     let event_indicators = match fmi {
-        FmiVersion::V2 => value(root, "numberOfEventIndicators")?.unwrap_or(0),
-        FmiVersion::V3 => children(node, "EventIndicator").count(),
+        Version::Two => value(root, "numberOfEventIndicators")?.unwrap_or(0),
+        Version::Three => children(node, "EventIndicator").count(),
     };
     Ok(Structure {
         outputs: list("Outputs", "Output")?,
@@ -51,11 +51,11 @@ pub(super) fn read(root: Node, fmi: FmiVersion, variables: &[Variable]) -> Parse
 
 fn unknown(
     node: Node,
-    fmi: FmiVersion,
+    fmi: Version,
     position: &impl Fn(u32) -> Option<usize>,
-    place: Place,
+    place: Position,
 ) -> Parsed<Unknown> {
-    let name = if fmi == FmiVersion::V2 { "index" } else { "valueReference" };
+    let name = if fmi == Version::Two { "index" } else { "valueReference" };
     let missing = || problem(node, format!("the unknown has no attribute `{name}`"));
     let number = value(node, name)?.ok_or_else(missing)?;
     let dependencies = match node.attribute("dependencies") {

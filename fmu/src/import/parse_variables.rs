@@ -3,20 +3,20 @@
 use roxmltree::Node;
 
 use super::description::*;
-use super::problem::XmlProblem;
-use super::xml::{Places, Value, child, children, problem, required, text, value};
+use crate::position::DocumentProblem;
 use crate::vocabulary::{Word, default_initial, default_variability};
+use crate::xml::read::{Positions, Value, child, children, problem, required, text, value};
 
-type Parsed<T> = Result<T, XmlProblem>;
+type Parsed<T> = Result<T, DocumentProblem>;
 
 /// The variables in the order of the file; an alias (FMI 3.0) follows the variable it names.
-pub(super) fn read(root: Node, fmi: FmiVersion, types: &[TypeDefinition]) -> Parsed<Vec<Variable>> {
+pub(super) fn read(root: Node, fmi: Version, types: &[TypeDefinition]) -> Parsed<Vec<Variable>> {
     let list = child(root, "ModelVariables");
     let list = list.ok_or_else(|| problem(root, "there is no <ModelVariables>"))?;
-    let mut places = Places::new(root.document().input_text());
+    let mut positions = Positions::new(root.document().input_text());
     let mut variables = Vec::new();
     for node in list.children().filter(Node::is_element) {
-        let place = places.of(node);
+        let place = positions.of(node);
         let variable = variable(node, fmi, types, place)?;
         let aliases = children(node, "Alias").map(|alias| -> Parsed<Variable> {
             Ok(Variable {
@@ -35,16 +35,16 @@ pub(super) fn read(root: Node, fmi: FmiVersion, types: &[TypeDefinition]) -> Par
 
 fn variable(
     node: Node,
-    fmi: FmiVersion,
+    fmi: Version,
     types: &[TypeDefinition],
-    place: Place,
+    place: Position,
 ) -> Parsed<Variable> {
     // In FMI 2.0 the type's attributes are on a child element, in FMI 3.0 on the variable itself.
     let body = match fmi {
-        FmiVersion::V2 => node
+        Version::Two => node
             .children()
             .find(|child| child.is_element() && child.tag_name().name() != "Annotations"),
-        FmiVersion::V3 => Some(node),
+        Version::Three => Some(node),
     };
     let body = body.ok_or_else(|| problem(node, "the variable has no type"))?;
     let kind = kind(body, fmi)?;
@@ -83,40 +83,21 @@ fn variable(
     })
 }
 
-fn kind(body: Node, fmi: FmiVersion) -> Parsed<Type> {
+fn kind(body: Node, fmi: Version) -> Parsed<Type> {
     let name = body.tag_name().name();
-    let kind = match (fmi, name) {
-        (FmiVersion::V2, "Real") => Type::Float64,
-        (FmiVersion::V2, "Integer") => Type::Int32,
-        (FmiVersion::V3, "Float64") => Type::Float64,
-        (FmiVersion::V3, "Float32") => Type::Float32,
-        (FmiVersion::V3, "Int8") => Type::Int8,
-        (FmiVersion::V3, "UInt8") => Type::UInt8,
-        (FmiVersion::V3, "Int16") => Type::Int16,
-        (FmiVersion::V3, "UInt16") => Type::UInt16,
-        (FmiVersion::V3, "Int32") => Type::Int32,
-        (FmiVersion::V3, "UInt32") => Type::UInt32,
-        (FmiVersion::V3, "Int64") => Type::Int64,
-        (FmiVersion::V3, "UInt64") => Type::UInt64,
-        (FmiVersion::V3, "Binary") => Type::Binary,
-        (FmiVersion::V3, "Clock") => Type::Clock,
-        (_, "Boolean") => Type::Boolean,
-        (_, "Enumeration") => Type::Enumeration,
-        (_, "String") => Type::String,
-        _ => return Err(problem(body, format!("<{name}> is no type of a variable"))),
-    };
-    Ok(kind)
+    let unknown = || problem(body, format!("<{name}> is no type of a variable"));
+    Type::read(name, fmi).ok_or_else(unknown)
 }
 
-fn starts(body: Node, kind: Type, fmi: FmiVersion) -> Parsed<Vec<String>> {
-    if fmi == FmiVersion::V3 && matches!(kind, Type::String | Type::Binary) {
+fn starts(body: Node, kind: Type, fmi: Version) -> Parsed<Vec<String>> {
+    if fmi == Version::Three && matches!(kind, Type::String | Type::Binary) {
         return children(body, "Start")
             .map(|node| Ok(required(node, "value")?.to_owned()))
             .collect();
     }
     Ok(match body.attribute("start") {
         None => Vec::new(),
-        Some(start) if fmi == FmiVersion::V2 => vec![start.to_owned()],
+        Some(start) if fmi == Version::Two => vec![start.to_owned()],
         Some(start) => start.split_whitespace().map(str::to_owned).collect(),
     })
 }

@@ -1,5 +1,5 @@
-//! The parts of errors: what exactly is wrong with an archive entry, a variable, an integration, an
-//! experiment, or a place of an XML document.
+//! The parts of errors: what exactly is wrong with an archive entry, a variable, an integration or an
+//! experiment.
 
 use drivescope_recording::rounded;
 
@@ -25,6 +25,7 @@ pub enum UnsafeEntry {
 
 /// Why a variable cannot be used as asked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum VariableProblem {
     /// An array, where a scalar is needed.
     #[error("is an array of {0} elements; only scalars can be connected or stepped")]
@@ -51,20 +52,10 @@ pub enum VariableProblem {
     },
     /// A value that the variable's type cannot hold.
     #[error("is of type {kind} and cannot take the value {value}")]
-    Value {
-        /// The variable's type.
-        kind: &'static str,
-        /// The value.
-        value: f64,
-    },
+    Value { kind: &'static str, value: f64 },
     /// A text that is no value of the variable's type.
     #[error("is of type {kind}; `{text}` is no such value")]
-    Text {
-        /// The variable's type.
-        kind: &'static str,
-        /// The text.
-        text: String,
-    },
+    Text { kind: &'static str, text: String },
     /// A text with a NUL character.
     #[error("cannot take a text with a NUL character")]
     Nul,
@@ -138,22 +129,4 @@ pub enum ExperimentProblem {
         /// The FMU's inputs.
         inputs: String,
     },
-}
-
-/// A problem at a place of an XML document.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct XmlProblem {
-    /// Line, from 1.
-    pub line: u32,
-    /// Column, from 1.
-    pub column: u32,
-    /// What is wrong there.
-    pub problem: String,
-}
-
-impl XmlProblem {
-    /// The problem as `file:line:column: what`.
-    pub fn in_file(&self, file: &str) -> String {
-        format!("{file}:{}:{}: {}", self.line, self.column, self.problem)
-    }
 }

@@ -9,7 +9,7 @@ use crate::vocabulary::go_together;
 /// All findings about variables, in the order of the file.
 pub(super) fn check(description: &Description) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut names: HashMap<&str, Place> = HashMap::new();
+    let mut names: HashMap<&str, Position> = HashMap::new();
     let mut references: HashMap<u32, &str> = HashMap::new();
     for variable in &description.variables {
         let place = variable.place;
@@ -27,7 +27,7 @@ pub(super) fn check(description: &Description) -> Vec<Finding> {
         if variable.alias_of.is_some() {
             continue;
         }
-        if description.fmi == FmiVersion::V3
+        if description.fmi == Version::Three
             && let Some(other) = references.insert(variable.reference, name)
         {
             error(format!("`{name}` has value reference {}, as has `{other}`", variable.reference));
@@ -58,7 +58,7 @@ pub(super) fn check(description: &Description) -> Vec<Finding> {
         let text = format!("`{}` is a second independent variable", variable.name);
         findings.push(Finding::error(variable.place, text));
     }
-    if independent.is_empty() && description.fmi == FmiVersion::V3 {
+    if independent.is_empty() && description.fmi == Version::Three {
         findings.push(Finding::error(None, "there is no independent variable"));
     }
     findings
@@ -81,7 +81,7 @@ fn combination(description: &Description, variable: &Variable) -> Vec<String> {
         ));
     }
     let no_initial = matches!(variable.causality, C::Input | C::Independent);
-    if description.fmi == FmiVersion::V2 && no_initial && variable.initial_stated {
+    if description.fmi == Version::Two && no_initial && variable.initial_stated {
         texts.push(format!("`{name}` must not state `initial`"));
     }
     texts

@@ -32,7 +32,7 @@ pub(super) fn check(description: &Description) -> Vec<Finding> {
         &expected,
     ));
     let states = description.model_exchange.is_some() && structure.derivatives.is_empty();
-    if states && structure.event_indicators > 0 && description.fmi == FmiVersion::V2 {
+    if states && structure.event_indicators > 0 && description.fmi == Version::Two {
         let text = "there are event indicators but no continuous states";
         findings.push(Finding::warning(None, text));
     }
@@ -94,10 +94,10 @@ fn same_set(
 fn state_of(description: &Description, derivative: &Variable) -> Option<usize> {
     let reference = derivative.derivative?;
     match description.fmi {
-        FmiVersion::V2 => {
+        Version::Two => {
             (reference as usize).checked_sub(1).filter(|at| *at < description.variables.len())
         }
-        FmiVersion::V3 => description.variables.iter().position(|v| v.reference == reference),
+        Version::Three => description.variables.iter().position(|v| v.reference == reference),
     }
 }
 

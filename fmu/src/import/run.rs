@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use drivescope_recording::{Recording, Signal, TextSignal};
 
-use super::description::{Causality, Kind, Variable};
+use super::description::{Causality, Interface, Variable};
 use super::error::Error;
 use super::experiment::{recordable, steps};
 use super::fmu::{Fmu, InstanceOptions};
@@ -37,7 +37,7 @@ pub struct RunOptions<'a> {
     /// Relative tolerance.
     pub tolerance: Option<f64>,
     /// The interface type; otherwise Co-Simulation if there is one.
-    pub kind: Option<Kind>,
+    pub kind: Option<Interface>,
     /// Values that are set before the initialisation.
     pub parameters: Vec<(String, Value)>,
     /// Variables to record; otherwise all outputs.
@@ -71,8 +71,8 @@ pub struct Ran {
 /// that fails or is discarded.
 pub fn run(fmu: &Fmu, options: &RunOptions) -> Result<Ran, Error> {
     let window = Window::of(fmu, options)?;
-    let kinds = fmu.description().kinds();
-    let kind = options.kind.or(kinds.first().copied()).unwrap_or(Kind::CoSimulation);
+    let kinds = fmu.description().interfaces();
+    let kind = options.kind.or(kinds.first().copied()).unwrap_or(Interface::CoSimulation);
     let driven = drive(fmu, options.input)?;
 
     let name = fmu.description().model_name.clone();

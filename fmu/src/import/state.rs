@@ -175,7 +175,7 @@ impl Instance {
         capability: &'static str,
     ) -> Result<(), Error> {
         self.callable(capability)?;
-        if self.fmu.description().capabilities(self.kind()).is_some_and(has) {
+        if self.fmu.description().capabilities(self.interface()).is_some_and(has) {
             return Ok(());
         }
         Err(Error::Capability { fmu: self.fmu.name().to_owned(), capability })

@@ -1,7 +1,7 @@
 //! Checks an FMU: its description against the standard's rules, its binary for the functions that
 //! it must have, and a short run in each interface type. What `fmu validate` does.
 
-use super::description::{Description, FmiVersion, Kind, Place};
+use super::description::{Description, Interface, Position, Version};
 use super::error::Error;
 use super::fmu::{Fmu, InstanceOptions};
 use super::instance::Progress;
@@ -22,17 +22,17 @@ pub struct Finding {
     /// How serious it is.
     pub severity: Severity,
     /// Where in `modelDescription.xml`, if it is there.
-    pub place: Option<Place>,
+    pub place: Option<Position>,
     /// What is wrong.
     pub text: String,
 }
 
 impl Finding {
-    pub(super) fn error(place: impl Into<Option<Place>>, text: impl Into<String>) -> Finding {
+    pub(super) fn error(place: impl Into<Option<Position>>, text: impl Into<String>) -> Finding {
         Finding { severity: Severity::Error, place: place.into(), text: text.into() }
     }
 
-    pub(super) fn warning(place: impl Into<Option<Place>>, text: impl Into<String>) -> Finding {
+    pub(super) fn warning(place: impl Into<Option<Position>>, text: impl Into<String>) -> Finding {
         Finding { severity: Severity::Warning, place: place.into(), text: text.into() }
     }
 }
@@ -41,7 +41,7 @@ impl std::fmt::Display for Finding {
     fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
         let severity = if self.severity == Severity::Error { "error" } else { "warning" };
         match self.place {
-            Some(Place { line, column }) => {
+            Some(Position { line, column }) => {
                 write!(out, "{severity}: modelDescription.xml:{line}:{column}: {}", self.text)
             }
             None => write!(out, "{severity}: {}", self.text),
@@ -58,7 +58,7 @@ pub fn validate(fmu: &Fmu) -> Vec<Finding> {
     let mut findings = general(description);
     findings.extend(rules::check(description));
     findings.extend(rules_structure::check(description));
-    for kind in description.kinds() {
+    for kind in description.interfaces() {
         match fmu.missing_functions(kind) {
             Ok(missing) if missing.is_empty() => {}
             Ok(missing) => findings.push(Finding::error(
@@ -97,11 +97,11 @@ pub fn validate(fmu: &Fmu) -> Vec<Finding> {
 
 fn general(description: &Description) -> Vec<Finding> {
     let mut findings = Vec::new();
-    if description.kinds().is_empty() {
+    if description.interfaces().is_empty() {
         let text = "the FMU offers neither Co-Simulation nor Model Exchange";
         findings.push(Finding::error(None, text));
     }
-    for kind in description.kinds() {
+    for kind in description.interfaces() {
         let identifier = description.capabilities(kind).map_or("", |c| &c.model_identifier);
         let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let starts = identifier.starts_with(|c: char| c.is_ascii_digit());
@@ -127,7 +127,7 @@ fn general(description: &Description) -> Vec<Finding> {
             findings.push(Finding::error(None, format!("unit `{}` is defined twice", unit.name)));
         }
     }
-    if description.fmi == FmiVersion::V3 && description.fmi_version.contains("beta") {
+    if description.fmi == Version::Three && description.fmi_version.contains("beta") {
         let text = format!("FMI {} is no released version", description.fmi_version);
         findings.push(Finding::warning(None, text));
     }
@@ -135,7 +135,7 @@ fn general(description: &Description) -> Vec<Finding> {
 }
 
 /// Two short runs with a reset between, then the end; whether the runs agree.
-fn try_out(fmu: &Fmu, kind: Kind) -> Result<bool, Error> {
+fn try_out(fmu: &Fmu, kind: Interface) -> Result<bool, Error> {
     let proposed = fmu.description().default_experiment;
     let start = proposed.start.unwrap_or(0.0);
     let stop = proposed.stop.filter(|stop| *stop > start);

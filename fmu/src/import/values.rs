@@ -167,7 +167,7 @@ impl Instance {
         let offered = self
             .fmu
             .description()
-            .capabilities(self.kind())
+            .capabilities(self.interface())
             .is_some_and(|c| c.directional_derivatives);
         if !offered {
             let fmu = self.fmu.name().to_owned();

@@ -6,7 +6,7 @@ use drivescope_fmu::cosim::{
     Algorithm, Component, End, Error, Experiment, Failure, FmuComponent, Outcome, Phase, Port,
     Ports, System,
 };
-use drivescope_fmu::import::{Conversion, Fmu, InstanceOptions, Kind, Progress, Value};
+use drivescope_fmu::import::{Conversion, Fmu, InstanceOptions, Interface, Progress, Value};
 use drivescope_recording::{Recording, Signal};
 use rayon::prelude::*;
 
@@ -154,7 +154,7 @@ fn model_exchange_components_step_too() {
         system.record("a.held").unwrap();
         system.run().unwrap()
     };
-    let (cs, me) = (run(Kind::CoSimulation), run(Kind::ModelExchange));
+    let (cs, me) = (run(Interface::CoSimulation), run(Interface::ModelExchange));
     for name in ["a.x", "a.held"] {
         for (cs, me) in signal(&cs, name).iter().zip(signal(&me, name)) {
             assert!((cs - me).abs() < 1e-8, "{name}: {cs} {me}");

@@ -7,7 +7,7 @@ use drivescope_fmu::archive::{Archive, Platform};
 use drivescope_fmu::cosim::{Experiment, FmuComponent, System};
 use drivescope_fmu::description::Version;
 use drivescope_fmu::export::Model;
-use drivescope_fmu::import::{Fmu, Instance, InstanceOptions, Kind, validate};
+use drivescope_fmu::import::{Fmu, Instance, InstanceOptions, Interface, validate};
 
 // Elsewhere it is the top of a library.
 #[allow(unreachable_pub)]
@@ -44,14 +44,14 @@ fn examples() -> (tempfile::TempDir, Vec<Fmu>) {
     let folder = tempfile::tempdir().expect("a folder");
     let open = |(version, name)| {
         let path = folder.path().join(name);
-        archive.write(version, &path).expect("an FMU");
+        std::fs::write(&path, archive.to_bytes(version).expect("an FMU")).expect("written");
         Fmu::open(&path).expect("an FMU")
     };
     let fmus = [(Version::Two, "two.fmu"), (Version::Three, "three.fmu")].map(open);
     (folder, fmus.into())
 }
 
-fn start(fmu: &Fmu, kind: Kind) -> Instance {
+fn start(fmu: &Fmu, kind: Interface) -> Instance {
     let mut instance = fmu.instantiate(kind, &InstanceOptions::default()).expect("an instance");
     instance.initialize(0.0, Some(2.0), Some(TOLERANCE)).expect("a start");
     instance
@@ -80,8 +80,8 @@ fn the_exported_fmu_is_valid_and_its_interfaces_agree() {
     for fmu in &fmus {
         let found: Vec<String> = validate(fmu).iter().map(ToString::to_string).collect();
         assert_eq!(found, Vec::<String>::new());
-        let cs = drive(&mut start(fmu, Kind::CoSimulation), 0, 200);
-        let me = drive(&mut start(fmu, Kind::ModelExchange), 0, 200);
+        let cs = drive(&mut start(fmu, Interface::CoSimulation), 0, 200);
+        let me = drive(&mut start(fmu, Interface::ModelExchange), 0, 200);
         for (k, (cs, me)) in cs.iter().zip(&me).enumerate() {
             let error = (cs[0] - me[0]).abs().max((cs[1] - me[1]).abs());
             assert!(error < ALLOWED, "step {k}: {cs:?} {me:?}");
@@ -95,7 +95,7 @@ fn the_exported_fmu_is_valid_and_its_interfaces_agree() {
 fn the_exported_fmu_replays_bit_for_bit() {
     let (_folder, fmus) = examples();
     for fmu in &fmus {
-        for kind in [Kind::CoSimulation, Kind::ModelExchange] {
+        for kind in [Interface::CoSimulation, Interface::ModelExchange] {
             let mut p = start(fmu, kind);
             drive(&mut p, 0, 37);
             let state = p.state().expect("a state");

@@ -1,6 +1,6 @@
 //! Co-Simulation instances of both FMI versions: values, steps, reset, FMU state, threads.
 
-use drivescope_fmu::import::{Error, Fmu, Instance, InstanceOptions, Kind, Progress, Value};
+use drivescope_fmu::import::{Error, Fmu, Instance, InstanceOptions, Interface, Progress, Value};
 use rayon::prelude::*;
 
 use crate::support::probe;
@@ -106,7 +106,7 @@ fn a_reset_instance_repeats_its_run() {
 #[test]
 fn a_restored_state_replays_bit_for_bit() {
     both(|fmu| {
-        for kind in [Kind::CoSimulation, Kind::ModelExchange] {
+        for kind in [Interface::CoSimulation, Interface::ModelExchange] {
             let mut p = fmu.instantiate(kind, &InstanceOptions::default()).unwrap();
             p.initialize(0.0, None, None).unwrap();
             lag(&mut p, 0, 5);

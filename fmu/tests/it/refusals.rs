@@ -1,6 +1,6 @@
 //! What an FMU of another tool can do wrong, and what the importer says then.
 
-use drivescope_fmu::import::{Error, Fmu, InstanceOptions, Kind, Value};
+use drivescope_fmu::import::{Error, Fmu, InstanceOptions, Interface, Value};
 
 use crate::support::{archive, platform, probe, probe_file, probe_with};
 
@@ -49,10 +49,10 @@ fn missing_functions_are_named() {
     let fmu = Fmu::open(archive(&[("modelDescription.xml", xml), (&name, &binary)])).unwrap();
     let error = fmu.co_simulation(&InstanceOptions::default()).unwrap_err().to_string();
     assert!(error.contains("fmi3DoStep"), "{error}");
-    let missing = fmu.missing_functions(Kind::CoSimulation).unwrap();
+    let missing = fmu.missing_functions(Interface::CoSimulation).unwrap();
     assert!(missing.len() > 70 && missing.iter().any(|name| name == "fmi3GetClock"), "{missing:?}");
     for fmi in ["2", "3"] {
-        let whole = probe(fmi).unwrap().missing_functions(Kind::CoSimulation).unwrap();
+        let whole = probe(fmi).unwrap().missing_functions(Interface::CoSimulation).unwrap();
         assert_eq!(whole, Vec::<String>::new());
     }
 }
@@ -120,7 +120,7 @@ fn an_interface_type_that_is_not_offered_is_named() {
     let error = fmu.model_exchange(&InstanceOptions::default()).unwrap_err().to_string();
     assert!(error.contains("offers no Model Exchange; it offers Co-Simulation"), "{error}");
     assert!(matches!(
-        fmu.co_simulation(&InstanceOptions::default()).map(|i| i.kind()),
-        Ok(Kind::CoSimulation)
+        fmu.co_simulation(&InstanceOptions::default()).map(|i| i.interface()),
+        Ok(Interface::CoSimulation)
     ));
 }

@@ -1,6 +1,6 @@
 //! One FMU over one experiment.
 
-use drivescope_fmu::import::{Kind, RunOptions, Value, run};
+use drivescope_fmu::import::{Interface, RunOptions, Value, run};
 use drivescope_recording::{Recording, Signal};
 
 use crate::foreign::lags;
@@ -16,7 +16,7 @@ fn input(name: &str, unit: &str) -> Recording {
 fn a_run_follows_its_input() {
     for fmi in ["2", "3"] {
         let Some(fmu) = probe(fmi) else { return };
-        for kind in [Kind::CoSimulation, Kind::ModelExchange] {
+        for kind in [Interface::CoSimulation, Interface::ModelExchange] {
             let input = input("u", "rad/s");
             let options = RunOptions {
                 input: Some(&input),
@@ -101,7 +101,7 @@ fn an_event_in_time_is_recorded_after_it_happened() {
     for fmi in ["2", "3"] {
         let Some(fmu) = probe(fmi) else { return };
         let input = input("u", "rad/s");
-        let kind = Some(Kind::ModelExchange);
+        let kind = Some(Interface::ModelExchange);
         let options = RunOptions { input: Some(&input), kind, ..RunOptions::default() };
         let recording = run(&fmu, &options).unwrap().recording;
         let at = |name: &str, k: usize| recording.signal(name).unwrap().values[k];

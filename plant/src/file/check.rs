@@ -6,15 +6,13 @@ use std::ops::Range;
 use super::document::{Document, Spans};
 use super::effects;
 use super::error::{Flaw, Problem};
-use super::layout::{Layout, MotorTable, NoiseTable, Origin, TachoName};
+use super::layout::{Layout, NoiseTable, Origin};
 use crate::drive::{
-    AmplifierData, ControllerData, Drive, EffectData, GeneratorData, Input, LawData, Motion,
-    MotorData, NoiseData, SensorData, TachoUnit,
+    Drive, EffectData, Input, LawData, Motion, MotorData, NoiseData, SensorData, fields,
 };
 use crate::effects::refusal::Refusal;
 use crate::effects::registry::{Entry, Kind};
-use crate::parameters::{FIELDS, NamedParameter, Role, allowed, nearest, possible};
-use crate::units::name_for_motion;
+use crate::parameters::{NamedParameter, Role, allowed, nearest, possible};
 
 /// The format that this program reads and writes.
 const SCHEMA: i64 = 1;
@@ -28,7 +26,7 @@ pub(super) fn drive(document: &Document<'_>, layout: Layout) -> Result<Drive, Fl
         return Err(Flaw::new(Problem::Schema { found: layout.schema }, span));
     }
     let motion = layout.motion;
-    let motor = motor(document, &layout.motor)?;
+    let motor = motor(document, layout.motor)?;
     let effects = effects::effects(document, &layout.effect, motion, motor.input)?;
     let fit = layout.fit.unwrap_or_default();
     let drive = Drive {
@@ -36,27 +34,14 @@ pub(super) fn drive(document: &Document<'_>, layout: Layout) -> Result<Drive, Fl
         motion,
         motor,
         effects,
-        controller: layout.controller.map(|c| ControllerData {
-            k_p: c.k_p,
-            k_i: c.k_i,
-            period: c.period,
-            limit: c.limit,
-        }),
-        amplifier: layout.amplifier.map(|a| AmplifierData { gain: a.gain, limit: a.limit }),
-        generator: layout.generator.map(|g| GeneratorData {
-            k_m: g.k_m,
-            gain: g.gain,
-            limit: g.limit,
-        }),
-        sensors: {
-            let sensors = layout.sensors.unwrap_or_default();
-            SensorData {
-                tacho_quantum: sensors.tacho_quantum.unwrap_or(0.0),
-                current_quantum: sensors.current_quantum.unwrap_or(0.0),
-                tacho_unit: tacho_unit(document, sensors.tacho_unit, motion)?,
-            }
+        controller: layout.controller,
+        amplifier: layout.amplifier,
+        generator: layout.generator,
+        sensors: sensors(document, layout.sensors.unwrap_or_default(), motion)?,
+        noise: match layout.noise {
+            Some(NoiseTable::Read(noise)) => self::noise(document, noise)?,
+            _ => NoiseData::default(),
         },
-        noise: noise(document, layout.noise.unwrap_or_default(), motion)?,
         fixed: fit.fixed,
         per_recording: fit.per_recording,
         origin: flat(layout.origin),
@@ -67,88 +52,74 @@ pub(super) fn drive(document: &Document<'_>, layout: Layout) -> Result<Drive, Fl
     Ok(drive)
 }
 
-fn motor(document: &Document<'_>, motor: &MotorTable) -> Result<MotorData, Flaw> {
-    let electrical = [("R", motor.r), ("L", motor.l), ("K_e", motor.k_e)];
+fn motor(document: &Document<'_>, motor: MotorData) -> Result<MotorData, Flaw> {
+    const ELECTRICAL: [&str; 3] = ["R", "L", "K_e"];
     let key = |key: &str| format!("motor.{key}");
+    let is_given = |key: &&&str| has(document, "motor", key);
     if motor.input == Input::Force {
-        let given = electrical.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
-        if let Some(name) = given.chain(motor.tie_k.map(|_| "tie_K")).next() {
+        if let Some(name) = ELECTRICAL.iter().chain(&["tie_K"]).find(is_given) {
             let problem = Problem::Meaningless { key: key(name), why: NO_CIRCUIT };
             return Err(Flaw::new(problem, document.place_of("motor", name).key));
         }
-    } else if let Some((name, _)) = electrical.iter().find(|(_, value)| value.is_none()) {
+    } else if let Some(name) = ELECTRICAL.iter().find(|name| !is_given(name)) {
         let why = ", or set `input = \"force\"` if u commands the torque or force".to_owned();
         let span = document.place_of("motor", "").value;
         return Err(Flaw::new(Problem::Missing { key: key(name), why }, span));
     }
-    Ok(MotorData {
-        input: motor.input,
-        r: motor.r,
-        l: motor.l,
-        k_e: motor.k_e,
-        k_m: motor.k_m,
-        j: motor.j,
-        b_m: motor.b_m,
-        tie_k: motor.tie_k.unwrap_or(false),
-        rated_torque: motor.rated_torque,
-    })
+    Ok(motor)
 }
 
-fn tacho_unit(
+/// Whether the file gives that key.
+fn has(document: &Document<'_>, section: &str, key: &str) -> bool {
+    document.section(section).is_some_and(|table| table.contains_key(key))
+}
+
+fn sensors(
     document: &Document<'_>,
-    given: Option<TachoName>,
+    sensors: SensorData,
     motion: Motion,
-) -> Result<TachoUnit, Flaw> {
-    match (given, motion) {
-        (None, _)
-        | (Some(TachoName::Rotary), Motion::Rotary)
-        | (Some(TachoName::Linear), Motion::Linear) => Ok(TachoUnit::Si),
-        (Some(TachoName::Rpm), Motion::Rotary) => Ok(TachoUnit::Rpm),
-        (Some(TachoName::Rotary | TachoName::Linear | TachoName::Rpm), _) => {
-            let span = document.place_of("sensors", "tacho_unit").value;
-            let expected = match motion {
-                Motion::Rotary => "\"rpm\" or \"rad/s\" (`motion = \"rotary\"`)",
-                Motion::Linear => "\"m/s\" (`motion = \"linear\"`)",
-            };
-            let problem = Problem::Type {
-                key: "sensors.tacho_unit".to_owned(),
-                found: document.text[span.clone()].to_owned(),
-                expected: expected.to_owned(),
-            };
-            Err(Flaw::new(problem, span))
-        }
-    }
+) -> Result<SensorData, Flaw> {
+    let unit = document.section("sensors").and_then(|table| table.get("tacho_unit"));
+    let given = unit.and_then(|unit| unit.get_ref().as_str());
+    let expected = match (given, motion) {
+        (Some("m/s"), Motion::Rotary) => "\"rpm\" or \"rad/s\" (`motion = \"rotary\"`)",
+        (Some("rad/s" | "rpm"), Motion::Linear) => "\"m/s\" (`motion = \"linear\"`)",
+        _ => return Ok(sensors),
+    };
+    let span = document.place_of("sensors", "tacho_unit").value;
+    let problem = Problem::Type {
+        key: "sensors.tacho_unit".to_owned(),
+        found: document.text[span.clone()].to_owned(),
+        expected: expected.to_owned(),
+    };
+    Err(Flaw::new(problem, span))
 }
 
-fn noise(document: &Document<'_>, noise: NoiseTable, motion: Motion) -> Result<NoiseData, Flaw> {
-    // A quantity has one key, or two for a linear drive, of which one may be used.
-    let one = |key: &'static str, rotary: Option<f64>, linear: Option<f64>| {
-        let other = name_for_motion(Motion::Linear, key);
-        if linear.is_some() && (motion == Motion::Rotary || rotary.is_some()) {
-            let why = match motion {
-                Motion::Rotary => "it belongs to a linear drive",
-                Motion::Linear => "its other name is given as well",
-            };
-            let problem = Problem::Meaningless { key: format!("noise.{other}"), why };
-            return Err(Flaw::new(problem, document.place_of("noise", other).key));
-        }
-        Ok(rotary.or(linear).unwrap_or(0.0))
-    };
-    let torque = noise.torque.unwrap_or(0.0);
-    let torque_time = noise.torque_time.unwrap_or(0.0);
-    if torque > 0.0 && torque_time == 0.0 {
+/// A number of the noise has one key, or two for a linear drive, of which one may be used. To be
+/// checked before the tables are read, which take the two for one.
+pub(super) fn names(document: &Document<'_>) -> Result<(), Flaw> {
+    let motion = document.root.get("motion").and_then(|motion| motion.get_ref().as_str());
+    for field in fields().filter(|field| field.section == "noise") {
+        let (key, other) = (field.key, field.key(Motion::Linear));
+        let why = match motion {
+            _ if key == other || !has(document, "noise", other) => continue,
+            Some("linear") if !has(document, "noise", key) => continue,
+            Some("linear") => "its other name is given as well",
+            _ => "it belongs to a linear drive",
+        };
+        let problem = Problem::Meaningless { key: format!("noise.{other}"), why };
+        return Err(Flaw::new(problem, document.place_of("noise", other).key));
+    }
+    Ok(())
+}
+
+fn noise(document: &Document<'_>, noise: NoiseData) -> Result<NoiseData, Flaw> {
+    if noise.torque > 0.0 && noise.torque_time == 0.0 {
         let why = ", a correlation time above 0 (s) for the load torque's noise".to_owned();
         let problem = Problem::Missing { key: "noise.torque_time".to_owned(), why };
         return Err(Flaw::new(problem, document.place_of("noise", "torque").key));
     }
-    Ok(NoiseData {
-        omega: one("omega", noise.omega, noise.v)?,
-        i: noise.i.unwrap_or(0.0),
-        theta: one("theta", noise.theta, noise.x)?,
-        reference: noise.reference.unwrap_or(0.0),
-        torque,
-        torque_time,
-    })
+    Ok(noise)
 }
 
 /// `coulomb.T_c` without quotes is a table in TOML: both spellings give one name.
@@ -219,9 +190,8 @@ fn place(document: &Document<'_>, drive: &Drive, name: &str) -> (String, Spans) 
         return (name.to_owned(), spans);
     }
     // A linear drive may write `omega` for `v`.
-    let given =
-        |key: &&str| document.section(section).is_some_and(|table| table.contains_key(*key));
-    let mut keys = FIELDS.iter().filter(|field| field.section == section);
+    let given = |key: &&str| has(document, section, key);
+    let mut keys = fields().filter(|field| field.section == section);
     let rotary = keys.find(|field| field.key(drive.motion) == key).map_or(key, |field| field.key);
     let in_file = Some(key).filter(given).unwrap_or(rotary);
     (format!("{section}.{in_file}"), document.place_of(section, in_file))

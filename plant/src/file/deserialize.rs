@@ -12,7 +12,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::document::{Document, shown};
 use super::error::{Flaw, Problem};
-use crate::parameters::{FIELDS, nearest};
+use crate::drive::fields;
+use crate::parameters::nearest;
 
 /// Deserialises the whole document.
 pub(super) fn deserialize<T: de::DeserializeOwned>(document: &Document<'_>) -> Result<T, Flaw> {
@@ -90,7 +91,7 @@ impl Trouble {
                 known: known.join(", "),
             },
             Self::Missing(key) => {
-                let field = FIELDS.iter().find(|f| f.section == context.path && f.key == key);
+                let field = fields().find(|f| f.section == context.path && f.key == key);
                 let why = field.map_or_else(String::new, |f| format!(", {}", f.description));
                 Problem::Missing { key: context.below(key), why }
             }

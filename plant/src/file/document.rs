@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
-use super::error::{DriveFileError, Flaw, Place, Problem};
+use super::error::{DriveFileError, Flaw, Location, Problem};
 
 /// A parsed text.
 pub(super) struct Document<'a> {
@@ -80,7 +80,7 @@ impl Flaw {
         let before = text.get(..self.span.start).unwrap_or(text);
         let start_of_line = before.rfind('\n').map_or(0, |newline| newline + 1);
         DriveFileError::Content {
-            place: Place {
+            place: Location {
                 file: file.to_owned(),
                 line: line(text, self.span.start),
                 column: 1 + before[start_of_line..].chars().count(),

@@ -9,12 +9,12 @@ use super::document::{Document, Spans};
 use super::error::{Flaw, Problem};
 use super::law_text::offset_in_source;
 use super::layout::{EffectTable, EffectValue};
-use crate::drive::{EffectData, Input, LawData, Motion};
+use crate::drive::{EffectData, Input, LawData, Motion, fields};
 use crate::effects::custom::{Law, Target};
 use crate::effects::law::Parameter;
 use crate::effects::refusal::Refusal;
 use crate::effects::registry::{Entry, REGISTRY};
-use crate::parameters::{FIELDS, nearest};
+use crate::parameters::nearest;
 use crate::units::name_for_motion;
 
 /// The kind of an effect whose law stands in the file.
@@ -41,7 +41,7 @@ pub fn target_key(target: Target, motion: Motion) -> &'static str {
 
 /// Names of tables: `controller.K_p` must not be ambiguous.
 fn reserved() -> Vec<&'static str> {
-    let mut sections: Vec<_> = FIELDS.iter().map(|field| field.section).collect();
+    let mut sections: Vec<_> = fields().map(|field| field.section).collect();
     sections.dedup();
     sections
 }

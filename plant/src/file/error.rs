@@ -13,41 +13,22 @@ use crate::parameters::meant;
 
 /// Why a drive file was not read or written.
 #[derive(Debug, Error)]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum DriveFileError {
     /// The file cannot be read.
     #[error("{file}: cannot be read ({source}): give the path of a drive file in UTF-8")]
-    Read {
-        /// Path as it was given.
-        file: String,
-        /// What the operating system says.
-        source: io::Error,
-    },
-    /// The file cannot be written; whatever was there before is untouched.
-    #[error(
-        "{file}: cannot be written ({source}): choose a file in a folder that you may write to"
-    )]
-    Write {
-        /// Path as it was given.
-        file: String,
-        /// What the operating system says.
-        source: io::Error,
-    },
+    Read { file: String, source: io::Error },
     /// The content is wrong.
     #[error("{place}: {problem}")]
-    Content {
-        /// Where.
-        place: Place,
-        /// What.
-        problem: Box<Problem>,
-    },
+    Content { place: Location, problem: Box<Problem> },
 }
 
 impl DriveFileError {
     /// Where in the file, if the error lies in its content.
-    pub fn place(&self) -> Option<&Place> {
+    pub fn place(&self) -> Option<&Location> {
         match self {
             Self::Content { place, .. } => Some(place),
-            Self::Read { .. } | Self::Write { .. } => None,
+            Self::Read { .. } => None,
         }
     }
 
@@ -55,14 +36,14 @@ impl DriveFileError {
     pub fn problem(&self) -> Option<&Problem> {
         match self {
             Self::Content { problem, .. } => Some(problem),
-            Self::Read { .. } | Self::Write { .. } => None,
+            Self::Read { .. } => None,
         }
     }
 }
 
-/// A place in a file.
+/// Where in a file something stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct Location {
     /// File name as it was given.
     pub file: String,
     /// Line, from 1.
@@ -73,7 +54,7 @@ pub struct Place {
     pub span: Range<usize>,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}:{}", self.file, self.line, self.column)
     }
@@ -81,6 +62,7 @@ impl fmt::Display for Place {
 
 /// What is wrong with the content of a drive file. Keys are given with their table.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Problem {
     /// The text is not TOML.
     #[error("not TOML: {reason}")]
@@ -97,7 +79,6 @@ pub enum Problem {
     /// A key that its table does not have.
     #[error("unknown key `{key}`{}; here may stand {known}", meant(.nearest))]
     UnknownKey {
-        /// The key.
         key: String,
         /// A key of that table that is spelt alike.
         nearest: Option<String>,
@@ -107,7 +88,6 @@ pub enum Problem {
     /// A key that its table needs.
     #[error("`{key}` is missing: add it{why}")]
     Missing {
-        /// The key.
         key: String,
         /// What it is needed for, after a comma; may be empty.
         why: String,
@@ -115,7 +95,6 @@ pub enum Problem {
     /// A value of another type, or none of the words that are allowed.
     #[error("`{key}` = {found}: it takes {expected}")]
     Type {
-        /// The key.
         key: String,
         /// The value as the file has it.
         found: String,
@@ -125,9 +104,7 @@ pub enum Problem {
     /// A number that is not possible.
     #[error("`{key}` = {found:?}: {description}; it takes {allowed}")]
     OutOfRange {
-        /// The key.
         key: String,
-        /// The value.
         found: f64,
         /// What the number means.
         description: String,
@@ -136,12 +113,7 @@ pub enum Problem {
     },
     /// A key that means nothing for this drive.
     #[error("`{key}` has no meaning here: {why}; remove it")]
-    Meaningless {
-        /// The key.
-        key: String,
-        /// Why.
-        why: &'static str,
-    },
+    Meaningless { key: String, why: &'static str },
     /// An effect that is not in the library.
     #[error("unknown effect `{kind}`{}; known are {known}", meant(.nearest))]
     UnknownEffect {
@@ -155,7 +127,6 @@ pub enum Problem {
     /// An effect that this drive cannot have.
     #[error("`{id}` cannot exist for this drive: {why}")]
     Impossible {
-        /// Its name.
         id: String,
         /// Why, and what to do.
         why: Refusal,
@@ -165,7 +136,6 @@ pub enum Problem {
         "`{id}` cannot stand beside `{other}` (on line {first}): they are one part of the drive; remove one of them"
     )]
     Excluded {
-        /// Its name.
         id: String,
         /// Name of the other.
         other: String,
@@ -175,7 +145,6 @@ pub enum Problem {
     /// Two effects of one name.
     #[error("a second effect `{id}` (the first is on line {first}): give each its own `id`")]
     Twice {
-        /// The name.
         id: String,
         /// Line of the first.
         first: usize,
@@ -185,9 +154,7 @@ pub enum Problem {
         "`{key}`: `{found}` is no name: it takes a letter or `_`, then letters, digits or `_` (ASCII), and none of {reserved}"
     )]
     Name {
-        /// The key.
         key: String,
-        /// The name.
         found: String,
         /// Names that are taken.
         reserved: String,
@@ -195,7 +162,6 @@ pub enum Problem {
     /// A typed law that cannot be parsed; the place is the character in the law.
     #[error("`{key}`: {error}")]
     Law {
-        /// The key.
         key: String,
         /// What is wrong with the law.
         error: LawError,
@@ -203,7 +169,6 @@ pub enum Problem {
     /// Knots that make no curve; the place is the knot.
     #[error("`{key}`: {error}")]
     Knots {
-        /// The key.
         key: String,
         /// What is wrong with the knots.
         error: KnotError,
@@ -211,7 +176,6 @@ pub enum Problem {
     /// A learned curve without exactly one value at every knot.
     #[error("`{id}` has {knots} knots and {values} values: give one value at every knot")]
     Values {
-        /// Its name.
         id: String,
         /// Number of knots.
         knots: usize,
@@ -221,7 +185,6 @@ pub enum Problem {
     /// A custom effect with no law or several.
     #[error("`{id}` has {found}: a custom effect gives exactly one of {known}")]
     Laws {
-        /// Its name.
         id: String,
         /// The laws it has, or `no law`.
         found: String,
@@ -231,7 +194,6 @@ pub enum Problem {
     /// A list names a parameter that the drive does not have.
     #[error("`{key}`: the drive has no parameter `{name}`{}; it has {known}", meant(.nearest))]
     UnknownParameter {
-        /// The list.
         key: String,
         /// The name in it.
         name: String,
@@ -242,10 +204,7 @@ pub enum Problem {
     },
     /// A parameter that is fixed and yet free in every recording.
     #[error("`{name}` stands in `fit.fixed` and in `fit.per_recording`: keep one of them")]
-    FixedAndFree {
-        /// The parameter.
-        name: String,
-    },
+    FixedAndFree { name: String },
 }
 
 /// A problem with the bytes that it is about; the file's name comes last.

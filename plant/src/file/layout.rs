@@ -1,5 +1,5 @@
 //! The drive file as serde and the schema see it: tables and keys, without the rules between
-//! them. Units, ranges and descriptions of the numbers are those of [`crate::parameters`].
+//! them. The sections of numbers are declared in `drive/sections.rs`.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,7 +9,9 @@ use serde::de::{self, MapAccess, SeqAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::drive::{Input, Motion};
+use crate::drive::{
+    AmplifierData, ControllerData, GeneratorData, Motion, MotorData, NoiseData, SensorData,
+};
 
 /// A drive file: SI units throughout.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
@@ -26,18 +28,18 @@ pub(super) struct Layout {
     #[serde(default = "motion")]
     pub(super) motion: Motion,
     /// The motor.
-    pub(super) motor: MotorTable,
+    pub(super) motor: MotorData,
     /// The physical effects besides the motor's linear balances.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) effect: Vec<EffectTable>,
     /// PI speed control.
-    pub(super) controller: Option<ControllerTable>,
+    pub(super) controller: Option<ControllerData>,
     /// Power amplifier from the control signal C_m to u; without it u = C_m.
-    pub(super) amplifier: Option<GainTable>,
+    pub(super) amplifier: Option<AmplifierData>,
     /// Second motor as a generator: a load torque that a current sets.
-    pub(super) generator: Option<GeneratorTable>,
+    pub(super) generator: Option<GeneratorData>,
     /// Resolution of the sensors.
-    pub(super) sensors: Option<SensorTable>,
+    pub(super) sensors: Option<SensorData>,
     /// Known standard deviations of the noise.
     pub(super) noise: Option<NoiseTable>,
     /// What a fit does with the parameters.
@@ -55,96 +57,6 @@ fn motion() -> Motion {
     Motion::Rotary
 }
 
-fn voltage() -> Input {
-    Input::Voltage
-}
-
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub(super) struct MotorTable {
-    /// What u is.
-    #[serde(default = "voltage")]
-    pub(super) input: Input,
-    #[serde(rename = "R")]
-    pub(super) r: Option<f64>,
-    #[serde(rename = "L")]
-    pub(super) l: Option<f64>,
-    #[serde(rename = "K_e")]
-    pub(super) k_e: Option<f64>,
-    #[serde(rename = "K_m")]
-    pub(super) k_m: f64,
-    #[serde(rename = "J")]
-    pub(super) j: f64,
-    #[serde(rename = "B_m")]
-    pub(super) b_m: f64,
-    /// Whether a fit keeps K_m = K_e.
-    #[serde(rename = "tie_K")]
-    pub(super) tie_k: Option<bool>,
-    pub(super) rated_torque: Option<f64>,
-}
-
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub(super) struct ControllerTable {
-    #[serde(rename = "K_p")]
-    pub(super) k_p: f64,
-    #[serde(rename = "K_i")]
-    pub(super) k_i: f64,
-    pub(super) period: Option<f64>,
-    pub(super) limit: Option<f64>,
-}
-
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub(super) struct GainTable {
-    pub(super) gain: f64,
-    pub(super) limit: Option<f64>,
-}
-
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub(super) struct GeneratorTable {
-    #[serde(rename = "K_m")]
-    pub(super) k_m: f64,
-    pub(super) gain: f64,
-    pub(super) limit: Option<f64>,
-}
-
-/// Unit of the tachometer signal T as it is written.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
-pub(super) enum TachoName {
-    #[serde(rename = "rad/s")]
-    Rotary,
-    #[serde(rename = "m/s")]
-    Linear,
-    #[serde(rename = "rpm")]
-    Rpm,
-}
-
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub(super) struct SensorTable {
-    pub(super) tacho_quantum: Option<f64>,
-    pub(super) current_quantum: Option<f64>,
-    /// Unit of the tachometer signal T; the SI unit of the motion if absent.
-    pub(super) tacho_unit: Option<TachoName>,
-}
-
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "a table")]
-pub(super) struct NoiseTable {
-    pub(super) omega: Option<f64>,
-    /// `omega` of a linear drive.
-    pub(super) v: Option<f64>,
-    pub(super) i: Option<f64>,
-    pub(super) theta: Option<f64>,
-    /// `theta` of a linear drive.
-    pub(super) x: Option<f64>,
-    pub(super) reference: Option<f64>,
-    pub(super) torque: Option<f64>,
-    pub(super) torque_time: Option<f64>,
-}
-
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct FitTable {
@@ -154,6 +66,13 @@ pub(super) struct FitTable {
     /// Parameters that may differ from recording to recording.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) per_recording: Vec<String>,
+}
+
+/// The noise: read under the names of either motion, written under those of the drive's.
+#[derive(Debug)]
+pub(super) enum NoiseTable {
+    Read(NoiseData),
+    Written(Vec<(&'static str, f64)>),
 }
 
 /// One `[[effect]]`: which keys it takes depends on its kind, and is checked with the registry.
@@ -261,6 +180,21 @@ impl<'de> Deserialize<'de> for Origin {
             }
         }
         deserializer.deserialize_any(Any)
+    }
+}
+
+impl<'de> Deserialize<'de> for NoiseTable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        NoiseData::deserialize(deserializer).map(Self::Read)
+    }
+}
+
+impl Serialize for NoiseTable {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Read(noise) => noise.serialize(serializer),
+            Self::Written(numbers) => serializer.collect_map(numbers.iter().copied()),
+        }
     }
 }
 

@@ -28,7 +28,7 @@ use crate::drive::Drive;
 pub use curve::LEARNED;
 pub use edit::Change;
 pub use effects::{CUSTOM, target_key};
-pub use error::{DriveFileError, Place, Problem};
+pub use error::{DriveFileError, Location, Problem};
 pub use schema::schema_json;
 
 impl Drive {
@@ -40,6 +40,7 @@ impl Drive {
     pub fn parse(text: &str, file_name: &str) -> Result<Self, DriveFileError> {
         document::Document::parse(text)
             .and_then(|document| {
+                check::names(&document)?;
                 let layout = deserialize::deserialize(&document)?;
                 check::drive(&document, layout)
             })
@@ -72,15 +73,5 @@ impl Drive {
         }
         let text = toml::to_string(&BTreeMap::from([("effect", tables)]));
         format!("\n{}", text.expect("plain tables of numbers and texts are TOML"))
-    }
-
-    /// Writes the drive file: all of it or nothing.
-    ///
-    /// # Errors
-    /// [`DriveFileError::Write`] if the folder does not take it.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), DriveFileError> {
-        let path = path.as_ref();
-        write::replace(path, &self.to_toml())
-            .map_err(|source| DriveFileError::Write { file: path.display().to_string(), source })
     }
 }

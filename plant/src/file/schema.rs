@@ -11,12 +11,11 @@ use serde_json::{Map, Value, json};
 
 use super::curve::{BALANCES, LEARNED, overs};
 use super::effects::{CUSTOM, targets};
-use super::layout::{EffectTable, Layout};
-use crate::drive::Motion;
+use super::layout::{EffectTable, Layout, NoiseTable};
+use crate::drive::{Field, Motion, NoiseData, fields};
 use crate::effects::law::Parameter;
 use crate::effects::learned::{FEWEST_KNOTS, MOST_KNOTS};
 use crate::effects::registry::{Entry, REGISTRY};
-use crate::parameters::{FIELDS, Field};
 use crate::units::for_motion;
 
 /// The JSON Schema of the drive file, indented; draft 7, which the TOML editors read.
@@ -28,12 +27,13 @@ fn schema() -> Value {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<Layout>().to_value();
     without_null(&mut schema);
-    for field in FIELDS {
+    for field in fields() {
         let section = &mut schema["properties"][field.section]["properties"];
-        for motion in [Motion::Rotary, Motion::Linear] {
-            if let Some(Value::Object(number)) = section.get_mut(field.key(motion)) {
-                describe(number, field);
-            }
+        if let Some(Value::Object(number)) = section.get_mut(field.key) {
+            describe(number, field);
+            // The other name of a linear drive is the same number.
+            let same = Value::Object(number.clone());
+            section[field.key(Motion::Linear)] = same;
         }
     }
     schema
@@ -70,6 +70,7 @@ fn without_null(schema: &mut Value) {
 
 fn describe(number: &mut Map<String, Value>, field: &Field) {
     number.remove("format");
+    number.remove("default");
     number.extend(numeric(field.description, field.unit, field.range));
 }
 
@@ -88,6 +89,16 @@ fn numeric(description: &str, unit: &str, (low, high): (f64, f64)) -> Map<String
         of.insert("maximum".to_owned(), json!(high));
     }
     of
+}
+
+impl JsonSchema for NoiseTable {
+    fn schema_name() -> Cow<'static, str> {
+        NoiseData::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        NoiseData::json_schema(generator)
+    }
 }
 
 impl JsonSchema for EffectTable {
@@ -265,7 +276,7 @@ mod tests {
                 assert!(text.is_some_and(|text| text.starts_with(parameter.description)));
             }
         }
-        for field in FIELDS {
+        for field in fields() {
             let number = &schema["properties"][field.section]["properties"][field.key];
             let text = number["description"].as_str();
             assert!(text.is_some_and(|text| text.starts_with(field.description)), "{}", field.key);

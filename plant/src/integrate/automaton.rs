@@ -8,7 +8,7 @@
 use drivescope_numerics::Real;
 
 use super::step::{Armature, Stages, may_dip, step};
-use crate::model::{Applied, Model, SPEED, field, rest};
+use crate::model::{Applied, Model, SPEED, at_rest, field};
 
 /// More changes of the sign than this within a sub-step: the sign is held for the rest of it,
 /// and a shaft with dry friction too.
@@ -82,7 +82,7 @@ fn event<R: Real>(
     tau: f64,
 ) -> R {
     if sign == 0.0 {
-        rest(model, x, &Applied { time: applied.time + tau, ..*applied }).margin()
+        at_rest(model, x, &Applied { time: applied.time + tau, ..*applied }).margin()
     } else {
         x[SPEED][0].scaled(sign)
     }
@@ -188,7 +188,7 @@ fn after<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], sign: f64, applied: &Applie
     if !model.dry() {
         return -sign;
     }
-    let torques = rest(model, x, applied);
+    let torques = at_rest(model, x, applied);
     if sign != 0.0 {
         return torques.sign();
     }

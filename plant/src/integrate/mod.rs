@@ -28,7 +28,7 @@ mod step;
 
 use drivescope_numerics::Real;
 
-use crate::model::{Applied, Model, OWN, SPEED, rest};
+use crate::model::{Applied, Model, OWN, SPEED, at_rest};
 use affine::Affine;
 use grain::Grain;
 use step::{Armature, Stages};
@@ -259,7 +259,7 @@ impl<R: Real> Integrator<R> {
         let Some(plan) = plan else { return };
         let State { x, sign: [sign] } = state;
         if model.dry() && *sign == 0.0 {
-            *sign = rest(model, x, applied).sign();
+            *sign = at_rest(model, x, applied).sign();
         }
         if let Some(affine) = plan.affine(*sign) {
             let next = affine.step(x, applied);

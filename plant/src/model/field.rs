@@ -162,7 +162,7 @@ fn integrate_error<R: Real, const N: usize>(
 
 /// Torques that decide whether a shaft at rest stays there, N m or N.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rest<R> {
+pub struct AtRest<R> {
     /// Torque on the shaft without dry friction, load included.
     pub net: R,
     /// Break-away level in forward direction.
@@ -171,7 +171,7 @@ pub struct Rest<R> {
     pub backward: R,
 }
 
-impl<R: Real> Rest<R> {
+impl<R: Real> AtRest<R> {
     /// What is missing until the shaft breaks away; negative once it must move.
     pub fn margin(&self) -> R {
         let (up, down) = (self.forward - self.net, self.backward + self.net);
@@ -191,10 +191,10 @@ impl<R: Real> Rest<R> {
 }
 
 /// The torques at the state `x`, whose speed is zero.
-pub fn rest<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], applied: &Applied<R, 1>) -> Rest<R> {
+pub fn at_rest<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], applied: &Applied<R, 1>) -> AtRest<R> {
     let applied = &model.under_control(x, applied);
     let at = views(model, x, applied, applied.time, &[0.0]);
     let mut sum = empty(&model.motors.inverses());
     add_up(model, x, &at, &mut sum);
-    Rest { net: net(model, &at, &sum, 0), forward: sum.forward[0], backward: sum.backward[0] }
+    AtRest { net: net(model, &at, &sum, 0), forward: sum.forward[0], backward: sum.backward[0] }
 }

@@ -17,7 +17,7 @@ use crate::effects::registry::{Kind, Placed, REGISTRY};
 
 pub use control::{Control, Controlled, Controls};
 pub(crate) use field::field_at;
-pub use field::{Rest, field, rest};
+pub use field::{AtRest, at_rest, field};
 pub(crate) use motor::Inverses;
 pub use motor::{Motor, Motors};
 pub(crate) use rows::Rows;

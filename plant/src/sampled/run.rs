@@ -1,5 +1,8 @@
 //! Many samples at once: the loop over them is compiled as a whole for the widest instruction
 //! set there is, so that each part of a sample is a straight loop over the lanes.
+//!
+//! The other loop, of [`Unit`](crate::unit::Unit), cannot be this one: its caller chooses the steps, and
+//! a sample is taken where one falls due. What a sample is, both have from [`Sampled`].
 
 use super::{InputLanes, Sampled, SignalLanes};
 use crate::effects::law::OutputLanes;

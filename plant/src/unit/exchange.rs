@@ -8,7 +8,7 @@ use drivescope_numerics::{Dual, Real};
 
 use super::{SAME_INSTANT, Unit};
 use crate::effects::law::Outputs;
-use crate::model::{Applied, Controls, Model, SPEED, field, rest};
+use crate::model::{Applied, Controls, Model, SPEED, at_rest, field};
 use crate::sampled::FROZEN;
 use crate::unit::variables::{InputSlot, OutputSlot, Slot};
 
@@ -67,7 +67,7 @@ impl Unit {
             let state = self.sampled.state();
             let sign = state.sign[0];
             let values = if sign == 0.0 {
-                let torques = rest(self.sampled.model(), &state.x, &self.applied());
+                let torques = at_rest(self.sampled.model(), &state.x, &self.applied());
                 let shift = LEVEL_SHIFT * (torques.forward + torques.backward);
                 [torques.forward - torques.net + shift, torques.backward + torques.net + shift]
             } else {
@@ -109,7 +109,7 @@ impl Unit {
         let state = self.sampled.state();
         let sign = state.sign[0];
         if sign == 0.0 {
-            let now = rest(self.sampled.model(), &state.x, &applied).sign();
+            let now = at_rest(self.sampled.model(), &state.x, &applied).sign();
             self.sampled.state_mut().sign = [now];
             return false;
         }
@@ -123,7 +123,7 @@ impl Unit {
         }
         let mut x = state.x.clone();
         x[SPEED] = [0.0];
-        let now = rest(self.sampled.model(), &x, &applied).sign();
+        let now = at_rest(self.sampled.model(), &x, &applied).sign();
         let state = self.sampled.state_mut();
         state.x[SPEED] = [0.0];
         state.sign = [now];

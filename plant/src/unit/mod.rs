@@ -27,25 +27,18 @@ pub use variables::{Role, Variable};
 
 /// What cannot be done with a unit.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum UnitError {
     /// No variable has that reference.
     #[error("the drive has no variable number {reference}")]
-    Reference {
-        /// The reference.
-        reference: usize,
-    },
+    Reference { reference: usize },
     /// The variable is calculated by the drive.
     #[error("`{name}` is calculated by the drive and cannot be set")]
-    Calculated {
-        /// The variable.
-        name: String,
-    },
+    Calculated { name: String },
     /// The value is not possible.
     #[error("`{name}` = {value} is not possible: {reason}")]
     Value {
-        /// The variable.
         name: String,
-        /// The value.
         value: f64,
         /// Why not.
         reason: String,

@@ -26,7 +26,7 @@ pub(crate) struct Truth {
     pub(crate) saturation: f64,
 }
 
-/// The AMIRA DR300, as SCIENCE states it.
+/// The AMIRA DR300, as the shipped drive file states it.
 pub(crate) const DR300: Truth = Truth {
     r: 3.13,
     l: 5e-3,

@@ -1,10 +1,11 @@
 //! One line of a text file: a row, names, units or a comment?
 
+use drivescope_units::Unit;
+
 use super::clock::stamp;
 use super::encoding::text;
 use super::fields::Fields;
 use super::number::{is_missing, number, with_unit};
-use crate::unit::Unit;
 
 /// Marks that make a line a comment.
 const COMMENTS: [&[u8]; 3] = [b"#", b"%", b"//"];

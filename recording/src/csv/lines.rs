@@ -1,4 +1,8 @@
 //! Lines of a text file.
+//!
+//! `csv::Reader` counts lines too, but takes records: above the columns of a log stand lines of free
+//! text, in which one quotation mark would swallow the rows below, and the separator is found out of
+//! them. So lines are taken here, and the fields of each by `csv-core`.
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, ErrorKind, Read};

@@ -1,7 +1,8 @@
 //! Numbers as the world writes them: decimal point or comma, thousands apart or not.
 
+use drivescope_units::Unit;
+
 use super::encoding::text;
-use crate::unit::Unit;
 
 /// Longest text of a number: 17 digits, sign, point and exponent need 24; zeros may be padded.
 pub(super) const LONGEST_NUMBER: usize = 64;

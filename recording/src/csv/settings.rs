@@ -1,9 +1,10 @@
 //! Numbers that stand above the header: `Sampling rate: 1 kHz`, `counts per revolution;4096`.
 
+use drivescope_units::{Quantity, Unit};
+
 use super::encoding::text;
 use super::lines::Numbered;
 use super::number::number;
-use crate::unit::{Quantity, Unit};
 
 /// One setting.
 #[derive(Debug, Clone, PartialEq)]

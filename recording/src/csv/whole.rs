@@ -2,6 +2,8 @@
 
 use std::io::Read;
 
+use drivescope_units::is_counts;
+
 use super::body::Body;
 use super::column::{Kind, Outcome};
 use super::fields::Fields;
@@ -10,7 +12,6 @@ use super::layout;
 use super::lines::LineReader;
 use super::settings::{Setting, counts_a_revolution, period_s, settings};
 use crate::budget::Budget;
-use crate::counts::is_counts;
 use crate::error::Error;
 use crate::given::Given;
 use crate::header;

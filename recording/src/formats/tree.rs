@@ -20,12 +20,12 @@ const MOST_COLUMNS: usize = 100;
 const EMPTY_WORDS: [&str; 5] = ["values", "value", "data", "samples", "signal"];
 
 /// Names from the outermost to the variable's own.
-pub(super) type Path = Vec<String>;
+pub(super) type KeyPath = Vec<String>;
 
 /// A real matrix, column after column.
 #[derive(Debug)]
 pub(super) struct Matrix {
-    pub(super) path: Path,
+    pub(super) path: KeyPath,
     pub(super) unit: Option<String>,
     pub(super) rows: usize,
     pub(super) columns: usize,
@@ -36,21 +36,21 @@ pub(super) struct Matrix {
 #[derive(Debug, Default)]
 pub(super) struct Tree {
     pub(super) matrices: Vec<Matrix>,
-    pub(super) texts: Vec<(Path, String)>,
+    pub(super) texts: Vec<(KeyPath, String)>,
     /// Variables that are no real numbers, by what they are.
-    pub(super) others: Vec<(Path, &'static str)>,
+    pub(super) others: Vec<(KeyPath, &'static str)>,
 }
 
 /// A vector of the file.
 struct Branch {
-    path: Path,
+    path: KeyPath,
     unit: Option<String>,
     values: Vec<f64>,
 }
 
 impl Tree {
     /// Adds a single number.
-    pub(super) fn number(&mut self, path: Path, value: f64) {
+    pub(super) fn number(&mut self, path: KeyPath, value: f64) {
         let values = vec![value];
         self.matrices.push(Matrix { path, unit: None, rows: 1, columns: 1, values });
     }
@@ -92,7 +92,7 @@ impl Tree {
             };
             return Err(Error::NoSeries { file: file.to_owned(), found });
         }
-        let sampling = |(path, value): &(Path, f64)| sampling_time(path.last()?, *value);
+        let sampling = |(path, value): &(KeyPath, f64)| sampling_time(path.last()?, *value);
         let period_s = scalars.iter().find_map(sampling);
         scalars.retain(|it| sampling(it).is_none());
         let names = short(&scalars.iter().map(|(path, _)| path).collect::<Vec<_>>(), options);
@@ -179,7 +179,7 @@ fn grouped(
     groups
 }
 
-fn of_another_length(path: &Path, found: usize, length: usize) -> String {
+fn of_another_length(path: &KeyPath, found: usize, length: usize) -> String {
     format!("variable `{}` has {found} values, others have {length}", path.join("."))
 }
 
@@ -230,14 +230,14 @@ pub(super) fn header(name: String, unit: Option<&str>) -> String {
 
 /// The last part of each path where it is no other's, else all parts: `u` for `daq.u`. The time
 /// of a group is just its time, because only one of them stays.
-pub(super) fn short(paths: &[&Path], options: &ReadOptions) -> Vec<String> {
-    let last = |path: &Path| match &path[..] {
+pub(super) fn short(paths: &[&KeyPath], options: &ReadOptions) -> Vec<String> {
+    let last = |path: &KeyPath| match &path[..] {
         [.., above, word] if EMPTY_WORDS.contains(&word.as_str()) => above.clone(),
         [.., last] => last.clone(),
         [] => String::new(),
     };
     let words: Vec<String> = paths.iter().map(|path| last(path)).collect();
-    let name = |(path, word): (&&Path, &String)| {
+    let name = |(path, word): (&&KeyPath, &String)| {
         let full = path.join(".");
         let asked = options.columns.iter().any(|it| it.foreign == full);
         let alone = words.iter().filter(|other| *other == word).count() == 1;

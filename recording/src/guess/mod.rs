@@ -3,11 +3,11 @@
 mod meant;
 mod whole;
 
+use drivescope_units::Quantity::{Angle, AngularSpeed, Length, Speed};
 use meant::targets;
 use whole::WHOLE;
 
 use crate::canonical::{Canonical, exact};
-use crate::unit::Quantity::{Angle, AngularSpeed, Length, Speed};
 use crate::words::{meaning, words};
 
 /// What a foreign name is likely to be, and how near to a measurement of it.

@@ -1,11 +1,11 @@
 //! A column under its signal's name and in its unit.
 
+use drivescope_units::Unit;
 use serde::Serialize;
 
 use crate::canonical::Canonical;
 use crate::error::Error;
 use crate::given::Given;
-use crate::unit::{Unit, known};
 
 /// How a column came to its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -84,7 +84,7 @@ pub(super) fn place(
                     column: given.name.clone(),
                     signal: signal.to_owned(),
                     unit: text.clone(),
-                    known: known(canonical.quantities),
+                    known: Unit::spelt(canonical.quantities),
                 })?;
             if canonical.kept.contains(&unit.quantity) {
                 (text.as_str(), None)

@@ -1,14 +1,14 @@
 //! Columns that carry the very name of a signal.
 
+use drivescope_units::{Quantity, Unit, is_counts};
+
 use super::capital_t::capital_t;
 use super::column::Taken;
-use super::naming::Naming;
+use super::naming::{Naming, uncounted};
 use crate::canonical;
-use crate::counts::{is_counts, uncounted};
 use crate::error::Error;
 use crate::given::Given;
 use crate::guess;
-use crate::unit::{Quantity, Unit};
 
 impl Naming<'_> {
     /// Names those columns; a unit that the signal cannot have leaves them to a guess.

@@ -1,10 +1,11 @@
 //! Columns whose foreign names are recognised.
 
+use drivescope_units::is_counts;
+
 use super::column::Taken;
 use super::motion::rotary;
-use super::naming::Naming;
+use super::naming::{Naming, uncounted};
 use crate::canonical::Canonical;
-use crate::counts::{is_counts, uncounted};
 use crate::error::Error;
 use crate::guess::{self, Rank};
 

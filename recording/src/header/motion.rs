@@ -1,8 +1,9 @@
 //! Whether a file's columns tell of a turning machine or of a straight one.
 
+use drivescope_units::{Quantity, Unit};
+
 use crate::canonical;
 use crate::given::Given;
-use crate::unit::{Quantity, Unit};
 use crate::words::words;
 
 /// Whether the units tell of a turning machine (or of a straight one).

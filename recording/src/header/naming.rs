@@ -127,3 +127,12 @@ fn no_name_twice(file: &str, columns: &[Column]) -> Result<(), Error> {
     }
     Ok(())
 }
+
+/// What to say of a column of counts that would be that signal.
+pub(super) fn uncounted(column: &str, signal: &str) -> String {
+    let unit = if matches!(signal, "x" | "x_load") { "counts*0.05um" } else { "counts/4096" };
+    format!(
+        "column `{column}` is kept in counts: say how many make a revolution (or how long one is) \
+         with --columns {signal}={column}:{unit}"
+    )
+}

@@ -153,9 +153,9 @@ impl Slow {
     fn ends(&self, steps: &[f64], rates: &[f64]) -> impl Iterator<Item = usize> {
         let Range { start, end } = self.steps;
         let other = |step: usize| is_other(rates[step / BLOCK], self.rate);
-        let begins = start > 0 && other(start - 1);
+        let starts = start > 0 && other(start - 1);
         let ends = end < steps.len() && other(end);
-        [begins.then_some(start), ends.then_some(end)].into_iter().flatten()
+        [starts.then_some(start), ends.then_some(end)].into_iter().flatten()
     }
 }
 

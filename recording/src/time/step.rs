@@ -104,7 +104,7 @@ impl Phasor {
         Self { re, im }
     }
 
-    fn turned(self, by: Self) -> Self {
+    fn rotated(self, by: Self) -> Self {
         let Self { re, im } = self;
         Self { re: re * by.re - im * by.im, im: re * by.im + im * by.re }
     }
@@ -122,7 +122,7 @@ fn sums(time: &[f64], from: f64, spacing: f64, count: usize) -> Vec<Phasor> {
         let (mut phasor, by) = (Phasor::at(from * t), Phasor::at(spacing * t));
         for sum in &mut sums {
             (sum.re, sum.im) = (sum.re + phasor.re, sum.im + phasor.im);
-            phasor = phasor.turned(by);
+            phasor = phasor.rotated(by);
         }
     }
     sums

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use comfy_table::{ContentArrangement, Table, presets};
-use drivescope_fmu::import::{Causality, Description, Fmu, Kind, Variable};
+use drivescope_fmu::import::{Causality, Description, Fmu, Interface, Variable};
 use drivescope_recording::rounded;
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub(crate) struct Info {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
+struct InfoAnswer<'a> {
     name: &'a str,
     fmi: &'a str,
     description: Option<&'a str>,
@@ -54,12 +54,12 @@ impl Run for Info {
         let fmu = Fmu::open(&self.file).map_err(told)?;
         let about = fmu.description();
         let experiment = about.default_experiment;
-        let answer = Answer {
+        let answer = InfoAnswer {
             name: &about.model_name,
             fmi: &about.fmi_version,
             description: about.description.as_deref(),
             generation_tool: about.generation_tool.as_deref(),
-            interfaces: about.kinds().iter().map(Kind::to_string).collect(),
+            interfaces: about.interfaces().iter().map(Interface::to_string).collect(),
             platforms: fmu.platforms(),
             start: experiment.start,
             stop: experiment.stop,
@@ -99,7 +99,7 @@ fn shown(variable: &Variable) -> Shown<'_> {
 }
 
 /// What an FMU can do in an interface, in words.
-fn abilities(about: &Description, kind: Kind) -> String {
+fn abilities(about: &Description, kind: Interface) -> String {
     let Some(can) = about.capabilities(kind) else { return String::new() };
     let named = [
         (can.state, "state saved and restored"),
@@ -114,7 +114,7 @@ fn abilities(about: &Description, kind: Kind) -> String {
     if has.is_empty() { "nothing optional".to_owned() } else { has.join(", ") }
 }
 
-fn text(answer: &Answer<'_>, about: &Description) -> String {
+fn text(answer: &InfoAnswer<'_>, about: &Description) -> String {
     let mut text = format!("{}, FMI {}\n", answer.name, answer.fmi);
     let mut line = |key: &str, value: &str| {
         let _ = writeln!(text, "  {key:<16} {value}");
@@ -125,7 +125,7 @@ fn text(answer: &Answer<'_>, about: &Description) -> String {
     if let Some(tool) = answer.generation_tool {
         line("made by", tool);
     }
-    for kind in about.kinds() {
+    for kind in about.interfaces() {
         line(&kind.to_string(), &abilities(about, kind));
     }
     line("platforms", &answer.platforms.join(", "));

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use drivescope_fmu::import::{Fmu, Kind, Ran, RunOptions, Status, Value, run};
+use drivescope_fmu::import::{Fmu, Interface, Ran, RunOptions, Status, Value, run};
 use drivescope_recording::rounded;
 use serde::Serialize;
 
@@ -39,7 +39,7 @@ pub(crate) struct RunFmu {
     tolerance: Option<f64>,
     /// Interface: Co-Simulation, or Model Exchange integrated by drivescope.
     #[arg(long, value_name = "cs|me", hide_possible_values = true)]
-    kind: Option<Interface>,
+    kind: Option<InterfaceName>,
     /// Record this variable and not all outputs; may be given several times.
     #[arg(long, value_name = "NAME")]
     record: Vec<String>,
@@ -58,13 +58,13 @@ pub(crate) struct RunFmu {
 const SAME_POINT: f64 = 1e-6;
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Interface {
+enum InterfaceName {
     Cs,
     Me,
 }
 
 #[derive(Debug, Serialize)]
-struct Answer {
+struct RunAnswer {
     name: String,
     output: PathBuf,
     samples: usize,
@@ -89,8 +89,8 @@ impl Run for RunFmu {
         let input = self.input.as_ref().map(|path| self.reading.read(path, session));
         let input = input.transpose()?.map(|(recording, _)| recording);
         let kind = self.kind.map(|kind| match kind {
-            Interface::Cs => Kind::CoSimulation,
-            Interface::Me => Kind::ModelExchange,
+            InterfaceName::Cs => Interface::CoSimulation,
+            InterfaceName::Me => Interface::ModelExchange,
         });
         let parameters =
             self.set.iter().map(|(name, value)| (name.clone(), Value::Text(value.clone())));
@@ -137,7 +137,7 @@ impl Run for RunFmu {
         let signals = recording.signals.iter().map(|signal| signal.header());
         let signals = signals.chain(texts.into_iter().map(|text| text.name)).collect();
         let answer =
-            Answer { name: recording.name, output, samples, start, period, ended, signals };
+            RunAnswer { name: recording.name, output, samples, start, period, ended, signals };
         session.wrote(&text, &answer, &Next::new("serve").files([&self.output]))?;
         Ok(Ending::Done)
     }

@@ -25,31 +25,31 @@ pub(crate) struct Step {
     pub(crate) depth: usize,
 }
 
-/// A balance of which something is left, and what every step leaves of it.
-type Left = (&'static str, Vec<Option<Unexplained>>);
+/// A balance of which something is unexplained, and what every step leaves of it.
+type OfBalance = (&'static str, Vec<Option<Unexplained>>);
 
-/// The balances of which these steps tell what is left.
-fn left(motion: Motion, steps: &[Step]) -> Vec<Left> {
+/// The balances of which these steps tell what is unexplained.
+fn by_balance(motion: Motion, steps: &[Step]) -> Vec<OfBalance> {
     let all: Vec<_> = steps.iter().map(|step| balances(motion, &step.unexplained)).collect();
     let Some(first) = all.first() else { return Vec::new() };
     let of = |place: usize| (first[place].0, all.iter().map(|it| it[place].1).collect());
-    let told = |(_, left): &Left| left.iter().any(Option::is_some);
-    (0..first.len()).map(of).filter(told).collect()
+    let measured = |(_, each): &OfBalance| each.iter().any(Option::is_some);
+    (0..first.len()).map(of).filter(measured).collect()
 }
 
 /// The table of the steps and its picture; `action` is what may be done with the step of a number.
 pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> Markup) -> Markup {
-    let left = left(motion, steps);
+    let unexplained = by_balance(motion, steps);
     let in_reach = |step: &Step| in_units_of_noise(step.error.max(step.validation_error));
     let outputs: Vec<&str> =
         steps.first().map_or(Vec::new(), |it| it.fits.keys().copied().collect());
-    let errors = left.is_empty() || steps.iter().any(in_reach);
+    let errors = unexplained.is_empty() || steps.iter().any(in_reach);
     let actions: Vec<Markup> = (0..steps.len()).map(action).collect();
     let any = actions.iter().any(|it| !it.0.is_empty());
     let head = html! {
         tr {
             th.name scope="col" { "Step" }
-            @for (balance, _) in &left {
+            @for (balance, _) in &unexplained {
                 th scope="col" { "Unexplained " (balance) ", %" }
             }
             @for name in &outputs {
@@ -66,7 +66,7 @@ pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> M
         @for ((place, step), action) in steps.iter().enumerate().zip(&actions) {
             tr data-step=(place) {
                 th scope="row" { span.branch { ("\u{2003}".repeat(step.depth)) } (place) ": " (step.label) }
-                @for (_, each) in &left {
+                @for (_, each) in &unexplained {
                     td { (each[place].map_or("-".to_owned(), |it| percent(it.share, 1))) }
                 }
                 @for name in &outputs {
@@ -81,7 +81,7 @@ pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> M
         }
     };
     let mut title = Vec::new();
-    if !left.is_empty() {
+    if !unexplained.is_empty() {
         title.push("What the balances leave unexplained of the recordings that judge");
     }
     if !outputs.is_empty() {
@@ -96,7 +96,7 @@ pub(crate) fn ladder(motion: Motion, steps: &[Step], action: &dyn Fn(usize) -> M
         }
         @if steps.len() > 1 {
             div.scroll role="region" tabindex="0" aria-label="Errors, step by step" {
-                (PreEscaped(if errors { of_errors(steps) } else { of_left(steps, &left) }.svg()))
+                (PreEscaped(if errors { of_errors(steps) } else { of_unexplained(steps, &unexplained) }.svg()))
             }
         }
     }
@@ -145,13 +145,13 @@ fn of_errors(steps: &[Step]) -> Rows {
     picture(about, both, steps.iter().enumerate().map(row).collect())
 }
 
-fn of_left(steps: &[Step], left: &[Left]) -> Rows {
+fn of_unexplained(steps: &[Step], unexplained: &[OfBalance]) -> Rows {
     let row = |(number, step): (usize, &Step)| {
-        let value = |(_, each): &Left| {
+        let value = |(_, each): &OfBalance| {
             let none = || Value::Missing("not told".to_owned());
             each[number].map_or_else(none, |it| Value::Number(100.0 * it.share))
         };
-        (format!("{number}: {}", step.label), left.iter().map(value).collect())
+        (format!("{number}: {}", step.label), unexplained.iter().map(value).collect())
     };
     let about = (
         "What the balances leave unexplained at every step of the ladder",
@@ -159,6 +159,7 @@ fn of_left(steps: &[Step], left: &[Left]) -> Rows {
         None,
     );
     let looks = [(Ink::Blue, Mark::Disc), (Ink::Vermilion, Mark::HollowDiamond)];
-    let each = left.iter().zip(looks).map(|((balance, _), (ink, mark))| series(balance, ink, mark));
+    let each =
+        unexplained.iter().zip(looks).map(|((balance, _), (ink, mark))| series(balance, ink, mark));
     picture(about, each.collect(), steps.iter().enumerate().map(row).collect())
 }

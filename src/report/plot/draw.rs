@@ -266,21 +266,8 @@ mod tests {
     #[test]
     fn a_figure_is_well_formed_whatever_its_names() {
         let svg = figure(500).svg();
-        let mut reader = quick_xml::Reader::from_str(&svg);
-        reader.config_mut().check_end_names = true;
-        let mut elements = 0;
-        loop {
-            match reader.read_event().expect("well-formed") {
-                quick_xml::events::Event::Eof => break,
-                quick_xml::events::Event::Start(e) | quick_xml::events::Event::Empty(e) => {
-                    elements += 1;
-                    for attribute in e.attributes() {
-                        attribute.expect("an attribute with a value");
-                    }
-                }
-                _ => {}
-            }
-        }
+        let document = roxmltree::Document::parse(&svg).expect("well-formed");
+        let elements = document.descendants().filter(|it| it.is_element()).count();
         assert!(elements > 20);
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
     }

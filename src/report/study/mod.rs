@@ -13,7 +13,7 @@ mod summary;
 mod trace;
 
 use drivescope_scenarios::results::{Pictures, StudyResults};
-use maud::html;
+use maud::{Markup, html};
 
 pub(crate) use picture::run;
 
@@ -23,6 +23,38 @@ use super::page::page;
 const PAPER: &str = "K. Patan, M. Witczak, J. Korbicz, Towards robustness in neural network based \
                      fault diagnosis, Int. J. Appl. Math. Comput. Sci. 18 (2008), 443\u{2013}454";
 
+/// A section of the report.
+struct Section {
+    /// Its id, to which the contents lead.
+    id: &'static str,
+    /// Its name in the contents.
+    name: &'static str,
+    /// Writes it, under its heading.
+    write: fn(&StudyResults, &[Pictures]) -> Markup,
+}
+
+macro_rules! sections {
+    ($($id:literal, $name:literal, $write:expr;)+) => {
+        /// The sections in their order; the contents follow them.
+        const SECTIONS: &[Section] = &[$(Section { id: $id, name: $name, write: $write }),+];
+    };
+}
+
+sections! {
+    "setting", "Experiment", |study, _| setting::section(study);
+    "detection", "Detection", detection::section;
+    "figures", "Figures 3 and 4", figures::section;
+    "runs", "Runs", picture::section;
+    "residual", "Residual and false alarms", |study, _| residual::section(study);
+    "models", "Models", |study, _| models::section(study);
+    "isolation", "Isolation", |study, _| isolation::section(study);
+    "identification", "Sizes", |study, _| identification::section(study);
+    "levels", "Levels", |study, _| detection::levels(study);
+    "readings", "Other readings", |study, _| detection::readings(study);
+    "fmu", "FMU", |study, _| fmu::section(study);
+    "reading", "How to read this", |study, _| summary::reading(study);
+}
+
 /// One self-contained HTML page: the findings of a study beside the paper's, and a picture of each
 /// run in `pictures`. Names are escaped; what was not computed is said to be missing.
 pub fn study_html(study: &StudyResults, pictures: &[Pictures]) -> String {
@@ -31,18 +63,7 @@ pub fn study_html(study: &StudyResults, pictures: &[Pictures]) -> String {
     let sections = html! {
         (summary::headline(study))
         (summary::contents(pictures))
-        (setting::section(study))
-        (detection::section(study, pictures))
-        (figures::section(study, pictures))
-        (picture::section(study, pictures))
-        (residual::section(study))
-        (models::section(study))
-        (isolation::section(study))
-        (identification::section(study))
-        (detection::levels(study))
-        (detection::readings(study))
-        (fmu::section(study))
-        (summary::reading(study))
+        @for section in SECTIONS { ((section.write)(study, pictures)) }
     };
     let made = html! {
         "drivescope study, seed " (study.seed) ", drive file " code { (study.drive.digest) }

@@ -68,21 +68,8 @@ pub(super) fn contents(pictures: &[Pictures]) -> Markup {
     html! {
         nav aria-label="Contents" {
             ul {
-                @for (id, title) in [
-                    ("setting", "Experiment"),
-                    ("detection", "Detection"),
-                    ("figures", "Figures 3 and 4"),
-                    ("runs", "Runs"),
-                    ("residual", "Residual and false alarms"),
-                    ("models", "Models"),
-                    ("isolation", "Isolation"),
-                    ("identification", "Sizes"),
-                    ("levels", "Levels"),
-                    ("readings", "Other readings"),
-                    ("fmu", "FMU"),
-                    ("reading", "How to read this"),
-                ] {
-                    li { a href={ "#" (id) } { (title) } }
+                @for section in super::SECTIONS {
+                    li { a href={ "#" (section.id) } { (section.name) } }
                 }
             }
             @if !pictures.is_empty() {

@@ -22,7 +22,7 @@ pub(super) fn begin(begun: &mut Begun, balances: &Balances, linear: &Linear, evi
     let columns = &linear.of[0];
     let by_voltage = balances.reading == Reading::Voltage;
     let fixed = [!is_fitted(&begun.drive, "J"), by_voltage || !is_fitted(&begun.drive, "B_m")];
-    let mut zero = Drive { motor: begun.drive.motor.clone(), ..linear.zero.clone() };
+    let mut zero = Drive { motor: begun.drive.motor, ..linear.zero.clone() };
     if by_voltage {
         // K and viscous friction brake alike: the latter keeps the file's value, and its share of
         // the column is taken off where K is.

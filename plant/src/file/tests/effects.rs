@@ -1,6 +1,6 @@
 //! Mistakes in numbers, effects and typed laws.
 
-use super::{COEFFICIENTS, Drive, LAW, mistaken, told};
+use super::{COEFFICIENTS, Drive, LAW, mistaken, refused};
 
 #[test]
 fn numbers_out_of_range() {
@@ -9,9 +9,9 @@ fn numbers_out_of_range() {
         [("nan", "NaN"), ("inf", "inf"), ("1e999", "inf"), ("0", "0.0"), ("-3.0", "-3.0")]
     {
         let line = format!("R = {by}");
-        told(&[("R = 3.0", &line, "6:5", by, &format!("`motor.R` = {found}: {resistance}"))]);
+        refused(&[("R = 3.0", &line, "6:5", by, &format!("`motor.R` = {found}: {resistance}"))]);
     }
-    told(&[
+    refused(&[
         ("L = 5.0e-3", "L = -inf", "7:5", "-inf", "`motor.L` = -inf: armature inductance; it "),
         (
             "J = 8.0e-5",
@@ -78,7 +78,7 @@ fn numbers_out_of_range() {
 #[test]
 fn effects_of_the_library() {
     let coulomb = "kind = \"coulomb\"";
-    told(&[
+    refused(&[
         (
             coulomb,
             "kind = \"colomb\"",
@@ -155,14 +155,14 @@ fn effects_that_the_drive_cannot_have() {
         format!("[[effect]]\nkind = \"flexible_coupling\"\n{id}k = 1\nd = 0\nratio = 0.5\n")
     };
     let two = after(&(coupling("") + &coupling("id = \"belt\"\n")));
-    told(&[(
+    refused(&[(
         "T_c = 0.016",
         &two,
         "21:8",
         "\"flexible_coupling\"",
         "`belt` cannot stand beside `flexible_coupling` (on line 15): they are one part of the ",
     )]);
-    told(&[(
+    refused(&[(
         "T_c = 0.016",
         &after("[[effect]]\nkind = \"delay\"\ntau = 1e-4"),
         "16:8",
@@ -181,7 +181,7 @@ fn effects_that_the_drive_cannot_have() {
 
 #[test]
 fn typed_laws() {
-    told(&[
+    refused(&[
         (
             LAW,
             "torque = \"-c * omga * abs(omega)\"",
@@ -306,6 +306,6 @@ fn learned_curves() {
     ] {
         let wrong = right.replacen(line, by, 1);
         assert_ne!(wrong, right, "{line}");
-        told(&[("T_c = 0.016", &wrong, place, underlined, message)]);
+        refused(&[("T_c = 0.016", &wrong, place, underlined, message)]);
     }
 }

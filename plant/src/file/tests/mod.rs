@@ -1,4 +1,4 @@
-//! What each mistake in a drive file is told: the place, what is underlined, and the message.
+//! How each mistake in a drive file is refused: the place, what is underlined, and the message.
 
 mod effects;
 mod round_trip;
@@ -60,7 +60,7 @@ fn mistaken(changes: &[(&str, &str)]) -> (String, DriveFileError) {
 /// Line replaced, by what; the place; what is underlined; how the message goes on.
 type Mistake<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str);
 
-fn told(mistakes: &[Mistake<'_>]) {
+fn refused(mistakes: &[Mistake<'_>]) {
     assert!(Drive::parse(BASE, "test.toml").is_ok());
     for (line, by, place, underlined, message) in mistakes {
         let (text, error) = mistaken(&[(line, by)]);
@@ -74,7 +74,7 @@ fn told(mistakes: &[Mistake<'_>]) {
 
 #[test]
 fn structure() {
-    told(&[
+    refused(&[
         ("schema = 1", "schema = = 1", "1:10", "=", "not TOML: extra `=`"),
         ("R = 3.0", "R = 3\nR = 4", "7:1", "R", "not TOML: duplicate key"),
         ("schema = 1", "schema = 2", "1:10", "2", "`schema` = 2 is unknown: this program reads 1"),
@@ -117,7 +117,7 @@ fn structure() {
 
 #[test]
 fn types() {
-    told(&[
+    refused(&[
         (
             "schema = 1",
             "schema = \"1\"",
@@ -171,7 +171,7 @@ fn types() {
 
 #[test]
 fn lists_of_names() {
-    told(&[
+    refused(&[
         (
             FIXED,
             "fixed = [\"K_m\", \"custm.c\"]",
@@ -219,7 +219,7 @@ fn lists_of_names() {
 
 #[test]
 fn keys_that_do_not_fit_the_drive() {
-    told(&[
+    refused(&[
         (
             "input = \"voltage\"",
             "input = \"force\"",
@@ -277,4 +277,11 @@ fn columns_are_counted_in_characters() {
     assert_eq!((place.line, place.column, place.span.len()), (6, 1, 8));
     let (_, error) = mistaken(&[("name = \"test\"", "name = \"ΩΩ\" 3")]);
     assert_eq!(error.place().map(|place| (place.line, place.column)), Some((2, 13)));
+}
+
+#[test]
+fn a_file_that_is_not_there_is_named() {
+    let error = Drive::read("absent/drive.toml").expect_err("there is none");
+    assert!(matches!(&error, DriveFileError::Read { file, .. } if file == "absent/drive.toml"));
+    assert!(error.place().is_none() && error.to_string().contains("absent/drive.toml"));
 }

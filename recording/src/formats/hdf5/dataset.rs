@@ -3,7 +3,7 @@
 use hdf5_reader::{ByteOrder, Dataset, Datatype};
 
 use super::{Broken, Walk, beneath};
-use crate::formats::tree::{Matrix, Path};
+use crate::formats::tree::{KeyPath, Matrix};
 
 /// Attributes that name a unit.
 const UNITS: [&str; 5] = ["unit", "units", "Unit", "Units", "unit_string"];
@@ -14,7 +14,7 @@ const REFERENCE: usize = 8;
 
 impl Walk<'_> {
     /// Adds a dataset under its path.
-    pub(super) fn dataset(&mut self, dataset: &Dataset, path: Path) -> Result<(), Broken> {
+    pub(super) fn dataset(&mut self, dataset: &Dataset, path: KeyPath) -> Result<(), Broken> {
         self.object()?;
         let text = |name: &str| dataset.attribute(name).ok().and_then(|it| it.read_string().ok());
         let class = text("MATLAB_class").unwrap_or_default();
@@ -57,7 +57,7 @@ impl Walk<'_> {
     }
 
     /// A column of each field of numbers.
-    fn compound(&mut self, dataset: &Dataset, path: &Path, rows: usize) -> Result<(), Broken> {
+    fn compound(&mut self, dataset: &Dataset, path: &KeyPath, rows: usize) -> Result<(), Broken> {
         let Datatype::Compound { size, fields } = dataset.dtype() else { return Ok(()) };
         let size = *size as usize;
         self.budget.take_bytes((rows as u64).saturating_mul(size as u64))?;
@@ -79,7 +79,7 @@ impl Walk<'_> {
 
     /// What references lead to: the elements of a cell array, or a field of every struct of an
     /// array, which is then named as that struct's field: `signals(2).values`.
-    fn referred(&mut self, dataset: &Dataset, path: &Path, count: usize) -> Result<(), Broken> {
+    fn referred(&mut self, dataset: &Dataset, path: &KeyPath, count: usize) -> Result<(), Broken> {
         let Some(holder) = self.references.clone() else { return Ok(()) };
         if count > MOST_REFERENCES || path.len() > super::DEEPEST {
             self.tree.others.push((path.clone(), "large array of references"));

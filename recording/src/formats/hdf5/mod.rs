@@ -13,7 +13,7 @@ use hdf5_reader::group::Group;
 use hdf5_reader::{FileStorage, Hdf5File, OpenOptions};
 
 use super::Format;
-use super::tree::{Path, Tree};
+use super::tree::{KeyPath, Tree};
 use crate::budget::{Budget, MOST_NUMBERS, NUMBER_BYTES};
 use crate::error::Error;
 use crate::mapping::ReadOptions;
@@ -96,7 +96,7 @@ impl Walk<'_> {
     }
 
     /// A group's datasets, the groups in it, and the numbers among its attributes.
-    fn group(&mut self, group: &Group, path: &Path) -> Result<(), Broken> {
+    fn group(&mut self, group: &Group, path: &KeyPath) -> Result<(), Broken> {
         if path.len() > DEEPEST {
             return Ok(());
         }
@@ -122,7 +122,7 @@ impl Walk<'_> {
     }
 
     /// Single numbers, as loggers keep the parameters of a bench.
-    fn attributes(&mut self, group: &Group, path: &Path) -> Result<(), Broken> {
+    fn attributes(&mut self, group: &Group, path: &KeyPath) -> Result<(), Broken> {
         // Attributes that cannot be read take nothing from the signals.
         for attribute in group.attributes().unwrap_or_default() {
             let ours = !attribute.name.starts_with("MATLAB_") && !attribute.name.starts_with('_');
@@ -137,7 +137,7 @@ impl Walk<'_> {
     }
 }
 
-fn beneath(path: &Path, name: &str) -> Path {
+fn beneath(path: &KeyPath, name: &str) -> KeyPath {
     path.iter().map(String::as_str).chain([name]).map(str::to_owned).collect()
 }
 

@@ -1,4 +1,7 @@
 //! MAT files of version 5: vectors, matrices, structs and cells. (7.3 is HDF5.)
+//!
+//! The crate `mat5` 0.1.0 reads matrices only and refuses a file for one struct or cell in it, which is
+//! how logs of Simulink come; and what a file claims to hold must meet the budget before it is taken.
 
 mod element;
 mod level5;

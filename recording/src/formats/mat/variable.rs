@@ -4,7 +4,7 @@ use std::io::{self, Read};
 
 use super::element::{Broken, number, small_element, tag, text_of, word};
 use crate::budget::Budget;
-use crate::formats::tree::{Matrix, Path, Tree};
+use crate::formats::tree::{KeyPath, Matrix, Tree};
 
 /// The type of an element that is a variable.
 pub(super) const MATRIX: u32 = 14;
@@ -24,7 +24,7 @@ const CHUNK: usize = 1 << 16;
 /// What a struct or a cell array holds.
 struct Held {
     /// Where it stands.
-    path: Path,
+    path: KeyPath,
     /// How many elements, or structs.
     count: usize,
     depth: usize,
@@ -42,7 +42,7 @@ impl Parser<'_> {
     pub(super) fn variable(
         &mut self,
         reader: &mut dyn Read,
-        path: Path,
+        path: KeyPath,
         depth: usize,
     ) -> Result<(), Broken> {
         let flags = small_element(reader, 8)?;
@@ -113,7 +113,7 @@ impl Parser<'_> {
     }
 
     /// An element of a struct or a cell array.
-    fn nested(&mut self, reader: &mut dyn Read, path: Path, depth: usize) -> Result<(), Broken> {
+    fn nested(&mut self, reader: &mut dyn Read, path: KeyPath, depth: usize) -> Result<(), Broken> {
         self.budget.take(ELEMENT)?;
         let (kind, bytes, _) = tag(reader)?;
         if kind != MATRIX {
@@ -128,7 +128,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn text(&mut self, reader: &mut dyn Read, path: Path) -> Result<(), Broken> {
+    fn text(&mut self, reader: &mut dyn Read, path: KeyPath) -> Result<(), Broken> {
         let (kind, bytes, inside) = tag(reader)?;
         let data = match inside {
             Some(inside) => inside[..bytes as usize].to_vec(),
@@ -185,7 +185,7 @@ impl Parser<'_> {
 }
 
 /// The path of one of many elements, as MATLAB writes it.
-fn numbered(path: &Path, which: &str) -> Path {
+fn numbered(path: &KeyPath, which: &str) -> KeyPath {
     let mut path = path.clone();
     if let Some(last) = path.last_mut() {
         last.push_str(which);

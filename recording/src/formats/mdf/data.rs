@@ -93,12 +93,12 @@ fn unpacked(blocks: &mut Blocks, at: u64, length: u64, budget: &Budget) -> Resul
 fn transposed(bytes: &[u8], columns: usize) -> Vec<u8> {
     let rows = bytes.len().checked_div(columns).unwrap_or(0);
     let whole = rows * columns;
-    let mut turned = Vec::with_capacity(bytes.len());
+    let mut transposed = Vec::with_capacity(bytes.len());
     for row in 0..rows {
-        turned.extend((0..columns).map(|column| bytes[column * rows + row]));
+        transposed.extend((0..columns).map(|column| bytes[column * rows + row]));
     }
-    turned.extend_from_slice(&bytes[whole..]);
-    turned
+    transposed.extend_from_slice(&bytes[whole..]);
+    transposed
 }
 
 /// Splits bytes into records, which may span blocks.

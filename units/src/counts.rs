@@ -2,20 +2,12 @@
 
 use std::f64::consts::PI;
 
-use crate::unit::{Quantity, Unit, listed, normalized};
+use crate::quantity::Quantity;
+use crate::unit::{Unit, listed, normalized};
 
 /// Whether a unit is counts without a word how many make a revolution or a length.
-pub(crate) fn is_counts(text: &str) -> bool {
+pub fn is_counts(text: &str) -> bool {
     COUNTS.iter().any(|word| normalized(text).eq_ignore_ascii_case(word))
-}
-
-/// What to say of a column of counts that would be that signal.
-pub(crate) fn uncounted(column: &str, signal: &str) -> String {
-    let unit = if matches!(signal, "x" | "x_load") { "counts*0.05um" } else { "counts/4096" };
-    format!(
-        "column `{column}` is kept in counts: say how many make a revolution (or how long one is) \
-         with --columns {signal}={column}:{unit}"
-    )
 }
 
 /// Words for the steps of an encoder, longer ones before those they begin with.

@@ -2,15 +2,14 @@
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use super::description::Place;
-use super::problem::XmlProblem;
+use crate::position::{DocumentProblem, Position};
 
 /// Depth of elements that FMU and SSP documents never come near.
 const DEPTH: usize = 200;
 
 /// Parses a document. Document type definitions are refused: they can make a small file expand
 /// without bound, and neither FMI nor SSP uses them.
-pub(crate) fn parse(text: &str) -> Result<Document<'_>, XmlProblem> {
+pub(crate) fn parse(text: &str) -> Result<Document<'_>, DocumentProblem> {
     // The byte order mark is legal before an XML declaration, but the parser does not take it.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let document =
@@ -19,7 +18,8 @@ pub(crate) fn parse(text: &str) -> Result<Document<'_>, XmlProblem> {
             // The parser repeats the position at the end of its text.
             let message = error.to_string();
             let problem = message.rsplit_once(" at ").map_or(message.as_str(), |(what, _)| what);
-            XmlProblem { line: position.row, column: position.col, problem: problem.to_owned() }
+            let position = Position { line: position.row, column: position.col };
+            DocumentProblem { position, text: problem.to_owned() }
         })?;
     match document.descendants().find(|node| node.ancestors().nth(DEPTH).is_some()) {
         Some(deep) => Err(problem(deep, format!("elements are nested more than {DEPTH} deep"))),
@@ -28,43 +28,42 @@ pub(crate) fn parse(text: &str) -> Result<Document<'_>, XmlProblem> {
 }
 
 /// A problem at a node.
-pub(crate) fn problem(node: Node, problem: impl Into<String>) -> XmlProblem {
-    let Place { line, column } = place(node);
-    XmlProblem { line, column, problem: problem.into() }
+pub(crate) fn problem(node: Node, problem: impl Into<String>) -> DocumentProblem {
+    DocumentProblem { position: position(node), text: problem.into() }
 }
 
 /// Where a node starts.
-pub(crate) fn place(node: Node) -> Place {
+pub(crate) fn position(node: Node) -> Position {
     let position = node.document().text_pos_at(node.range().start);
-    Place { line: position.row, column: position.col }
+    Position { line: position.row, column: position.col }
 }
 
-/// Places of many nodes in document order, in one pass: the parser's own look-up counts lines from
+/// Positions of many nodes in document order, in one pass: the parser's own look-up counts lines from
 /// the start each time, which is slow for an FMU of 100,000 variables.
-pub(crate) struct Places<'a> {
+pub(crate) struct Positions<'a> {
     text: &'a str,
     at: usize,
-    place: Place,
+    position: Position,
 }
 
-impl<'a> Places<'a> {
+impl<'a> Positions<'a> {
     pub(crate) fn new(text: &'a str) -> Self {
-        Places { text, at: 0, place: Place { line: 1, column: 1 } }
+        Positions { text, at: 0, position: Position { line: 1, column: 1 } }
     }
 
-    pub(crate) fn of(&mut self, node: Node) -> Place {
+    pub(crate) fn of(&mut self, node: Node) -> Position {
         let start = node.range().start;
-        let Some(between) = self.text.get(self.at..start) else { return place(node) };
+        let Some(between) = self.text.get(self.at..start) else { return position(node) };
         for character in between.chars() {
             if character == '\n' {
-                self.place.line += 1;
-                self.place.column = 1;
+                self.position.line += 1;
+                self.position.column = 1;
             } else {
-                self.place.column += 1;
+                self.position.column += 1;
             }
         }
         self.at = start;
-        self.place
+        self.position
     }
 }
 
@@ -82,7 +81,7 @@ pub(crate) fn child<'a, 'i: 'a>(node: Node<'a, 'i>, name: &'static str) -> Optio
 }
 
 /// An attribute that must be there.
-pub(crate) fn required<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, XmlProblem> {
+pub(crate) fn required<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, DocumentProblem> {
     let missing = || format!("<{}> has no attribute `{name}`", node.tag_name().name());
     node.attribute(name).ok_or_else(|| problem(node, missing()))
 }
@@ -120,7 +119,7 @@ impl Value for bool {
 }
 
 /// A value attribute, if it is there.
-pub(crate) fn value<T: Value>(node: Node, name: &str) -> Result<Option<T>, XmlProblem> {
+pub(crate) fn value<T: Value>(node: Node, name: &str) -> Result<Option<T>, DocumentProblem> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
     let wrong = || {
         let element = node.tag_name().name();
@@ -136,14 +135,14 @@ mod tests {
     #[test]
     fn problems_have_line_and_column() {
         let malformed = parse("<a>\n  <b></c>\n</a>").unwrap_err();
-        assert_eq!((malformed.line, malformed.column), (2, 6));
+        assert_eq!(malformed.position, Position { line: 2, column: 6 });
         let document = parse("<a>\n  <b n='x'/></a>").unwrap();
         let b = child(document.root_element(), "b").unwrap();
         let wrong = value::<f64>(b, "n").unwrap_err();
-        assert_eq!((wrong.line, wrong.column), (2, 3));
-        assert_eq!(wrong.problem, "attribute `n` of <b> is `x`, not a number");
-        assert_eq!(required(b, "m").unwrap_err().problem, "<b> has no attribute `m`");
-        assert_eq!(Places::new(document.input_text()).of(b), place(b));
+        assert_eq!(wrong.position, Position { line: 2, column: 3 });
+        assert_eq!(wrong.text, "attribute `n` of <b> is `x`, not a number");
+        assert_eq!(required(b, "m").unwrap_err().text, "<b> has no attribute `m`");
+        assert_eq!(Positions::new(document.input_text()).of(b), position(b));
     }
 
     #[test]
@@ -155,6 +154,6 @@ mod tests {
     #[test]
     fn deep_nesting_is_refused() {
         let deep = "<a>".repeat(300) + &"</a>".repeat(300);
-        assert!(parse(&deep).unwrap_err().problem.contains("nested"));
+        assert!(parse(&deep).unwrap_err().text.contains("nested"));
     }
 }

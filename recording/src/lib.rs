@@ -18,6 +18,7 @@ mod choices;
 mod clock;
 mod counts;
 mod csv;
+pub mod dataset;
 mod error;
 mod file;
 mod formats;

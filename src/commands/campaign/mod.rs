@@ -9,6 +9,7 @@ mod careful;
 mod folder;
 mod merge;
 mod only;
+mod report;
 mod run;
 mod shard;
 
@@ -55,6 +56,8 @@ pub(crate) struct Campaign {
 enum Then {
     /// Join the parts of a folder to one dataset.
     Merge(merge::Merge),
+    /// Sum up what a campaign found: tables and a page.
+    Report(report::Report),
 }
 
 impl Run for Campaign {
@@ -62,6 +65,7 @@ impl Run for Campaign {
         if let Some(then) = self.then {
             return match then {
                 Then::Merge(merge) => merge.run(session),
+                Then::Report(report) => report.run(session),
             };
         }
         let path = self.plan.unwrap_or_default();

@@ -94,15 +94,12 @@ fn shards_kills_and_resumes_give_the_bytes_of_one_run() {
     assert!(resumed.err.contains("its scenarios are run again"), "{}", resumed.err);
     assert!(bytes(here.path(), "killed") == whole);
     // A resumed campaign that is complete makes nothing anew.
-    let said = done(
-        here.path(),
-        &["campaign", "plan.toml", "-o", "killed", "--resume", "--json", "-"],
-    );
+    let said =
+        done(here.path(), &["campaign", "plan.toml", "-o", "killed", "--resume", "--json", "-"]);
     assert_eq!(said.json()["made"], 0);
 }
 
 /// A scenario that ends its process is found by the next run, and costs no other.
-#[cfg(debug_assertions)]
 #[test]
 fn the_scenario_that_ends_its_process_is_named() {
     let here = folder();
@@ -120,8 +117,7 @@ fn the_scenario_that_ends_its_process_is_named() {
     assert_eq!(ended.code(), Some(0), "{message}");
     assert!(message.contains("scenario 37 ends the process that runs it"), "{message}");
     // One that panics needs no second run.
-    let (ended, message) =
-        with("DRIVESCOPE_PANIC_AT", &["campaign", "plan.toml", "-o", "panics"]);
+    let (ended, message) = with("DRIVESCOPE_PANIC_AT", &["campaign", "plan.toml", "-o", "panics"]);
     assert_eq!(ended.code(), Some(0), "{message}");
     let (whole, poison) = (rows(here.path(), "whole"), rows(here.path(), "poison"));
     assert_eq!(poison.len(), 80);
@@ -167,9 +163,17 @@ fn a_folder_that_is_at_work_or_of_another_plan_is_refused() {
 fn impossible_plans_and_calls_are_refused() {
     let here = folder();
     for (from, to, said) in [
-        ("draws = 1050", "draws = 250000000000", "plan.toml:4:9: the plan has 1000000000000 scenarios"),
+        (
+            "draws = 1050",
+            "draws = 250000000000",
+            "plan.toml:4:9: the plan has 1000000000000 scenarios",
+        ),
         ("[1.0, 1.2]", "[1.0, 2.0]", "after the run of 1.5 s"),
-        ("uniform = [0.05, 0.3]", "uniform = [0.3, 0.05]", "plan.toml:12:8: `fault.size`: the range"),
+        (
+            "uniform = [0.05, 0.3]",
+            "uniform = [0.3, 0.05]",
+            "plan.toml:12:8: `fault.size`: the range",
+        ),
         ("onset =", "onest =", "plan.toml:13:1: unknown field `onest`"),
     ] {
         put(here.path(), "plan.toml", PLAN.replace(from, to));

@@ -12,6 +12,7 @@
 mod lanes;
 mod whitening;
 
+use drivescope_numerics::elementary::exp;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -55,7 +56,7 @@ impl Cusum {
 pub fn threshold_for(arl_0: f64, kappa: f64) -> f64 {
     let between = |h: f64| {
         let twice = 2.0 * kappa * (h + EXCESS);
-        (twice.exp_m1() - twice) / (4.0 * kappa * kappa)
+        (exp(twice) - 1.0 - twice) / (4.0 * kappa * kappa)
     };
     let (mut low, mut high) = (0.0, 1.0);
     while between(high) < arl_0 {

@@ -11,6 +11,7 @@
 //! ranges, and any instruction set.
 
 mod block;
+mod columns;
 mod design;
 mod noise;
 mod parts;

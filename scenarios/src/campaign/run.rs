@@ -87,8 +87,7 @@ impl Campaign {
     }
 
     fn some(&self, blocks: &Blocks<'_>, range: Range<u64>) -> Rows {
-        #[cfg(debug_assertions)]
-        injected::fault(&range);
+        drill::fault(&range);
         let ready: Vec<_> = range.map(|index| blocks.ready(index)).collect();
         let outcomes: Vec<Outcome> = blocks.run(&ready);
         let mut rows = Rows::none(&self.plan);
@@ -116,10 +115,8 @@ impl Campaign {
     }
 }
 
-/// Scenarios that fail as the program's tests ask for, in builds with debug assertions alone: no
-/// drive file makes one of these.
-#[cfg(debug_assertions)]
-mod injected {
+/// Scenarios that fail because somebody wants to see what comes of it: on a cluster, or in the tests.
+mod drill {
     use std::ops::Range;
 
     /// Ends the process, or the thread, at the scenario of `DRIVESCOPE_ABORT_AT` or
@@ -131,7 +128,7 @@ mod injected {
         }
         assert!(
             !asked("DRIVESCOPE_PANIC_AT").is_some_and(|it| range.contains(&it)),
-            "a scenario that was asked to fail"
+            "a scenario that was asked to fail (DRIVESCOPE_PANIC_AT)"
         );
     }
 }

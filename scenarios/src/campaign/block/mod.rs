@@ -4,6 +4,7 @@
 //! plan's nominal drive, halved, and a scenario that needs shorter ones, or another controller or
 //! sensor than the nominal one, runs alone.
 
+mod ready;
 mod recorder;
 mod tally;
 mod timeline;
@@ -19,7 +20,8 @@ use drivescope_recording::Recording;
 
 use super::design::Design;
 use super::noise::{Channels, LaneNoise, NoiseLanes};
-use super::plan::{Plan, Scenario, stream_of_noise};
+use super::plan::{Plan, stream_of_noise};
+use ready::Ready;
 use recorder::Recorder;
 pub(super) use tally::Found;
 pub(super) use watch::Outcome;
@@ -45,26 +47,10 @@ pub(super) struct Blocks<'a> {
     longest: f64,
     speed: f64,
     channels: Channels,
+    /// Delay of the nominal drive, s, if it has one.
+    delays: Option<[f64; 1]>,
     /// Whether the plan changes numbers outside the balances.
     beside: bool,
-}
-
-/// A scenario that is ready to run.
-#[derive(Debug)]
-pub(super) struct Ready {
-    scenario: Scenario,
-    model: Model<f64, 1>,
-    /// Its own drive, where the plan changes more than the balances.
-    drive: Option<Drive>,
-    timeline: Vec<(usize, Faults<f64>)>,
-    /// Its own longest sub-step, where it needs shorter ones than the block has, or stands alone.
-    alone: Option<f64>,
-}
-
-impl Ready {
-    pub(super) fn scenario(&self) -> &Scenario {
-        &self.scenario
-    }
 }
 
 impl<'a> Blocks<'a> {
@@ -79,11 +65,12 @@ impl<'a> Blocks<'a> {
             .filter_map(|parameter| (0..all.len()).find(|place| name(place) == parameter.name));
         let beside = plan.parameters().any(|parameter| parameter.role != Role::Physics);
         let noisy = plan.parameters().any(|parameter| parameter.role == Role::Sensing);
-        let speed = speed_bound(&drive);
+        let (speed, model) = (speed_bound(&drive), drive.model());
         Self {
             places: places.collect(),
             nominal: all.iter().map(|it| (it.name.clone(), it.value)).collect(),
-            longest: MARGIN * longest_substep(&drive.model(), speed),
+            longest: MARGIN * longest_substep(&model, speed),
+            delays: model.delays(),
             channels: if noisy { Channels::ALL } else { Channels::of(&drive.noise) },
             plan,
             design,
@@ -91,66 +78,6 @@ impl<'a> Blocks<'a> {
             speed,
             beside,
         }
-    }
-
-    /// Prepares a scenario.
-    pub(super) fn ready(&self, index: u64) -> Ready {
-        let scenario = self.plan.scenario(index);
-        let mut values: Vec<f64> = self.nominal.iter().map(|(_, value)| *value).collect();
-        for (place, value) in self.places.iter().zip(&scenario.parameters) {
-            values[*place] = *value;
-        }
-        let model = self.drive.model_of(|name| {
-            let at = self.nominal.iter().position(|(known, _)| known == name);
-            at.map_or(f64::NAN, |at| values[at])
-        });
-        let drive = self.beside.then(|| self.drive_of(&scenario));
-        let speed = drive.as_ref().map_or(self.speed, speed_bound);
-        let timeline = timeline::timeline(self.plan, &scenario);
-        let own = self.own_substep(&model, &timeline, speed);
-        let same_layer = drive.as_ref().is_none_or(|own| self.shares_layer(own));
-        let same_delay = model.delays() == self.drive.model().delays();
-        let fits = own >= self.longest && same_layer && same_delay;
-        Ready { model, drive, timeline, alone: (!fits).then_some(own.min(self.longest)), scenario }
-    }
-
-    fn drive_of(&self, scenario: &Scenario) -> Drive {
-        let mut drive = self.drive.clone();
-        for (parameter, value) in self.plan.parameters().zip(&scenario.parameters) {
-            // The plan was refused if a value were not possible.
-            let _ = drive.set(&parameter.name, *value);
-        }
-        drive
-    }
-
-    /// Whether controller, amplifier, sensors and what loads refer to are those of the block.
-    fn shares_layer(&self, own: &Drive) -> bool {
-        let layer = |drive: &Drive| {
-            let rated = drivescope_plant::sampled::rated_torque(drive);
-            (drive.controller, drive.amplifier, drive.sensors, drive.generator, rated)
-        };
-        layer(own) == layer(&self.drive)
-    }
-
-    /// The longest sub-step that resolves a scenario, its faults included, s.
-    fn own_substep(
-        &self,
-        model: &Model<f64, 1>,
-        timeline: &[(usize, Faults<f64>)],
-        speed: f64,
-    ) -> f64 {
-        let healthy = longest_substep(model, speed);
-        let mut faulty = model.clone();
-        let mut shortest = healthy;
-        let mut before = model.motors;
-        for (_, faults) in timeline {
-            faulty.motors.set_lane(0, faults.in_motor(&model.motors.lane(0)));
-            if faulty.motors != before {
-                shortest = shortest.min(longest_substep(&faulty, speed));
-                before = faulty.motors;
-            }
-        }
-        shortest
     }
 
     /// Runs scenarios, in their order.

@@ -3,6 +3,7 @@
 
 mod ziggurat;
 
+use drivescope_numerics::elementary::exp;
 use drivescope_plant::drive::NoiseData;
 use drivescope_plant::sampled::InputLanes;
 use ziggurat::Normals;
@@ -64,7 +65,7 @@ impl<const N: usize> NoiseLanes<N> {
     ) -> Self {
         let of = |value: &dyn Fn(&NoiseData) -> f64| lanes.map(|lane| value(&lane.deviations));
         let memory = of(&|it| {
-            if it.torque_time > 0.0 { (-period_s / it.torque_time).exp() } else { 0.0 }
+            if it.torque_time > 0.0 { exp(-period_s / it.torque_time) } else { 0.0 }
         });
         let torque = of(&|it| it.torque);
         Self {

@@ -112,7 +112,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ("duration = 5.0", "duration = 0", "19:12", "a time above 0 s"),
         ("\"ramp=2\"", "\"ramp\"", "20:11", "a time above 0 s"),
         ("probability = 0.9", "probability = -1", "21:15", "a share from 0 to 1"),
-        ("\"cusum\"]", "\"glr\"]", "24:34", "there is no method `glr`"),
+        ("\"cusum\"]", "\"glr\"]", "24:33", "there is no method `glr`"),
         ("beta = 0.05", "beta = 1.5", "25:8", "a share between 0 and 1"),
         ("arl_0 = 1e5", "arl_0 = { uniform = [1, 5] }", "27:9", "10 to 1e12"),
     ] {

@@ -4,21 +4,23 @@
 //! detectors, made by which version. The merged dataset has row groups of one size whatever the parts
 //! were: its bytes do not tell how the work was split.
 
+mod error;
+mod merge;
+
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use drivescope_recording::dataset::{DatasetError, Reader, Writer};
 use drivescope_recording::write_whole;
-use thiserror::Error;
 
 use super::Campaign;
 use super::rows::Rows;
+pub use error::FolderError;
+pub use merge::{merge, missing};
 
 /// The merged dataset.
 pub const DATASET: &str = "campaign.parquet";
-/// Rows of a group of it.
-const GROUP: usize = 8192;
 /// How names of parts begin and end.
 const PREFIX: &str = "part-";
 const SUFFIX: &str = ".parquet";
@@ -31,69 +33,6 @@ const SCENARIOS: &str = "drivescope.scenarios";
 const FIRST: &str = "drivescope.first";
 const LAST: &str = "drivescope.last";
 const SAID: [&str; 5] = [PLAN, PLAN_DIGEST, DESIGN_DIGEST, VERSION, SCENARIOS];
-
-/// Why a folder of a campaign does not serve.
-#[derive(Debug, Error)]
-pub enum FolderError {
-    /// The folder cannot be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The folder.
-        path: PathBuf,
-        /// Why not.
-        source: io::Error,
-    },
-    /// A file cannot be written; nothing was left behind.
-    #[error("{}: cannot be written: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        source: io::Error,
-    },
-    /// A file that is damaged.
-    #[error("{}: {source}: run the campaign again with --resume, which makes it anew", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: DatasetError,
-    },
-    /// Parts that are not of one campaign.
-    #[error("{}: of another {what} than the rest: remove it, or use a folder for each campaign", path.display())]
-    Other {
-        /// The file.
-        path: PathBuf,
-        /// Plan, version or detectors.
-        what: &'static str,
-    },
-    /// There is nothing.
-    #[error("{}: no scenarios there: run `campaign PLAN -o` with this folder first", path.display())]
-    Nothing {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// Scenarios that no part holds.
-    #[error(
-        "scenarios {missing} are not there, {count} of {of}: run what is left (--resume), then merge"
-    )]
-    Missing {
-        /// Their ranges.
-        missing: String,
-        /// How many.
-        count: u64,
-        /// Of how many.
-        of: u64,
-    },
-    /// Scenarios that two parts hold.
-    #[error("scenario {scenario} is in two parts, one of them {}: remove one", path.display())]
-    Twice {
-        /// The scenario.
-        scenario: u64,
-        /// A part that holds it.
-        path: PathBuf,
-    },
-}
 
 /// A file with the rows of some scenarios.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -264,131 +203,4 @@ impl Part {
         }
         Ok(())
     }
-}
-
-/// Scenarios that no part holds, of all.
-///
-/// # Errors
-/// [`FolderError::Twice`].
-pub fn missing(parts: &[Part], scenarios: u64) -> Result<Vec<Range<u64>>, FolderError> {
-    let (mut missing, mut next) = (Vec::new(), 0);
-    for part in parts {
-        if part.range.start < next {
-            let (scenario, path) = (part.range.start, part.path.clone());
-            return Err(FolderError::Twice { scenario, path });
-        }
-        if part.range.start > next {
-            missing.push(next..part.range.start);
-        }
-        next = part.range.end;
-    }
-    if next < scenarios {
-        missing.push(next..scenarios);
-    }
-    Ok(missing)
-}
-
-/// Makes one dataset of all parts of a folder and removes them; its path, and its scenarios.
-///
-/// # Errors
-/// [`FolderError`]: what is missing, twice, damaged or of another campaign; nothing is removed then.
-pub fn merge(folder: &Path) -> Result<(PathBuf, u64), FolderError> {
-    let Whole { mut parts, damaged } = parts_of(folder, None)?;
-    let dataset = folder.join(DATASET);
-    let scenarios = parts.first().map_or(0, Part::scenarios);
-    let complete = |part: &Part| part.path == dataset && part.range == (0..scenarios);
-    if parts.iter().any(complete) {
-        // A merge that was ended after its dataset was in place.
-        remove(parts.iter().filter(|part| !complete(part)));
-        return Ok((dataset, scenarios));
-    }
-    if let Some((path, source)) = damaged.into_iter().next() {
-        return Err(FolderError::Damaged { path, source });
-    }
-    parts.retain(|part| part.path != dataset);
-    let first = parts.first().ok_or_else(|| FolderError::Nothing { path: folder.to_owned() })?;
-    let gaps = missing(&parts, scenarios)?;
-    if !gaps.is_empty() {
-        let count = gaps.iter().map(|gap| gap.end - gap.start).sum();
-        let words: Vec<String> =
-            gaps.iter().take(5).map(|gap| format!("{}..{}", gap.start, gap.end)).collect();
-        let more = if gaps.len() > words.len() { ", ..." } else { "" };
-        let missing = format!("{}{more}", words.join(", "));
-        return Err(FolderError::Missing { missing, count, of: scenarios });
-    }
-    let said = with_range(&first.said, &(0..scenarios));
-    let mut failed = None;
-    let written = write_whole(&dataset, |out| {
-        joined(out, &parts, &said).map_err(|error| match error {
-            Join::Folder(error) => {
-                let text = error.to_string();
-                failed = Some(error);
-                io::Error::other(text)
-            }
-            Join::Dataset(error) => io::Error::other(error),
-        })
-    });
-    if let Some(error) = failed {
-        return Err(error);
-    }
-    written.map_err(|source| FolderError::Write { path: dataset.clone(), source })?;
-    remove(parts.iter());
-    Ok((dataset, scenarios))
-}
-
-fn remove<'a>(parts: impl Iterator<Item = &'a Part>) {
-    for part in parts {
-        // What stays is found in the dataset, too, and goes with the next merge.
-        let _ = std::fs::remove_file(&part.path);
-    }
-}
-
-enum Join {
-    Folder(FolderError),
-    Dataset(DatasetError),
-}
-
-fn joined(
-    out: &mut (dyn io::Write + Send),
-    parts: &[Part],
-    said: &[(String, String)],
-) -> Result<(), Join> {
-    let mut open: Option<(Writer<_>, Rows)> = None;
-    let mut out = Some(out);
-    for part in parts {
-        let mut taken = Vec::new();
-        part.rows(&mut |rows| {
-            taken.push(rows);
-            Ok(())
-        })
-        .map_err(Join::Folder)?;
-        for rows in taken {
-            match &mut open {
-                Some((_, waiting)) => {
-                    if !waiting.append(rows) {
-                        let (path, what) = (part.path.clone(), "set of columns");
-                        return Err(Join::Folder(FolderError::Other { path, what }));
-                    }
-                }
-                None => {
-                    let Some(out) = out.take() else { break };
-                    let writer = Writer::new(out, &rows.columns, said).map_err(Join::Dataset)?;
-                    open = Some((writer, rows));
-                }
-            }
-            if let Some((writer, waiting)) = &mut open {
-                while waiting.len() >= GROUP {
-                    let group = waiting.split_front(GROUP);
-                    writer.group(&group.columns).map_err(Join::Dataset)?;
-                }
-            }
-        }
-    }
-    if let Some((mut writer, waiting)) = open {
-        if !waiting.is_empty() {
-            writer.group(&waiting.columns).map_err(Join::Dataset)?;
-        }
-        writer.finish().map_err(Join::Dataset)?;
-    }
-    Ok(())
 }

@@ -1,25 +1,24 @@
 //! From the tables of a plan file to a plan: the rules between keys.
 
+mod detector;
+mod fault;
+
 use std::path::Path;
 
 use drivescope_plant::drive::Drive;
-use drivescope_plant::fault::{MECHANISMS, Mechanism};
 use drivescope_plant::sampled::speed_bound;
 use toml::Spanned;
 
+use self::detector::detector;
+use self::fault::fault;
 use super::error::{Flaw, Problem};
-use super::layout::{DetectorTable, FaultTable, Given, GivenWords, Layout};
-use super::quantity::{Quantity, Words};
-use super::{DetectorPlan, FaultPlan, MOST_SCENARIOS, Method, Plan};
+use super::layout::{Given, Layout};
+use super::quantity::Quantity;
+use super::{DetectorPlan, MOST_SCENARIOS, Plan};
 use crate::drives::{BUILT_IN, built_in};
 use crate::experiment::Experiment;
-use crate::profile::Profile;
 
 /// What a plan need not say.
-const BETA: f64 = 0.05;
-const WINDOW: f64 = 50.0;
-const ARL_0: f64 = 1e5;
-const KAPPA: f64 = 0.5;
 const RUN_UP_S: f64 = 5.0;
 const DESIGN_SAMPLES: u64 = 300_000;
 /// Samples of a scenario, and of a design, at most.
@@ -217,103 +216,4 @@ fn parameters(
         made.extend(known.cloned().map(|parameter| (parameter, quantity)));
     }
     Ok(made)
-}
-
-fn fault(key: &str, table: &FaultTable, (run_up_s, run_s): (f64, f64)) -> Result<FaultPlan, Flaw> {
-    let kind = words(&format!("{key}.kind"), &table.kind, |word| match word {
-        "none" => Ok(None),
-        kind => Mechanism::find(kind).map(Some).ok_or_else(|| Problem::Kind {
-            key: format!("{key}.kind"),
-            kind: kind.to_owned(),
-            known: MECHANISMS.iter().map(|known| known.id).collect::<Vec<_>>().join(", "),
-        }),
-    })?;
-    let lossless = |mechanism: &usize| {
-        MECHANISMS[*mechanism].unit != "1" || MECHANISMS[*mechanism].id == "load"
-    };
-    let any_gain = kind.values().iter().flatten().any(|mechanism| !lossless(mechanism));
-    let least = if any_gain { -1.0 } else { f64::NEG_INFINITY };
-    let size = within(
-        &format!("{key}.size"),
-        &table.size,
-        (least, f64::INFINITY),
-        "a fraction of -1 or more, for more than everything cannot be lost (no normal distribution)",
-    )?;
-    let time = |name: &str, given: &Spanned<Given>| {
-        let allowed = "a time of 0 s or more, with a last value (no normal distribution)";
-        within(&format!("{key}.{name}"), given, (0.0, 1e9), allowed)
-    };
-    let onset_s = time("onset", &table.onset)?;
-    let duration_s = table.duration.as_ref().map(|given| time("duration", given)).transpose()?;
-    let (earliest, latest) = onset_s.bounds();
-    if earliest < run_up_s {
-        let key = format!("{key}.onset");
-        return Err(at(&table.onset, Problem::InRunUp { key, onset_s: earliest, run_up_s }));
-    }
-    let longest = duration_s.as_ref().map_or(0.0, |duration| duration.bounds().1);
-    let end_s = latest + longest;
-    if end_s > run_s || latest >= run_s {
-        let place = table.duration.as_ref().unwrap_or(&table.onset);
-        return Err(at(place, Problem::AfterRun { key: key.to_owned(), end_s, run_s }));
-    }
-    if let Some(given) = table.duration.as_ref().zip(duration_s.as_ref())
-        && given.1.bounds().0 <= 0.0
-    {
-        let allowed = "a time above 0 s".to_owned();
-        return Err(out_of_range(given.0, &format!("{key}.duration"), given.1.bounds().0, allowed));
-    }
-    let profile = match &table.profile {
-        None => Words::fixed(Profile::Step),
-        Some(given) => words(&format!("{key}.profile"), given, |word| {
-            let wrong = |error| Problem::Profile { key: format!("{key}.profile"), error };
-            word.parse::<Profile>().map_err(wrong)
-        })?,
-    };
-    let probability = share(table.probability.as_ref(), &format!("{key}.probability"), 1.0)?;
-    Ok(FaultPlan { kind, size, onset_s, duration_s, profile, probability })
-}
-
-fn words<T: Clone>(
-    key: &str,
-    given: &Spanned<GivenWords>,
-    parse: impl Fn(&str) -> Result<T, Problem>,
-) -> Result<Words<T>, Flaw> {
-    let value = |what| at(given, Problem::Value { key: key.to_owned(), what });
-    Words::of(given.get_ref(), parse).map_err(value)?.map_err(|problem| at(given, problem))
-}
-
-fn detector(table: &DetectorTable) -> Result<(Vec<Method>, DetectorPlan), Flaw> {
-    let methods = match &table.methods {
-        None => Method::ALL.to_vec(),
-        Some(names) => {
-            let mut methods = Vec::new();
-            for name in names.get_ref() {
-                let found = Method::ALL.into_iter().find(|it| it.id() == name.get_ref());
-                let known = Method::ALL.map(Method::id).join(", ");
-                let unknown = || Problem::Value {
-                    key: "detector.methods".to_owned(),
-                    what: format!("there is no method `{}`; known are {known}", name.get_ref()),
-                };
-                methods.push(found.ok_or_else(|| at(name, unknown()))?);
-            }
-            methods.sort_unstable();
-            methods.dedup();
-            methods
-        }
-    };
-    let setting = |key: &str,
-                   given: &Option<Spanned<Given>>,
-                   usual: f64,
-                   range: (f64, f64),
-                   allowed: &str| match given {
-        None => Ok(Quantity::fixed(usual)),
-        Some(given) => within(&format!("detector.{key}"), given, range, allowed),
-    };
-    let plan = DetectorPlan {
-        beta: setting("beta", &table.beta, BETA, (1e-12, 1.0 - 1e-12), "a share between 0 and 1")?,
-        window: setting("window", &table.window, WINDOW, (1.0, 1e6), "a number of samples from 1")?,
-        arl_0: setting("arl_0", &table.arl_0, ARL_0, (10.0, 1e12), "10 to 1e12 samples")?,
-        kappa: setting("kappa", &table.kappa, KAPPA, (0.01, 10.0), "0.01 to 10")?,
-    };
-    Ok((methods, plan))
 }

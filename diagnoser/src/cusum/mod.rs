@@ -4,7 +4,7 @@
 //!
 //! with e the innovations of r - y_e ([`Whitening`]). Source: E. S. Page, Biometrika 41 (1954),
 //! 100-115. The threshold h is designed for a mean number of samples between false alarms by the
-//! approximation of D. Siegmund, Sequential Analysis (1985), (2.52): of one side
+//! approximation of D. Siegmund, Sequential Analysis (1985): of one side
 //! (e^(2 kappa b) - 2 kappa b - 1) / (2 kappa^2), b = h + 1.166, for independent normal e; two
 //! sides alarm twice as often. What it does on correlated or other than normal innovations is
 //! counted on healthy runs, not assumed.

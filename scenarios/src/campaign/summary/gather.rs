@@ -17,6 +17,9 @@ const NO_INPUT: [&str; 2] = ["scenario", "status"];
 #[derive(Debug, Clone)]
 pub(super) struct Input {
     pub(super) name: String,
+    /// The column that it is read from, and the one that it is counted from.
+    pub(super) column: String,
+    pub(super) onset: Option<String>,
     /// Numbers, or numbers of words.
     pub(super) values: Vec<f64>,
     pub(super) words: Vec<String>,
@@ -95,9 +98,15 @@ impl Gathered {
             self.counts = vec![Counts::default(); self.methods.len()];
             let chosen = rows.columns.iter().take_while(|it| it.name != FIRST_RESULT);
             let chosen = chosen.filter(|it| !NO_INPUT.contains(&it.name.as_str()));
-            self.inputs = chosen
-                .map(|column| Input { name: column.name.clone(), values: vec![], words: vec![] })
-                .collect();
+            let input = |column: &Column| {
+                // An end follows its onset: what was chosen is the time between them.
+                let onset = column.name.strip_suffix("_end").map(|fault| format!("{fault}_onset"));
+                let name = column.name.replace("_end", "_duration");
+                let name = if onset.is_some() { name } else { column.name.clone() };
+                let column = column.name.clone();
+                Input { name, column, onset, values: vec![], words: vec![] }
+            };
+            self.inputs = chosen.map(input).collect();
         }
         for (k, scenario) in rows.scenarios().iter().enumerate() {
             let scenario = u64::try_from(*scenario).unwrap_or(0);
@@ -136,11 +145,12 @@ impl Gathered {
         let size = table.number("fault_size", k).abs();
         self.kept.push(Kept { scenario, kind, size, methods });
         for input in &mut self.inputs {
-            let value = match table.column(&input.name) {
+            let since = input.onset.as_ref().map_or(0.0, |onset| table.number(onset, k));
+            let value = match table.column(&input.column) {
                 Some(Column { values: Values::Texts(words), .. }) => {
                     number_of(&mut input.words, &words[k]) as f64
                 }
-                _ => table.number(&input.name, k),
+                _ => table.number(&input.column, k) - since,
             };
             input.values.push(value);
         }

@@ -95,6 +95,11 @@ mod tests {
 
     use super::*;
 
+    fn input(name: &str, values: Vec<f64>) -> Input {
+        let (name, column) = (name.to_owned(), name.to_owned());
+        Input { name, column, onset: None, values, words: Vec::new() }
+    }
+
     /// Ishigami's function, whose indices are known: 0.3139, 0.4424, 0.
     #[test]
     fn the_indices_of_a_known_function_are_found() {
@@ -106,7 +111,7 @@ mod tests {
         let y: Vec<f64> = x.iter().map(of).collect();
         for (k, exact) in [0.3139, 0.4424, 0.0].into_iter().enumerate() {
             let values = x.iter().map(|x| x[k]).collect();
-            let input = Input { name: format!("x_{k}"), values, words: Vec::new() };
+            let input = input(&format!("x_{k}"), values);
             let found = index(&input, &y).expect("it varies");
             // Groups of finite width miss some of it.
             assert!((found - exact).abs() < 0.02, "{k}: {found}");
@@ -115,11 +120,9 @@ mod tests {
 
     #[test]
     fn of_nothing_nothing_is_said() {
-        let input = Input { name: "x".into(), values: vec![1.0; 50], words: Vec::new() };
-        assert_eq!(index(&input, &[0.5; 50]), None);
-        let values = (0..50).map(f64::from).collect();
-        let input = Input { name: "x".into(), values, words: Vec::new() };
-        assert_eq!(index(&input, &[0.5; 50]), None);
-        assert_eq!(index(&input, &[f64::NAN; 50]), None);
+        assert_eq!(index(&input("x", vec![1.0; 50]), &[0.5; 50]), None);
+        let varied = input("x", (0..50).map(f64::from).collect());
+        assert_eq!(index(&varied, &[0.5; 50]), None);
+        assert_eq!(index(&varied, &[f64::NAN; 50]), None);
     }
 }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use miette::{Diagnostic, MietteHandlerOpts, Report};
 use thiserror::Error;
 
-use crate::interrupt::Stopped;
+use crate::interrupt::{Stopped, StoppedPartWay};
 
 /// How a run ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -160,7 +160,7 @@ pub(crate) fn report(error: &Report) -> Ending {
     if matches!(error.downcast_ref::<Failure>(), Some(Failure::Unread)) {
         return Ending::Done;
     }
-    if error.downcast_ref::<Stopped>().is_some() {
+    if error.is::<Stopped>() || error.is::<StoppedPartWay>() {
         use io::Write;
         let _ = writeln!(io::stderr(), "drivescope: {error}");
         return Ending::Stopped;

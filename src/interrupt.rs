@@ -25,6 +25,14 @@ const GRACE: Duration = Duration::from_millis(500);
 #[error("stopped; nothing was written")]
 pub(crate) struct Stopped;
 
+/// The same where something was kept.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("stopped; {kept}")]
+pub(crate) struct StoppedPartWay {
+    /// What was, and how to go on.
+    pub(crate) kept: String,
+}
+
 /// Listens for the signals.
 pub(crate) fn install() {
     let stop = || {

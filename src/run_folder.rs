@@ -1,13 +1,14 @@
 //! The folder of a run that writes many files: nobody else writes there meanwhile, and nothing appears
 //! in it before all is done.
 
-use std::fs::{self, OpenOptions};
-use std::io::{self, ErrorKind, Write};
+use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use drivescope_recording::write_whole;
 use tempfile::TempDir;
 
+use crate::claim::Claim;
 use crate::failure::Failure;
 use crate::interrupt::{self, Leftover};
 
@@ -20,7 +21,7 @@ pub(crate) struct RunFolder {
     path: PathBuf,
     /// Folders that were made for it, the outermost first.
     made: Vec<(PathBuf, Leftover)>,
-    taken: Option<Leftover>,
+    taken: Option<Claim>,
     work: Option<(TempDir, Leftover)>,
 }
 
@@ -33,7 +34,7 @@ impl RunFolder {
         let failed = |source| Failure::Write { path: path.to_owned(), source };
         let mut folder = Self { path: path.to_owned(), made: Vec::new(), taken: None, work: None };
         folder.make(path).map_err(failed)?;
-        folder.claim()?;
+        folder.taken = Some(Claim::take(path, TAKEN)?);
         let work = tempfile::Builder::new().prefix(interrupt::OWN).tempdir_in(path);
         let work = work.map_err(failed)?;
         let leftover = Leftover::new(work.path());
@@ -52,39 +53,6 @@ impl RunFolder {
             Err(error) => return Err(error),
         }
         Ok(())
-    }
-
-    fn claim(&mut self) -> Result<(), Failure> {
-        let file = self.path.join(TAKEN);
-        let failed = |source| Failure::Write { path: file.clone(), source };
-        // A second try, where the first found the mark of a run that is no more.
-        for _ in 0..2 {
-            match OpenOptions::new().write(true).create_new(true).open(&file) {
-                Ok(mut mark) => {
-                    self.taken = Some(Leftover::new(&file));
-                    return writeln!(mark, "{}", std::process::id()).map_err(failed);
-                }
-                Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                    let of = fs::read_to_string(&file).unwrap_or_default();
-                    if lives(of.trim()) {
-                        return Err(Failure::Usage {
-                            what: format!(
-                                "{}: another run writes there (process {})",
-                                self.path.display(),
-                                of.trim()
-                            ),
-                            instead: format!(
-                                "choose another folder, or remove {} if that run is no more",
-                                file.display()
-                            ),
-                        });
-                    }
-                    fs::remove_file(&file).map_err(failed)?;
-                }
-                Err(error) => return Err(failed(error)),
-            }
-        }
-        Err(failed(ErrorKind::AlreadyExists.into()))
     }
 
     /// The folder in which the run puts its files until it is done.
@@ -125,21 +93,10 @@ fn put_in_place(from: &Path, to: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether a process of that number lives; on a system that does not tell, it does.
-fn lives(process: &str) -> bool {
-    let all = Path::new("/proc");
-    process
-        .parse::<u32>()
-        .is_ok_and(|id| !all.join("self").exists() || all.join(id.to_string()).exists())
-}
-
 impl Drop for RunFolder {
     fn drop(&mut self) {
         self.work = None;
-        if self.taken.take().is_some() {
-            // What stays is a mark of a process that is no more.
-            let _ = fs::remove_file(self.path.join(TAKEN));
-        }
+        self.taken = None;
         for (path, _) in self.made.drain(..).rev() {
             // Only if it is still empty.
             let _ = fs::remove_dir(path);

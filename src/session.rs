@@ -33,6 +33,8 @@ pub(crate) struct Session {
 
 /// Seed where none is given.
 pub(crate) const USUAL_SEED: u64 = 1;
+/// What a bar of many equal things shows.
+const RATES: &str = "{human_pos} of {human_len} {msg} {wide_bar} {per_sec:>10} {eta:>4}";
 /// How often a progress bar is drawn.
 const REDRAW: Duration = Duration::from_millis(100);
 
@@ -161,6 +163,15 @@ impl Session {
         let spinner = ProgressBar::new_spinner();
         spinner.enable_steady_tick(REDRAW);
         spinner
+    }
+
+    /// A progress bar with the rate; hidden when quiet or not on a terminal.
+    pub(crate) fn rates(&self, steps: u64, what: &'static str) -> ProgressBar {
+        let bar = self.progress(steps, what);
+        if let Ok(style) = ProgressStyle::with_template(RATES) {
+            bar.set_style(style);
+        }
+        bar
     }
 
     /// A progress bar over that many steps; hidden when quiet or not on a terminal.

@@ -24,6 +24,7 @@
 
 mod arx;
 pub mod bank;
+mod cusum;
 mod data;
 mod decision;
 mod design;
@@ -35,6 +36,7 @@ mod history;
 mod identification;
 mod interface;
 mod isolation;
+mod lanes;
 mod model;
 mod model_error;
 mod network;
@@ -49,6 +51,7 @@ mod threshold;
 mod windows;
 
 pub use arx::{Arx, ArxError, ArxFit, ArxRun, OrderRow, OrderTable, Orders};
+pub use cusum::{Cusum, CusumError, CusumLanes, CusumStep, Whitening, threshold_for};
 pub use data::{Column, Data, DataError};
 pub use decision::{Detection, RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
@@ -69,6 +72,7 @@ pub use isolation::{
     IsolationMatrix, IsolationReport, Isolator, IsolatorOptions, KnownFaults, Mlp, MlpSize, Named,
     Naming, Partition, Separability, SymptomError, Symptoms, discriminant, symptoms_of,
 };
+pub use lanes::ModelLanes;
 pub use model::{Model, ModelRun};
 pub use model_error::{BandDesign, ErrorBands};
 pub use network::{

@@ -5,6 +5,7 @@
 //!   -> native run (Sampled)            -> Recording  -> how far the FMU agrees
 //!   -> FMU through the co-simulation algorithm -> Recording and a diagnoser's verdicts
 //!   -> study: train, design, judge twelve faults  -> StudyResults
+//!   -> campaign: many scenarios of a plan, a row each
 //!   -> parity: one design, judged over many draws of the noise -> Parity
 //! ```
 //!
@@ -12,6 +13,7 @@
 //! seed and the run's number.
 
 pub mod bank;
+pub mod campaign;
 pub mod cosimulated;
 pub mod drives;
 pub mod experiment;

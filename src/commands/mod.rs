@@ -3,6 +3,7 @@
 
 mod add;
 mod benchmark;
+mod campaign;
 mod compare;
 mod cosim;
 mod diagnose;
@@ -61,6 +62,7 @@ commands! {
     Fit: fit::Fit,
     Discover: discover::Discover,
     Add: add::Add,
+    Campaign: campaign::Campaign,
     Benchmark: benchmark::Benchmark,
     Export: export::Export,
     Fmu: fmu::Fmu,

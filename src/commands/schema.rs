@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use drivescope_plant::file::schema_json;
+use drivescope_scenarios::campaign;
 
 use super::Run;
 use crate::failure::{Ending, told};
@@ -20,15 +21,22 @@ pub(crate) struct Schema {
 enum Kind {
     /// A drive file.
     Drive,
+    /// A plan of a campaign.
+    Plan,
 }
 
 impl Run for Schema {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let text = match self.of {
             Kind::Drive => schema_json(),
+            Kind::Plan => campaign::plan::schema_json(),
         };
         let value: serde_json::Value = serde_json::from_str(&text).map_err(told)?;
-        session.say(&text, &value, &Next::new("init REC -o drive.toml"))?;
+        let next = match self.of {
+            Kind::Drive => Next::new("init REC -o drive.toml"),
+            Kind::Plan => Next::new("campaign plan.toml -o campaign"),
+        };
+        session.say(&text, &value, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -3,6 +3,7 @@
 //! A report is self-contained: styles and pictures are inline, nothing is loaded and no script
 //! runs (its content security policy forbids both). [`plot`] draws; [`study_html`] says what a study found.
 
+pub(crate) mod campaign;
 pub(crate) mod compare;
 pub(crate) mod discover;
 pub(crate) mod page;

@@ -4,6 +4,7 @@
 mod architecture;
 mod bank;
 mod benchmark;
+mod campaign;
 mod compare;
 mod diagnose;
 mod discover;

@@ -259,7 +259,7 @@ pub(super) fn simulate(weights: &Weights, inputs: &[f64], mut show: impl FnMut(&
 /// tanh(q) = 1 - 2 / (e^2q + 1): absolute error below 2e-16 and a third cheaper than a tanh that
 /// keeps its relative digits near zero, which a sum over neurons of order one does not feel.
 #[inline(always)]
-fn activation(q: f64) -> f64 {
+pub(crate) fn activation(q: f64) -> f64 {
     1.0 - 2.0 / (exp(2.0 * q) + 1.0)
 }
 

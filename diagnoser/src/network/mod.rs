@@ -29,6 +29,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use self::approximation::{ApproximationExample, ApproximationRow};
+pub(crate) use self::layers::activation;
 pub use self::run::NetworkRun;
 pub use self::select::{StructureRow, select_structure};
 pub use self::theta::Theta;

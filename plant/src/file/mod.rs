@@ -29,7 +29,7 @@ pub use curve::LEARNED;
 pub use edit::Change;
 pub use effects::{CUSTOM, target_key};
 pub use error::{DriveFileError, Location, Problem};
-pub use schema::schema_json;
+pub use schema::{schema_json, without_null};
 
 impl Drive {
     /// Reads the text of a drive file; `file_name` is only for the error.

@@ -39,8 +39,8 @@ fn schema() -> Value {
     schema
 }
 
-/// TOML has no null: what is optional is left out.
-fn without_null(schema: &mut Value) {
+/// Takes `null` out of a JSON Schema of a TOML file, which has none: what is optional is left out.
+pub fn without_null(schema: &mut Value) {
     match schema {
         Value::Object(map) => {
             if let Some(Value::Array(types)) = map.get_mut("type") {

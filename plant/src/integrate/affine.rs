@@ -15,18 +15,18 @@ const COLUMNS: usize = 5;
 #[repr(align(64))]
 pub(super) struct Affine<R, const N: usize> {
     /// `matrix[row][column][lane]`; rows current, speed, position (less its start).
-    matrix: [[[R; N]; COLUMNS]; OWN],
+    pub(super) matrix: [[[R; N]; COLUMNS]; OWN],
     /// The acceleration at the start of the step, as a row over the same columns.
-    acceleration: [[f64; N]; COLUMNS],
+    pub(super) acceleration: [[f64; N]; COLUMNS],
     /// For lanes that ring: the same row a quarter of a period on, so that with the acceleration
     /// it gives the amplitude of the acceleration.
-    quadrature: [[f64; N]; COLUMNS],
+    pub(super) quadrature: [[f64; N]; COLUMNS],
     /// Whether any lane does.
-    rings: bool,
+    pub(super) rings: bool,
     /// The direction of motion, +1 or -1.
     pub(super) sign: f64,
     /// Speed beyond which each lane is affine; without dry friction that is everywhere.
-    beyond: [f64; N],
+    pub(super) beyond: [f64; N],
     seconds: f64,
 }
 

@@ -14,15 +14,15 @@ const FEW: usize = 8;
 /// Advances `N` drives of one structure.
 #[derive(Debug, Clone)]
 pub struct Block<R, const N: usize> {
-    model: Model<R, N>,
-    pace: Pace,
-    plan: Option<Plan<R, N>>,
+    pub(super) model: Model<R, N>,
+    pub(super) pace: Pace,
+    pub(super) plan: Option<Plan<R, N>>,
     room: Stages<R, N>,
     saved: Vec<[R; N]>,
     /// The state during sub-steps.
     moving: Rows<R, N>,
     /// One integrator a lane, once that has met an event.
-    alone: Vec<Option<Integrator<R>>>,
+    pub(super) alone: Vec<Option<Integrator<R>>>,
     /// 1 where the sub-steps do not stand: a number, so that a loop over it is vector code.
     redo: [u64; N],
 }

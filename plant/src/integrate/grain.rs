@@ -17,7 +17,7 @@ const MOST_PARTS: f64 = 256.0;
 
 /// The grain of each lane's laws, rad/s.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Grain<const N: usize>([f64; N]);
+pub(super) struct Grain<const N: usize>(pub(super) [f64; N]);
 
 impl<const N: usize> Grain<N> {
     pub(super) fn new<R: Real>(model: &Model<R, N>) -> Self {

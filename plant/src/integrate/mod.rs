@@ -24,6 +24,7 @@ mod block;
 pub(crate) mod dispatch;
 mod exponential;
 mod grain;
+mod renew;
 mod step;
 
 use drivescope_numerics::Real;
@@ -310,6 +311,12 @@ pub trait Stepper<const N: usize> {
     /// Changes the drives' parameters.
     fn change(&mut self, change: impl FnOnce(&mut Model<f64, N>));
 
+    /// The same where the parameters of those lanes alone change.
+    fn change_lanes(&mut self, lanes: &[bool; N], change: impl FnOnce(&mut Model<f64, N>)) {
+        let _ = lanes;
+        self.change(change);
+    }
+
     /// Advances the state by `h` seconds, the inputs held. The exact step is inlined, so that it
     /// is compiled for the instruction set of the run around it.
     fn advance(&mut self, state: &mut State<f64, N>, applied: &Applied<f64, N>, h: f64);
@@ -337,6 +344,10 @@ impl<const N: usize> Stepper<N> for Block<f64, N> {
 
     fn change(&mut self, change: impl FnOnce(&mut Model<f64, N>)) {
         Self::change(self, change);
+    }
+
+    fn change_lanes(&mut self, lanes: &[bool; N], change: impl FnOnce(&mut Model<f64, N>)) {
+        Self::change_lanes(self, lanes, change);
     }
 
     #[inline(always)]

@@ -45,9 +45,9 @@ impl<R: Real, const N: usize> Stages<R, N> {
 /// The armature's decay, its coefficients for one step size, and what else is made once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Armature<R, const N: usize> {
-    rate: [R; N],
-    coefficients: Exponential<R, N>,
-    inverses: Inverses<R, N>,
+    pub(super) rate: [R; N],
+    pub(super) coefficients: Exponential<R, N>,
+    pub(super) inverses: Inverses<R, N>,
 }
 
 impl<R: Real, const N: usize> Armature<R, N> {

@@ -385,10 +385,11 @@ impl<const N: usize, S: Stepper<N>> Sampled<N, S> {
         if now == self.in_motors {
             return;
         }
+        let changed = std::array::from_fn(|l| now[l] != self.in_motors[l]);
         self.in_motors = now;
         let healthy = self.healthy;
-        self.stepper.change(|model| {
-            for l in 0..N {
+        self.stepper.change_lanes(&changed, |model| {
+            for l in (0..N).filter(|l| changed[*l]) {
                 model.motors.set_lane(l, faults.lane(l).in_motor(&healthy.lane(l)));
             }
         });

@@ -89,7 +89,7 @@ macro_rules! section {
         #[serde(deny_unknown_fields, expecting = "a table")]
         pub struct $name {
             $($($plain)* $(
-                #[doc = concat!($description, " [", $unit, "]")]
+                #[doc = concat!($description, ", ", $unit)]
                 #[serde(rename = $key)]
                 $(#[$more])*
                 pub $field: $kind,

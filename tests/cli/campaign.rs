@@ -13,7 +13,7 @@ use crate::{done, folder, program, put, refused, run};
 
 /// 4200 scenarios of 300 samples: three parts.
 const PLAN: &str = "schema = 1\nname = \"small\"\ndrive = \"dr300\"\ndraws = 1050\nduration = 1.5\n\
-    seed = 3\nkeep_traces = 0.001\n[parameters]\nR = { normal = [1, 0.01], relative = true }\n\
+    seed = 3\nkeep_traces = 0.005\n[parameters]\nR = { normal = [1, 0.01], relative = true }\n\
     [[fault]]\nkind = { grid = [\"tacho\", \"flux\", \"load\", \"none\"] }\n\
     size = { uniform = [0.05, 0.3] }\nonset = { uniform = [1.0, 1.2] }\n\
     [detector]\nrun_up = 0.8\n[design]\nsamples = 20000\n";
@@ -53,7 +53,7 @@ fn shards_kills_and_resumes_give_the_bytes_of_one_run() {
     assert_eq!(rows(here.path(), "whole").len(), 4200);
     let whole = bytes(here.path(), "whole");
     let traces = here.path().join("whole/traces").read_dir().expect("some are kept").count();
-    assert!((1..20).contains(&traces), "{traces}");
+    assert!((5..50).contains(&traces), "{traces}");
 
     for shard in ["2/2", "1/2"] {
         let message = run(here.path(), &["campaign", "merge", "shards"]);

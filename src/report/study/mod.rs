@@ -3,6 +3,7 @@
 mod detection;
 mod figures;
 mod fmu;
+mod hidden;
 mod identification;
 mod isolation;
 mod models;
@@ -39,6 +40,7 @@ pub fn study_html(study: &StudyResults, pictures: &[Pictures]) -> String {
         (models::section(study))
         (isolation::section(study))
         (identification::section(study))
+        (hidden::section(study))
         (detection::levels(study))
         (detection::readings(study))
         (fmu::section(study))

@@ -88,7 +88,7 @@ impl IirSlices<'_> {
 
 impl Theta {
     /// The stored form, with the scales that the signals were standardised by.
-    pub(super) fn network(&self, input_scales: Vec<Scale>, output_scales: Vec<Scale>) -> Network {
+    pub(crate) fn network(&self, input_scales: Vec<Scale>, output_scales: Vec<Scale>) -> Network {
         let layers = Layers::of(self.structure, &self.values);
         let iir = layers.neurons().map(|neuron| IirNeuron {
             w: neuron.w.to_vec(),
@@ -113,7 +113,7 @@ impl Theta {
     }
 
     /// A random start: filters with real poles of one to a hundred samples, unit gains.
-    pub(super) fn draw(structure: Structure, mut normal: impl FnMut() -> f64) -> Self {
+    pub(crate) fn draw(structure: Structure, mut normal: impl FnMut() -> f64) -> Self {
         let Structure { inputs, outputs, v1, v2, order } = structure;
         let mut values = Vec::with_capacity(structure.parameters());
         for _ in 0..v1 {

@@ -59,8 +59,11 @@ pub(super) struct Weighing<'a> {
     /// The parameters of the base alone.
     pub(super) parameters: Terms,
     /// What becomes of a law over what is explained; none where that is not.
-    pub(super) feedback: Option<&'a dyn Fn(&Seat) -> Option<Feedback>>,
+    pub(super) feedback: Option<&'a OfSeat<'a>>,
 }
+
+/// [`Feedback`] of a law; none where it does not depend on what it explains.
+pub(super) type OfSeat<'a> = dyn Fn(&Seat) -> Option<Feedback> + 'a;
 
 /// What becomes of a law that depends on what it explains, once that is allowed for.
 pub(super) struct Feedback {

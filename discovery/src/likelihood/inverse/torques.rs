@@ -56,7 +56,7 @@ fn rows(it: &Recorded, drive: &Drive, windows: &Windows, names: &[String]) -> Ve
             plant.rates(&windows.motion[k], it.direction.at(k), constant);
             let torque = plant.torque();
             for (window, weight) in weights.into_iter().flatten() {
-                rows[window] = rows[window] - torque * constant(weight, 0);
+                rows[window] -= torque * constant(weight, 0);
             }
             plant.advance();
         }

@@ -2,10 +2,11 @@
 //! disturbs the motion, so that only the current shows it.
 
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 
 use drivescope_discovery::{Discovery, Evidence, Measured, Unwatched, Verdict, discover, noise};
 use drivescope_plant::drive::Drive;
-use drivescope_recording::{Recording, Signal};
+use drivescope_recording::{ReadOptions, Recording, Signal, read};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_pcg::Pcg64;
@@ -96,4 +97,28 @@ fn a_weight_that_the_loop_holds_is_named() {
 fn nothing_is_named_where_nothing_disturbs() {
     let answer = found(|_| 0.0);
     assert_eq!((answer.verdict, answer.named.len()), (Verdict::None, 0), "{:?}", answer.ranking);
+}
+
+/// A brushless motor that a position loop turns slowly (data found through `DRIVESCOPE_DATA`, not
+/// shipped): cogging of seven periods a revolution is the largest of what disturbs it.
+#[test]
+fn the_cogging_of_a_recorded_motor_is_named() {
+    let folder = std::env::var_os("DRIVESCOPE_DATA").map(|data| PathBuf::from(data).join("odrive"));
+    let Some(folder) = folder.filter(|folder| folder.is_dir()) else {
+        println!("NOT RUN: DRIVESCOPE_DATA names no folder with odrive/");
+        return;
+    };
+    let text = DRIVE
+        .replace("K_m = 0.05", "K_m = 1.0")
+        .replace("J = 1.0e-4", "J = 2.4e-4")
+        .replace("[\"K_m\"]", "[\"K_m\", \"J\"]");
+    let drive = Drive::parse(&text, "odrive.toml").expect("right");
+    let [estimation, validation] = ["0.csv", "1.csv"].map(|name| {
+        let (recording, _) = read(folder.join(name), &ReadOptions::default()).expect("it reads");
+        evidence(&drive, &recording)
+    });
+    let found = discover(&drive, &estimation, &validation, &Unwatched).expect("the base is fitted");
+    assert_eq!(found.named, ["cogging"], "{:?}", found.ranking);
+    assert_eq!(found.ranking[0].parameters["cogging.N"].value, 7.0);
+    assert!(torque(&found, 1) < 0.8 * torque(&found, 0), "{:?}", found.ladder);
 }

@@ -37,10 +37,8 @@ pub(crate) struct Examined<const N: usize> {
     pub(crate) excess: f64,
     /// Change of the size a row and its standard deviation, where it grows.
     pub(crate) growth: Option<(f64, f64)>,
-    /// Logarithm of the likelihood that the growth gains, where it grows.
+    /// Logarithm of the likelihood that the growth gains.
     pub(crate) gained: f64,
-    /// What a growth would gain, whether it is taken for one or not.
-    pub(crate) would_gain: f64,
     /// Belief about the row after the last.
     pub(crate) end: Belief<N>,
 }
@@ -116,11 +114,10 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
         let mut squares: f64 = innovations.iter().flatten().map(|w| w * w).sum();
         let measured = innovations.iter().map(Vec::len).sum::<usize>() as f64;
         p.take_out(mechanism);
-        let would_gain = p.ratio(GROWTH);
-        let grows = would_gain > GROWS;
+        let grows = p.ratio(GROWTH) > GROWS;
         let (mut growth, mut gained) = (None, 0.0);
         if grows {
-            gained = would_gain;
+            gained = p.ratio(GROWTH);
             squares -= 2.0 * gained;
             let left = p.gram[GROWTH][GROWTH];
             growth = Some((p.score[GROWTH] / left, 1.0 / left.sqrt()));
@@ -134,6 +131,6 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
         });
         let excess = normal_score(squares, measured);
         let explains = alone && white && excess < TOO_LARGE;
-        Examined { explains, excess, growth, gained, would_gain, end: run.end }
+        Examined { explains, excess, growth, gained, end: run.end }
     }
 }

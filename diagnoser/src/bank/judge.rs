@@ -9,9 +9,6 @@ const SPREAD: usize = 2;
 /// Logarithm of the likelihood by which a hypothesis may lie behind the best and still be the
 /// truth: noise alone brings a true one that far behind once in two hundred times.
 const CONFUSED: f64 = 4.0;
-/// What a growth must gain to count for a mechanism that is not named: its prior odds of one in ten, and
-/// what a free parameter costs on a hundred rows (half the logarithm of their number).
-const GROWTH_COSTS: f64 = 4.6;
 /// Repetitions from which a sensor is taken for stuck.
 const STUCK: usize = 3;
 
@@ -130,31 +127,18 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
         };
         judgement.onset = first + fit.onset;
         (judgement.excess, judgement.growth) = (examined.excess, examined.growth);
-        self.confuse(&mut judgement, &fits, (&fit, fit.log_likelihood + examined.gained));
+        if let Some(at) = judgement.candidates.iter().position(|it| it.mechanism == fit.mechanism)
+            && at > 0
+        {
+            // Growing, it overtakes those that stand: they are no candidates any more.
+            let named = Candidate { behind: 0.0, ..judgement.candidates.remove(at) };
+            judgement.candidates.insert(0, named);
+            judgement.confused = 1;
+        }
         if examined.explains {
             judgement.cause = Cause::Mechanism(fit.mechanism);
         }
         Judged { judgement, end: examined.end }
-    }
-
-    /// Puts the named mechanism first, and behind it the others by how far they lie behind when each of
-    /// them may grow as well: one that stands and one that grows can look alike for a while.
-    fn confuse(&self, judgement: &mut Judgement, fits: &[Fit], (named, best): (&Fit, f64)) {
-        for candidate in &mut judgement.candidates {
-            let other = fits.iter().find(|fit| fit.mechanism == candidate.mechanism);
-            let Some(fit) = other.filter(|fit| fit.mechanism != named.mechanism) else {
-                candidate.behind = 0.0;
-                continue;
-            };
-            let grown = (self.examine(fit).would_gain - GROWTH_COSTS).max(0.0);
-            candidate.behind = (best - fit.log_likelihood - grown).max(0.0);
-        }
-        judgement.candidates.sort_by(|a, b| {
-            let first = |it: &Candidate| it.mechanism != named.mechanism;
-            first(a).cmp(&first(b)).then(a.behind.total_cmp(&b.behind))
-        });
-        let close = judgement.candidates.iter().filter(|it| it.behind <= CONFUSED);
-        judgement.confused = close.count();
     }
 
     /// The likeliest fit and what it leaves. Where it leaves too much, every mechanism is given the

@@ -88,4 +88,4 @@ pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, Start, free_run, residual};
 pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};
-pub use windows::{Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, WindowError, WindowWatch, Windows};
+pub use windows::{Baseline, FALSE_RUNS, Lag, LagRun, WindowError, WindowWatch, Windows};

@@ -2,9 +2,7 @@
 //!
 //! y = c + sum over the inputs of k D(u), through a lag of the first order; D is the dead zone that
 //! dry friction makes, D(u) = sgn(u) max(|u| - u_0, 0). Few parameters: what differs from day to day
-//! cannot hide in them. Beyond a dead zone, constant and zone are one number on runs that never rest, so
-//! a model has one of the two. What is slower than half a window is a drift for the windows, and no lag;
-//! and a run begins with the mean of its first inputs, for a single one is mostly noise.
+//! cannot hide in them.
 
 use drivescope_numerics::Regression;
 use serde::{Deserialize, Serialize};
@@ -17,8 +15,7 @@ const WIDEST: f64 = 0.8;
 /// Lags that are tried, samples, by a constant ratio.
 const LAGS: usize = 16;
 const SHORTEST: f64 = 0.5;
-/// By how much a constant must lower the error, as a share, to be preferred to a dead zone.
-const WORTH: f64 = 0.02;
+const LONGEST: f64 = 500.0;
 
 /// The model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,19 +35,13 @@ fn beyond(u: f64, zone: f64) -> f64 {
     u.signum() * (u.abs() - zone).max(0.0)
 }
 
-/// Share of the way to its input that a lag goes with the sample of that number: at first that of a
-/// mean.
-fn share(left: f64, sample: usize) -> f64 {
-    (1.0 - left).max(1.0 / (sample + 1) as f64)
-}
-
 /// A signal behind the lag; each segment begins in the steady state.
 fn lagged(data: &Data, values: &[f64], zone: f64, left: f64) -> Vec<f64> {
     let mut made = Vec::with_capacity(values.len());
     for segment in data.segments() {
-        let mut y = 0.0;
-        for (k, u) in values[segment.clone()].iter().enumerate() {
-            y += share(left, k) * (beyond(*u, zone) - y);
+        let mut y = beyond(values[segment.start], zone);
+        for u in &values[segment.clone()] {
+            y += (1.0 - left) * (beyond(*u, zone) - y);
             made.push(y);
         }
     }
@@ -58,9 +49,8 @@ fn lagged(data: &Data, values: &[f64], zone: f64, left: f64) -> Vec<f64> {
 }
 
 impl Lag {
-    /// The model of least squares over healthy data, its lag at most that many samples; nothing if
-    /// they do not tell one.
-    pub fn fit(data: &[&Data], longest: f64) -> Option<Self> {
+    /// The model of least squares over healthy data; nothing if they do not tell one.
+    pub fn fit(data: &[&Data]) -> Option<Self> {
         let inputs = data.first()?.inputs().len();
         let greatest = |k: usize| {
             let all = data.iter().flat_map(|data| data.inputs()[k].values);
@@ -73,9 +63,8 @@ impl Lag {
             let zones: Vec<f64> = greatest.iter().map(|most| share * most).collect();
             for lag in 0..LAGS {
                 let ratio = lag as f64 / (LAGS - 1) as f64;
-                let left = (-1.0 / (SHORTEST * (longest.max(1.0) / SHORTEST).powf(ratio))).exp();
+                let left = (-1.0 / (SHORTEST * (LONGEST / SHORTEST).powf(ratio))).exp();
                 let Some((error, gains, constant)) = fitted(data, &zones, left) else { continue };
-                let error = if zone == 0 { (1.0 + WORTH) * error } else { error };
                 if best.as_ref().is_none_or(|(least, _)| error < *least) {
                     best = Some((error, Self { left, constant, gains, zones: zones.clone() }));
                 }
@@ -108,8 +97,7 @@ impl Lag {
 
 /// Error, gains and constant of least squares with those dead zones and that lag.
 fn fitted(data: &[&Data], zones: &[f64], left: f64) -> Option<(f64, Vec<f64>, f64)> {
-    let with_constant = zones.iter().all(|zone| *zone == 0.0);
-    let mut regression = Regression::new(zones.len() + usize::from(with_constant));
+    let mut regression = Regression::new(zones.len() + 1);
     for data in data {
         let columns: Vec<Vec<f64>> = data
             .inputs()
@@ -118,32 +106,30 @@ fn fitted(data: &[&Data], zones: &[f64], left: f64) -> Option<(f64, Vec<f64>, f6
             .map(|(column, zone)| lagged(data, column.values, *zone, left))
             .collect();
         for (k, y) in data.output().values.iter().enumerate() {
-            let one = with_constant.then_some(1.0);
-            regression.push(columns.iter().map(|column| column[k]).chain(one), *y);
+            regression.push(columns.iter().map(|column| column[k]).chain([1.0]), *y);
         }
     }
     let solution = regression.solve().ok()?;
-    let (gains, constant) = solution.parameters.split_at(zones.len());
-    Some((solution.sse, gains.to_vec(), constant.first().copied().unwrap_or(0.0)))
+    let (constant, gains) = solution.parameters.split_last()?;
+    Some((solution.sse, gains.to_vec(), *constant))
 }
 
 /// The model, running.
 #[derive(Debug, Clone)]
 pub struct LagRun {
     model: Lag,
-    y: f64,
-    sample: usize,
+    y: Option<f64>,
 }
 
 impl LagRun {
     /// From the next input on, in its steady state.
     pub fn new(model: Lag) -> Self {
-        Self { model, y: 0.0, sample: 0 }
+        Self { model, y: None }
     }
 
     /// Begins anew.
     pub fn reset(&mut self) {
-        (self.y, self.sample) = (0.0, 0);
+        self.y = None;
     }
 
     /// The output under the inputs of the next sample.
@@ -151,8 +137,9 @@ impl LagRun {
         let Lag { left, constant, gains, zones } = &self.model;
         let terms = u.iter().zip(gains).zip(zones);
         let driven: f64 = terms.map(|((u, gain), zone)| gain * beyond(*u, *zone)).sum();
-        self.y += share(*left, self.sample) * (driven - self.y);
-        self.sample += 1;
-        self.y + constant
+        let before = self.y.unwrap_or(driven);
+        let y = before + (1.0 - left) * (driven - before);
+        self.y = Some(y);
+        y + constant
     }
 }

@@ -6,11 +6,6 @@
 //! such that of healthy runs, each judged by its own begin, a designed share raises any alarm: the
 //! greatest values of runs have a Gumbel distribution, whose two parameters their median and
 //! quartiles give, so that a run that is not healthy after all does not widen them.
-//!
-//! A healthy machine warms up, and its residual drifts with it. While windows lie inside, the mean
-//! that they are held against follows them over [`FOLLOWED`] windows, in the design and at work, and
-//! never further from the baseline than one limit: what grows slowly is seen once it is twice as
-//! large as what comes at once.
 
 use std::collections::VecDeque;
 
@@ -35,8 +30,6 @@ const FEWEST: usize = 5;
 const SHORTER: usize = 4;
 /// Stretches are so many windows long.
 const STRETCH: usize = 10;
-/// Windows over which the mean of a healthy residual is followed.
-pub const FOLLOWED: usize = 10;
 
 /// Mean and standard deviation of a healthy residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,9 +52,6 @@ pub struct Windows {
     pub mean: f64,
     /// Greatest logarithm of a window's standard deviation over the baseline's.
     pub spread: f64,
-    /// Samples over which the mean of a healthy residual is followed; 0 if it is not.
-    #[serde(default)]
-    pub followed: usize,
     /// Healthy runs that the limits rest on.
     pub runs: usize,
     /// Model of the output.
@@ -108,7 +98,7 @@ impl Windows {
     /// Fits the model and designs the limits on healthy runs, the segments of `data`; nothing if
     /// there are too few.
     pub fn design(data: &[&Data], (samples, baseline): (usize, usize)) -> Option<Self> {
-        let model = Lag::fit(data, 0.5 * samples as f64)?;
+        let model = Lag::fit(data)?;
         let mut runs = Vec::new();
         for data in data {
             let residual = model.residual(data);
@@ -134,15 +124,7 @@ impl Windows {
         if runs.len() < FEWEST {
             return None;
         }
-        let unlimited = Self {
-            samples,
-            baseline,
-            mean: f64::INFINITY,
-            spread: f64::INFINITY,
-            followed: FOLLOWED * samples,
-            runs: runs.len(),
-            model,
-        };
+        let unlimited = Self { samples, baseline, mean: 0.0, spread: 0.0, runs: runs.len(), model };
         let greatest = |run: &Vec<f64>| {
             let (first, rest) = run.split_at(baseline);
             let mut watch = unlimited.watch(Baseline::of(first));
@@ -179,14 +161,10 @@ impl Windows {
         Ok(Baseline::of(&residual))
     }
 
-    fn is_exceeded(&self, [mean, spread]: [f64; 2]) -> bool {
-        mean > self.mean || spread > self.spread
-    }
-
     /// Windows from here on.
     pub fn watch(&self, baseline: Baseline) -> WindowWatch {
         let last = VecDeque::with_capacity(self.samples);
-        WindowWatch { design: self.clone(), baseline, drift: 0.0, last }
+        WindowWatch { design: self.clone(), baseline, last }
     }
 }
 
@@ -211,8 +189,6 @@ fn gumbel_limit(mut greatest: Vec<f64>) -> f64 {
 pub struct WindowWatch {
     design: Windows,
     baseline: Baseline,
-    /// What the healthy mean has moved by since the baseline, output unit.
-    drift: f64,
     last: VecDeque<f64>,
 }
 
@@ -222,8 +198,7 @@ impl WindowWatch {
         self.last.clear();
     }
 
-    /// Departure of the mean and logarithm of the spread, once the window is full; the healthy mean
-    /// follows one that lies inside.
+    /// Departure of the mean and logarithm of the spread, once the window is full.
     fn measured(&mut self, residual: f64) -> Option<[f64; 2]> {
         if self.last.len() == self.design.samples {
             self.last.pop_front();
@@ -233,19 +208,13 @@ impl WindowWatch {
             return None;
         }
         let Baseline { mean, deviation } = Baseline::of(self.last.make_contiguous());
-        let departure = mean - self.baseline.mean - self.drift;
-        let measured = [departure.abs(), (deviation / self.baseline.deviation).ln()];
-        let Windows { mean: limit, followed, .. } = self.design;
-        if followed > 0 && !self.design.is_exceeded(measured) {
-            self.drift = (self.drift + departure / followed as f64).clamp(-limit, limit);
-        }
-        Some(measured)
+        Some([(mean - self.baseline.mean).abs(), (deviation / self.baseline.deviation).ln()])
     }
 
     /// Takes a residual; whether the window that it closes lies outside, once there is one.
     pub fn step(&mut self, residual: f64) -> Option<bool> {
-        let measured = self.measured(residual)?;
-        Some(self.design.is_exceeded(measured))
+        let [mean, spread] = self.measured(residual)?;
+        Some(mean > self.design.mean || spread > self.design.spread)
     }
 }
 
@@ -257,15 +226,7 @@ mod tests {
 
     fn design() -> Windows {
         let model = Lag { left: 0.9, constant: 0.0, gains: vec![2.0], zones: vec![0.5] };
-        Windows {
-            samples: 100,
-            baseline: 200,
-            mean: 0.6,
-            spread: 0.4,
-            followed: 1000,
-            runs: 10,
-            model,
-        }
+        Windows { samples: 100, baseline: 200, mean: 0.6, spread: 0.4, runs: 10, model }
     }
 
     #[test]
@@ -286,34 +247,15 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_drift_is_followed_up_to_one_limit() {
-        let health = noise(20_000, 7);
-        let baseline = Baseline::of(&health[..200]);
-        let first = |per_sample: f64| {
-            let mut watch = design().watch(baseline);
-            health.iter().enumerate().position(|(k, r)| {
-                let drift = (per_sample * k as f64).min(3.0);
-                watch.step(0.3 * r + drift) == Some(true)
-            })
-        };
-        // 0.6 is the limit of what comes at once; ten limits an hour are followed for a while, and
-        // what has grown to twice the limit is seen.
-        assert!(first(0.0).is_none());
-        let seen = first(0.0002).expect("it grows to 3");
-        assert!((4500..7000).contains(&seen), "{seen}");
-        assert!(first(0.01).expect("at once") < 200);
-    }
-
-    #[test]
     fn the_model_finds_gain_lag_and_dead_zone() {
         let u: Vec<f64> = (0..3000).map(|k| 3.0 * (0.01 * k as f64).sin()).collect();
-        let exact = Lag { left: 0.95, constant: 0.0, gains: vec![4.0], zones: vec![0.6] };
+        let exact = Lag { left: 0.95, constant: 1.0, gains: vec![4.0], zones: vec![0.6] };
         let mut run = LagRun::new(exact.clone());
         let e = noise(u.len(), 3);
         let y: Vec<f64> = u.iter().zip(e).map(|(u, e)| run.step(&[*u]) + 0.1 * e).collect();
         let (input, output) = (Column { name: "u", values: &u }, Column { name: "y", values: &y });
         let data = Data::new(vec![input], output).expect("finite");
-        let found = Lag::fit(&[&data], 60.0).expect("it tells one");
+        let found = Lag::fit(&[&data]).expect("it tells one");
         assert!(
             (found.gains[0] - 4.0).abs() < 0.3 && (found.zones[0] - 0.6).abs() < 0.2,
             "{found:?}"

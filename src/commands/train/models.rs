@@ -115,6 +115,9 @@ impl FromStr for ErrorOrders {
     }
 }
 
+/// Sizes of networks that were compared, and the place of the one that was chosen.
+pub(super) type Compared = (Vec<StructureRow>, usize);
+
 impl Models {
     /// The recipe, with the sizes that were compared and the place of the chosen ones.
     pub(super) fn recipe(
@@ -122,7 +125,7 @@ impl Models {
         (design, seed): (Design, u64),
         excited: &[Data; 2],
         without: &[Part],
-    ) -> miette::Result<(Recipe, Option<(Vec<StructureRow>, usize)>)> {
+    ) -> miette::Result<(Recipe, Option<Compared>)> {
         let orders = |[n_a, n_b]: [usize; 2]| Orders { n_a, n_b, constant: true };
         let error_model = match self.orders {
             ErrorOrders::FreeRun => design.error_model.clone(),

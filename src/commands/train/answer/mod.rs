@@ -136,7 +136,7 @@ impl Answer {
         output: &Path,
         learned: &Learned,
         (faults, bank): (Option<&FaultsReport>, Option<BankAnswer>),
-        (compared, healthy): (Option<&(Vec<StructureRow>, usize)>, &Data),
+        (compared, healthy): (Option<&Compared>, &Data),
     ) -> Self {
         let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
         let unit = process.network.output_scales[0].deviation;
@@ -205,7 +205,7 @@ impl Answer {
     }
 }
 
-fn structures((rows, best): &(Vec<StructureRow>, usize)) -> Vec<StructureAnswer> {
+fn structures((rows, best): &Compared) -> Vec<StructureAnswer> {
     let answer = |(k, row): (usize, &StructureRow)| StructureAnswer {
         v1: row.structure.v1,
         v2: row.structure.v2,

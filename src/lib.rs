@@ -7,6 +7,7 @@
 
 mod benchmark;
 mod claim;
+pub mod call;
 mod cli;
 mod commands;
 mod drive_source;

@@ -180,9 +180,10 @@ impl Run for Train {
         });
         {
             let _not_now = interrupt::writing();
+            interrupt::check()?;
             learned.diagnoser.save(&self.output).map_err(told)?;
         }
-        let answer = Answer::new(&self.output, &learned, faults.as_ref(), bank);
+        let answer = Answer::new(session.named(&self.output), &learned, faults.as_ref(), bank);
         let next = Next::new("diagnose").files([&self.output]).options(" REC --check");
         session.wrote(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)

@@ -111,9 +111,10 @@ impl Run for Study {
         let Self { beta, profile, .. } = self;
         let options = StudyOptions { drive, seed: session.seed, torque, beta, profile };
         let bar = session.progress(1, "training and designing the diagnoser");
+        let asked = interrupt::asked();
         let outcome = study(&options, (&closed, &open), &|step| {
             show(&bar, step);
-            interrupt::check().is_err()
+            asked.check().is_err()
         });
         bar.finish_and_clear();
         interrupt::check()?;

@@ -14,7 +14,8 @@ use crate::report::words::{number, percent};
 
 #[derive(Debug, Serialize)]
 pub(super) struct Answer {
-    pub(super) diagnoser: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) diagnoser: Option<PathBuf>,
     pub(super) recording: String,
     pub(super) samples: usize,
     pub(super) run_up: usize,

@@ -179,10 +179,11 @@ impl Run for Train {
         });
         {
             let _not_now = interrupt::writing();
+            interrupt::check()?;
             learned.diagnoser.save(&self.output).map_err(told)?;
         }
         let answer = Answer::new(
-            &self.output,
+            session.named(&self.output),
             &learned,
             (faults.as_ref(), bank),
             (compared.as_ref(), &sets.healthy[1]),

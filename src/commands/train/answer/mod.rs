@@ -2,7 +2,7 @@
 
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use drivescope_diagnoser::{
@@ -16,7 +16,8 @@ use super::bank::BankAnswer;
 
 #[derive(Debug, Serialize)]
 pub(super) struct Answer {
-    output: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output: Option<PathBuf>,
     inputs: Vec<Channel>,
     watched: Channel,
     period: f64,
@@ -133,7 +134,7 @@ struct FaultAnswer {
 
 impl Answer {
     pub(super) fn new(
-        output: &Path,
+        output: Option<PathBuf>,
         learned: &Learned,
         (faults, bank): (Option<&FaultsReport>, Option<BankAnswer>),
         (compared, healthy): (Option<&(Vec<StructureRow>, usize)>, &Data),
@@ -155,7 +156,7 @@ impl Answer {
         let constant = diagnoser.constant.band(diagnoser.confidence);
         let network = diagnoser.gmdh.as_ref().zip(gmdh.as_ref());
         Self {
-            output: output.to_owned(),
+            output,
             inputs: diagnoser.interface.inputs.clone(),
             watched: diagnoser.interface.output.clone(),
             period: diagnoser.interface.period_s,

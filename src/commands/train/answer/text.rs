@@ -106,6 +106,9 @@ impl Answer {
         if let Some(bank) = &answer.bank {
             text += &bank.text();
         }
-        text + &format!("written to {}\n", answer.output.display())
+        if let Some(output) = &answer.output {
+            text += &format!("written to {}\n", output.display());
+        }
+        text
     }
 }

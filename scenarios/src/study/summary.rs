@@ -11,8 +11,8 @@ use crate::experiment::Experiment;
 use crate::faults::{Fault, SPAN};
 use crate::results::{
     ByMethod, DetectionRow, DriveSummary, FaultSpan, FmuSummary, HealthySummary, IdentificationRow,
-    LevelRows, Method, NoiseSummary, ReadingRows, SizeGroup, StudyResults, TheoremSummary,
-    TorqueReading,
+    LevelRows, Method, NoiseSummary, ReadingRows, SizeGroup, StructureSummary, StudyResults,
+    TheoremSummary, TorqueReading,
 };
 
 /// Significance levels of the tables, beside the one that was asked for.
@@ -76,7 +76,7 @@ pub(super) fn summarise(
     experiment: &Experiment,
     designed: &Designed,
     judged: Vec<Judged>,
-    theorem: TheoremSummary,
+    (structures, theorem): (Vec<StructureSummary>, TheoremSummary),
 ) -> Result<Study, StudyError> {
     let faulty: Vec<(&Fault, Signals, &Judgement)> = judged
         .iter()
@@ -103,7 +103,6 @@ pub(super) fn summarise(
     let noise = &options.drive.noise;
     let per_si = options.drive.sensors.tacho_unit.per_si();
     let results = StudyResults {
-        hidden_effect: None,
         seed: options.seed,
         drive: DriveSummary {
             name: options.drive.name.clone(),
@@ -135,7 +134,7 @@ pub(super) fn summarise(
         },
         r_fd,
         model: designed.summary.clone(),
-        structures: designed.structures.clone(),
+        structures,
         theorem,
         symptoms: isolated.symptoms,
         separability: isolated.separability,

@@ -20,8 +20,6 @@ struct Watching {
     rule: RunRule,
     /// Its error model explains nothing: it is not used.
     refused: bool,
-    /// Samples at the start of a segment in which its models settle.
-    settling: usize,
     /// What the residual of this machine and day is off by.
     offset: f64,
     /// Time of the last sample outside.
@@ -158,7 +156,6 @@ impl Watch {
             detector.reset();
             Ok(Watching {
                 refused: !diagnoser.explains(kind) && method != asked,
-                settling: diagnoser.run_up_of(kind),
                 detector,
                 rule: RunRule::new(diagnoser.window),
                 offset,
@@ -257,7 +254,6 @@ impl Watch {
                 found,
                 standing,
                 refused,
-                settling,
             } = watching;
             if *refused {
                 continue;
@@ -267,7 +263,7 @@ impl Watch {
             }
             let verdict = detector.step(u, y - *offset).map_err(told)?;
             let exceeds = verdict.exceeds && !beyond;
-            if self.of_segment >= *settling && !beyond {
+            if settled && !beyond {
                 counted.step(1, usize::from(exceeds));
             }
             if exceeds {

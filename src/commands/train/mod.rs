@@ -4,19 +4,18 @@ mod answer;
 mod bank;
 mod joined;
 mod labelled;
-mod models;
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use drivescope_diagnoser::{
-    Channel, Confidence, Data, Design, Diagnoser, FaultyRun, Interface, IsolatorOptions, Sets,
+    Channel, Confidence, Data, Design, Diagnoser, FaultyRun, Interface, IsolatorOptions, Recipe,
+    Sets,
 };
 use drivescope_recording::Recording;
 
 use self::answer::Answer;
 use self::labelled::Labelled;
-use self::models::Models;
 use super::{RecordingOptions, Run, at_period};
 use crate::failure::{Ending, Failure, told};
 use crate::interrupt;
@@ -73,8 +72,6 @@ pub(crate) struct Train {
     /// Time at the start of every recording that only settles the models, s.
     #[arg(long, value_name = "S", default_value_t = 2.5, allow_negative_numbers = true)]
     run_up: f64,
-    #[command(flatten)]
-    models: Models,
     /// Leave out models that are not needed.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "MODEL,..")]
     without: Vec<Part>,
@@ -157,12 +154,16 @@ impl Run for Train {
             healthy.clone()
         });
         let confidence = Confidence::new(self.beta).map_err(told)?;
-        let design = Design { run_up, window, ..Design::steady(confidence) };
+        let design = Design { run_up, window, ..Design::paper(confidence) };
+        let mut recipe = Recipe::paper(interface.inputs.len(), design, session.seed);
+        if self.without.contains(&Part::Recurrent) {
+            recipe.recurrent_error = None;
+        }
+        if self.without.contains(&Part::Gmdh) {
+            recipe.gmdh = None;
+        }
         let spinner = session.spinner();
-        let recipe = self.models.recipe((design, session.seed), &excited, &self.without);
-        let (recipe, compared) = recipe.inspect_err(|_| spinner.finish_and_clear())?;
-        let sets = Sets { excited, healthy };
-        let learned = Diagnoser::learn(interface.clone(), &sets, &recipe);
+        let learned = Diagnoser::learn(interface.clone(), &Sets { excited, healthy }, &recipe);
         spinner.finish_and_clear();
         interrupt::check()?;
         let mut learned = learned.map_err(told)?;
@@ -181,12 +182,7 @@ impl Run for Train {
             let _not_now = interrupt::writing();
             learned.diagnoser.save(&self.output).map_err(told)?;
         }
-        let answer = Answer::new(
-            &self.output,
-            &learned,
-            (faults.as_ref(), bank),
-            (compared.as_ref(), &sets.healthy[1]),
-        );
+        let answer = Answer::new(&self.output, &learned, faults.as_ref(), bank);
         let next = Next::new("diagnose").files([&self.output]).options(" REC --check");
         session.wrote(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)

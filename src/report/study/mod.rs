@@ -3,7 +3,6 @@
 mod detection;
 mod figures;
 mod fmu;
-mod hidden;
 mod identification;
 mod isolation;
 mod models;
@@ -50,7 +49,6 @@ sections! {
     "models", "Models", |study, _| models::section(study);
     "isolation", "Isolation", |study, _| isolation::section(study);
     "identification", "Sizes", |study, _| identification::section(study);
-    "hidden-effect", "A hidden effect", |study, _| hidden::section(study);
     "levels", "Levels", |study, _| detection::levels(study);
     "readings", "Other readings", |study, _| detection::readings(study);
     "fmu", "FMU", |study, _| fmu::section(study);
@@ -62,14 +60,10 @@ sections! {
 pub fn study_html(study: &StudyResults, pictures: &[Pictures]) -> String {
     let title = format!("Fault study: {}", study.drive.name);
     let about = html! { "Detection of faults from signals, beside the figures of " (PAPER) "." };
-    let written = |section: &'static Section| (section, (section.write)(study, pictures));
-    // One about what was not looked at is empty, and the contents do not lead to it.
-    let sections: Vec<_> =
-        SECTIONS.iter().map(written).filter(|(_, written)| !written.0.is_empty()).collect();
     let sections = html! {
         (summary::headline(study))
-        (summary::contents(sections.iter().map(|(section, _)| *section), pictures))
-        @for (_, written) in &sections { (written) }
+        (summary::contents(pictures))
+        @for section in SECTIONS { ((section.write)(study, pictures)) }
     };
     let made = html! {
         "drivescope study, seed " (study.seed) ", drive file " code { (study.drive.digest) }

@@ -64,14 +64,11 @@ fn delays(study: &StudyResults, rows: &[&DetectionRow]) -> Markup {
 }
 
 /// Links to the sections and to each run.
-pub(super) fn contents<'a>(
-    sections: impl Iterator<Item = &'a super::Section>,
-    pictures: &[Pictures],
-) -> Markup {
+pub(super) fn contents(pictures: &[Pictures]) -> Markup {
     html! {
         nav aria-label="Contents" {
             ul {
-                @for section in sections {
+                @for section in super::SECTIONS {
                     li { a href={ "#" (section.id) } { (section.name) } }
                 }
             }

@@ -11,6 +11,8 @@ use std::time::Duration;
 use crate::failure::Ending;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
+/// Set where a run answers with what it has when it is to end.
+static ANSWERS: AtomicBool = AtomicBool::new(false);
 /// Held for reading while a file is written under its temporary name and renamed.
 static WRITING: RwLock<()> = RwLock::new(());
 /// Files and folders of the run that are no result, in the order in which they were made.
@@ -36,8 +38,11 @@ pub(crate) struct StoppedPartWay {
 /// Listens for the signals.
 pub(crate) fn install() {
     let stop = || {
-        ASKED.store(true, Ordering::Relaxed);
+        let is_first = !ASKED.swap(true, Ordering::Relaxed);
         std::thread::sleep(GRACE);
+        if is_first && ANSWERS.load(Ordering::Relaxed) {
+            return;
+        }
         // A poisoned lock means that a write ended in a panic: it is over.
         let _written = WRITING.write();
         leave_nothing();
@@ -90,6 +95,12 @@ impl Drop for Leftover {
 /// [`Stopped`].
 pub(crate) fn check() -> Result<(), Stopped> {
     if ASKED.load(Ordering::Relaxed) { Err(Stopped) } else { Ok(()) }
+}
+
+/// From now on the run notices by itself that it is to end, and answers with what it has; who asks
+/// twice ends it.
+pub(crate) fn answers() {
+    ANSWERS.store(true, Ordering::Relaxed);
 }
 
 /// While this lives, the program is not ended from outside.

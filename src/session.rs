@@ -50,6 +50,12 @@ impl Session {
         }
     }
 
+    /// One that says nothing, for work that the page asked for.
+    pub(crate) fn silent(seed: u64) -> Self {
+        let (json, to_keep) = Default::default();
+        Self { json, seed, given_seed: Some(seed), quiet: true, to_keep }
+    }
+
     /// Finds out whether the answer can be written, before the work.
     ///
     /// # Errors

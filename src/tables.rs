@@ -23,6 +23,9 @@ pub fn study(study: &StudyResults) -> String {
         "t_dt and delay in samples of {} ms; in brackets: after a false alarm\n",
         given(1e3 * study.drive.period_s)
     );
+    if !study.further.is_empty() {
+        text += &section("Beside the twelve: delay in samples, share outside [%]", &further(study));
+    }
     let healthy = &study.healthy;
     let title = format!("{}, {} samples", count(healthy.runs, "healthy run"), healthy.samples);
     text += &section(&title, &rates(study));
@@ -92,6 +95,22 @@ fn table<const N: usize>(headings: [&str; N], names: usize) -> Table {
     for (place, column) in table.column_iter_mut().enumerate() {
         let alignment = if place < names { CellAlignment::Left } else { CellAlignment::Right };
         column.set_cell_alignment(alignment);
+    }
+    table
+}
+
+/// Runs with other kinds of faults, or several at once.
+fn further(study: &StudyResults) -> Table {
+    let mut table = table(["faults", "method", "delay", "r_td [%]", "false alarms"], 2);
+    for row in study.further.iter().flat_map(|run| &run.detection) {
+        table.add_row([
+            // As it was typed: it must not steer the terminal.
+            row.fault.label.replace(char::is_control, "?"),
+            row.method.label().to_owned(),
+            row.delay.map_or_else(|| "none".to_owned(), |delay| delay.to_string()),
+            percent(row.r_td, 1),
+            row.false_alarms.to_string(),
+        ]);
     }
     table
 }

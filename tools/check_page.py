@@ -18,6 +18,7 @@ import tempfile
 from pathlib import Path
 
 import fmpy
+import fmpy.validation
 from playwright.sync_api import expect, sync_playwright
 
 EXAMPLE = Path(__file__).parent.parent / "docs" / "worked-example"
@@ -40,6 +41,7 @@ DRAWN_MS = 150
 MEMORY_MB = 300
 PATIENCE_MS = 90_000
 WIDE = {"width": 1280, "height": 900}
+MIDDLE = {"width": 800, "height": 900}
 NARROW = {"width": 400, "height": 860}
 
 
@@ -66,6 +68,7 @@ class Server:
     """A running `drivescope serve`."""
 
     def __init__(self, program, folder, *arguments):
+        self.program = program
         command = [program, "serve", "--quiet", *arguments]
         self.process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True)
         self.url = self.process.stdout.readline().strip()
@@ -377,6 +380,81 @@ def faults(page, server, check, pictures):
     picture(page, pictures, "faults.png")
 
 
+def diagnosed(program, folder):
+    """Two healthy runs of the laboratory rig, and one whose tachometer fails."""
+    usual = [program, "simulate", "dr300", "--reference", "2000 [rpm]", "--quiet"]
+    for name, seed, more in (
+        ("healthy1.csv", 1, ["--duration", "20"]),
+        ("healthy2.csv", 2, ["--duration", "20"]),
+        ("ill.csv", 3, ["--duration", "12", "--fault", "tacho=5%@8..10"]),
+    ):
+        run = [*usual, "--seed", str(seed), *more, "-o", name]
+        subprocess.run(run, cwd=folder, check=True, capture_output=True)
+
+
+def diagnose(page, server, check, folder, pictures):
+    """Train on one's own log and watch another: verdict, figure, declared faults."""
+    diagnosed(server.program, folder)
+    page.goto(re.sub(r"/\?.*", "/", server.url))
+    # The drive that the diagnoser is to know: fitted where models and measurements are.
+    page.get_by_role("button", name="Diagnose").click()
+    page.locator("#diagnose").get_by_text("Train", exact=True).wait_for()
+    for place, names in (
+        ("#healthy-file", ["healthy1.csv", "healthy2.csv"]),
+        ("#watched-file", ["ill.csv"]),
+    ):
+        page.locator(place).set_input_files([Path(folder) / name for name in names])
+        expect(page.locator("#diagnosis tbody")).to_contain_text(names[-1])
+    rows = page.locator("#diagnosis tbody tr").count()
+    check.that(rows == 3, f"{rows} recordings are listed, 3 were dropped")
+    # By keyboard alone.
+    page.evaluate("document.activeElement.blur(); scrollTo(0, 0)")
+    reached = set()
+    for _ in range(30):
+        page.keyboard.press("Tab")
+        reached.add(
+            page.evaluate(
+                "(it => it.dataset.diagnose || it.id || it.className)(document.activeElement)"
+            )
+        )
+        if "train" in reached:
+            break
+    for wanted in ("healthy-file", "watched-file", "mark", "remove", "train"):
+        check.that(wanted in reached, f"`{wanted}` is not reached by keyboard")
+    page.keyboard.press("Enter")
+    verdict = page.locator(".verdict[data-verdict]")
+    expect(verdict).to_have_attribute("data-verdict", "fault", timeout=PATIENCE_MS)
+    at_rest(page)
+    table = page.get_by_role("table", name="Declared faults").locator("tbody tr").first
+    begin = float(table.locator("td").first.inner_text())
+    check.that(abs(begin - 8) < 0.1, f"the fault of 8 s is declared from {begin} s")
+    check.that(
+        page.locator("#diagnose svg.plot").count() == 1, "there is no figure of the watched run"
+    )
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        for size, width in ((WIDE, "wide"), (MIDDLE, "800"), (NARROW, "narrow")):
+            page.set_viewport_size(size)
+            page.wait_for_timeout(150)
+            fits(page, check, f"diagnosis, {scheme}, {width}")
+            if pictures:
+                page.screenshot(path=pictures / f"diagnosis_{scheme}_{width}.png", full_page=True)
+    page.emulate_media(color_scheme="light")
+    page.set_viewport_size(WIDE)
+    path = save(page, "Diagnoser file", folder)
+    said = subprocess.run(
+        [server.program, "diagnose", str(path), "ill.csv", "--quiet"],
+        cwd=folder,
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    check.that("fault" in said, "the diagnoser of the page finds nothing on the command line")
+    fmu = save(page, "FMU, FMI 3.0", folder)
+    problems = fmpy.validation.validate_fmu(str(fmu))
+    check.that(not problems, f"the diagnoser's FMU: {problems}")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program", type=Path)
@@ -406,6 +484,7 @@ def main():
             report(context, check, Path(folder) / "found.html")
             wrong_unit(page, server, check, folder)
             mapped(page, server, check, folder, pictures)
+            diagnose(page, server, check, folder, pictures)
             faults(page, server, check, pictures)
             # Before the server: the page would say that it is gone.
             page.close()

@@ -10,6 +10,7 @@ use std::ops::Range;
 use thiserror::Error;
 
 use crate::detector::Verdict;
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Counts exceedances in a row. A declared fault is held until half as many samples in a row lie
 /// inside: single ones within a fault do not end it.
@@ -43,6 +44,13 @@ impl RunRule {
             self.consecutive >= self.window
         };
         self.standing
+    }
+}
+
+impl Memory for RunRule {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each([&mut self.consecutive, &mut self.inside])?;
+        self.standing.walk(walk)
     }
 }
 

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::data::Data;
 use crate::decision::{RunRule, Trace};
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::signal_model::SignalModel;
 use crate::threshold::Threshold;
 
@@ -154,6 +155,15 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
             })
             .collect::<Result<_, _>>()?;
         Ok(Trace { verdicts, run_up: self.run_up, window: self.window })
+    }
+}
+
+impl<M: Memory, T: Memory> Memory for Detector<M, T> {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.model.walk(walk)?;
+        self.threshold.walk(walk)?;
+        self.rule.walk(walk)?;
+        self.sample.walk(walk)
     }
 }
 

@@ -112,12 +112,25 @@ struct Head {
 }
 
 impl Diagnoser {
+    /// The text of its file.
+    ///
+    /// # Errors
+    /// A diagnoser that TOML does not hold.
+    pub fn to_toml(&self) -> Result<String, FileError> {
+        Ok(toml::to_string(self)?)
+    }
+
     /// Writes the file, whole or not at all.
     pub fn save(&self, path: &Path) -> Result<(), FileError> {
-        let text = toml::to_string(self)?;
+        let text = self.to_toml()?;
         let write = || write_whole(path, |out| out.write_all(text.as_bytes()));
         write().map_err(|source| FileError::Write { path: path.into(), source })?;
         Ok(())
+    }
+
+    /// Whether a text is meant to be a diagnoser file: it says which signals it watches.
+    pub fn is_meant(text: &str) -> bool {
+        toml::from_str::<toml::Table>(text).is_ok_and(|table| table.contains_key("interface"))
     }
 
     /// Reads a file and checks that what it holds can run.

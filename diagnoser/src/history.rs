@@ -3,6 +3,8 @@
 //! Every value is written twice, n places apart, so that a window of n never wraps around: the
 //! filters above it are plain scalar products.
 
+use crate::memory::{Memory, MemoryError, Walk};
+
 /// Fixed memory for the last values of a signal; zeros before the first.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct History {
@@ -35,6 +37,13 @@ impl History {
     #[inline]
     pub(crate) fn window(&self) -> &[f64] {
         &self.twice[self.newest..][..self.twice.len() / 2]
+    }
+}
+
+impl Memory for History {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each(&mut self.twice)?;
+        walk.below(&mut self.newest, (self.twice.len() / 2).max(1))
     }
 }
 

@@ -8,12 +8,15 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use crate::decision::{SpanError, Trace};
 use crate::detector::Verdict;
 use crate::threshold::Band;
 
 /// Size of a fault relative to others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Size {
     /// Of the smallest.
     Small,
@@ -21,6 +24,17 @@ pub enum Size {
     Medium,
     /// Of the largest.
     Large,
+}
+
+impl Size {
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Small => "small",
+            Self::Medium => "medium",
+            Self::Large => "large",
+        }
+    }
 }
 
 /// S (27) over a span of a run; infinite where a band has no width.

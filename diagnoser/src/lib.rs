@@ -37,6 +37,7 @@ mod identification;
 mod interface;
 mod isolation;
 mod lanes;
+mod memory;
 mod model;
 mod model_error;
 mod network;
@@ -73,6 +74,7 @@ pub use isolation::{
     Naming, Partition, Separability, SymptomError, Symptoms, discriminant, symptoms_of,
 };
 pub use lanes::ModelLanes;
+pub use memory::{Memory, MemoryError, Walk, recall, remember};
 pub use model::{Model, ModelRun};
 pub use model_error::{BandDesign, ErrorBands};
 pub use network::{

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::arx::{Arx, ArxRun};
 use crate::gmdh::{Gmdh, GmdhRun};
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::network::{Network, NetworkRun};
 use crate::signal_model::SignalModel;
 
@@ -118,6 +119,16 @@ impl SignalModel for ModelRun {
             Self::Arx(run) => run.step(u),
             Self::Network(run) => run.step(u),
             Self::Gmdh(run) => run.step(u),
+        }
+    }
+}
+
+impl Memory for ModelRun {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        match self {
+            Self::Arx(run) => run.walk(walk),
+            Self::Network(run) => run.walk(walk),
+            Self::Gmdh(run) => run.walk(walk),
         }
     }
 }

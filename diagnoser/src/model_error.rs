@@ -17,6 +17,7 @@
 use drivescope_numerics::{Normality, Whiteness, ljung_box, omnibus_normality};
 
 use crate::data::{Data, DataError};
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::signal_model::{SignalModel, residual};
 use crate::threshold::{Band, Confidence, Threshold, mean_and_deviation};
 
@@ -81,6 +82,12 @@ impl<E: SignalModel> Threshold for ErrorBands<E> {
     fn band(&mut self, u: &[f64]) -> Band {
         let centre = self.error_model.step(u)[0];
         Band { lower: centre - self.half_width, upper: centre + self.half_width }
+    }
+}
+
+impl<E: Memory> Memory for ErrorBands<E> {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.error_model.walk(walk)
     }
 }
 

@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use crate::data::Data;
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// What a mean may lie outside, as a share of what was shown and of the noise about it.
 const MARGIN: f64 = 0.1;
@@ -95,11 +96,21 @@ impl OperatingRange {
     }
 }
 
+/// Inputs and output of a sample.
+#[derive(Debug, Clone)]
+struct Sample(Vec<f64>);
+
+impl Memory for Sample {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each(&mut self.0)
+    }
+}
+
 /// Means over the last window.
 #[derive(Debug, Clone)]
 pub struct RangeWatch {
     range: OperatingRange,
-    last: VecDeque<Vec<f64>>,
+    last: VecDeque<Sample>,
     sums: Vec<f64>,
 }
 
@@ -113,13 +124,13 @@ impl RangeWatch {
     /// Takes a sample; whether the run is beyond the range.
     pub fn step(&mut self, u: &[f64], y: f64) -> bool {
         let row: Vec<f64> = u.iter().copied().chain([y]).collect();
-        self.last.push_back(row);
+        self.last.push_back(Sample(row));
         if self.last.len() > self.range.samples {
             self.last.pop_front();
         }
         // Summed anew: differences of a running sum would depend on all that was before.
         self.sums.fill(0.0);
-        for row in &self.last {
+        for Sample(row) in &self.last {
             self.sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
         }
         let n = self.last.len() as f64;
@@ -131,6 +142,13 @@ impl RangeWatch {
                 let of_input = side(u / n, *range);
                 of_input == if *raises { of_output } else { -of_output }
             })
+    }
+}
+
+impl Memory for RangeWatch {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        let signals = self.sums.len();
+        walk.list(&mut self.last, self.range.samples, || Sample(vec![0.0; signals]))
     }
 }
 

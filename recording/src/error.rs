@@ -208,35 +208,6 @@ pub enum Error {
         /// Time after it, s.
         to_s: f64,
     },
-    /// The same time twice.
-    #[error(
-        "{place}: time {at_s} s stands there twice; remove the row, or resample (--resample \
-         {median}), which keeps the first",
-        median = digits(*.median_s)
-    )]
-    TimeRepeated {
-        /// The second of the rows.
-        place: Place,
-        /// The time, s.
-        at_s: f64,
-        /// Median step of the recording, s.
-        median_s: f64,
-    },
-    /// A step that departs from the others.
-    #[error(
-        "{place}: a time step of {step} s, where the median step is {median} s: not uniform \
-         within 1 %; resample with --resample {median}",
-        step = digits(*.step_s),
-        median = digits(*.median_s)
-    )]
-    NonUniform {
-        /// The row after the step.
-        place: Place,
-        /// The step, s.
-        step_s: f64,
-        /// Median step of the recording, s.
-        median_s: f64,
-    },
     /// A column that is no time.
     #[error(
         "{file}: time jumps {jumps} times in {rows} rows; if another column is the time, name it \
@@ -339,6 +310,13 @@ pub enum Error {
         /// What is there instead.
         found: String,
     },
+}
+
+impl Error {
+    /// Whether one row of a stream is at fault, so that the next may be read.
+    pub fn is_of_row(&self) -> bool {
+        matches!(self, Self::Ragged { .. } | Self::NotANumber { .. } | Self::TimeNotFinite { .. })
+    }
 }
 
 /// A number without the digits that differences of times leave behind: six of them.

@@ -17,6 +17,7 @@ mod canonical;
 mod choices;
 mod clock;
 mod csv;
+#[cfg(feature = "containers")]
 pub mod dataset;
 mod error;
 mod file;

@@ -12,7 +12,6 @@
 //! Randomness is drawn before anything runs in parallel: a run's inputs are a function of the
 //! seed and the run's number.
 
-pub mod bank;
 pub mod campaign;
 pub mod cosimulated;
 pub mod drives;

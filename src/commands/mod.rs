@@ -23,7 +23,10 @@ mod train;
 
 use clap::{Args, Subcommand};
 
+pub(crate) use diagnose::words::what as declared;
+pub(crate) use diagnose::{Answer as Diagnosed, Diagnose};
 pub(crate) use recording_options::{RecordingOptions, at_period};
+pub(crate) use train::{Material as TrainMaterial, Plan, Trained, interface, train};
 
 use crate::failure::Ending;
 use crate::session::Session;

@@ -10,7 +10,7 @@ use crate::next::Next;
 use crate::session::Session;
 
 /// Options of reading a recording.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Reading the recording")]
 pub(crate) struct RecordingOptions {
     /// Columns by name: `u=Voltage,omega=Speed:rpm`. Kept in a small file beside the recording and
@@ -29,6 +29,11 @@ impl RecordingOptions {
     /// The columns that were named.
     pub(crate) fn columns(&self) -> Option<&str> {
         self.columns.as_deref()
+    }
+
+    /// The sampling time that was asked for, s.
+    pub(crate) fn resample(&self) -> Option<f64> {
+        self.resample
     }
 
     /// A command with these options.

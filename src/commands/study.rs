@@ -7,11 +7,13 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use drivescope_fmu::description::Version;
+use drivescope_scenarios::faults::{Fault, SPAN};
 use drivescope_scenarios::profile::Profile;
-use drivescope_scenarios::results::{Pictures, StudyResults, TorqueReading};
+use drivescope_scenarios::results::{FaultName, Pictures, StudyResults, TorqueReading};
 use drivescope_scenarios::study::{Progress, Study as Outcome, StudyOptions, study};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -21,6 +23,7 @@ use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
 use crate::run_folder::RunFolder;
 use crate::session::Session;
+use crate::simulation::fault::{FaultError, FaultOverTime};
 use crate::{drive_source, fmu_file, interrupt, output};
 
 /// Run the main job: twelve faults in parallel through the exported FMU, tables and a report.
@@ -42,6 +45,50 @@ pub(crate) struct Study {
     /// intermittent=ON/OFF. The classifiers are taught by steps.
     #[arg(long, default_value_t = Profile::Step)]
     profile: Profile,
+    /// A run beside the twelve, with another kind of fault or several at once, joined by `+`, each
+    /// with a profile of its own: `tacho_bias=3`, `tacho_freeze=1`, `tacho_noise=200%`,
+    /// `tacho_bias=6:ramp=4` (a drift), `tacho=5%+load=20%`. May be given several times.
+    #[arg(long, value_name = "KIND=SIZE[:PROFILE][+..]")]
+    fault: Vec<Together>,
+}
+
+/// Faults that act together over the span of the study.
+#[derive(Debug, Clone)]
+struct Together {
+    typed: String,
+    faults: Vec<Fault>,
+}
+
+impl FromStr for Together {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        // A `+` before a letter joins faults; before a digit it is a sign.
+        let mut parts = vec![String::new()];
+        let mut rest = typed.chars().peekable();
+        while let Some(c) = rest.next() {
+            if c == '+' && rest.peek().is_some_and(|next| next.is_alphabetic()) {
+                parts.push(String::new());
+            } else if let Some(part) = parts.last_mut() {
+                part.push(c);
+            }
+        }
+        let fault = |part: &String| -> Result<Fault, String> {
+            let FaultOverTime { mechanism, size, from_s, to_s, profile } =
+                part.parse().map_err(|error: FaultError| error.to_string())?;
+            if from_s != 0.0 || to_s.is_finite() {
+                return Err(format!(
+                    "`{part}`: faults of the study act over samples {} to {}: leave out `@`",
+                    SPAN.start, SPAN.end
+                ));
+            }
+            let (kind, label) = (mechanism.id.to_owned(), typed.to_owned());
+            let name = FaultName { kind, size, label };
+            Ok(Fault { name, from: SPAN.start, until: SPAN.end, profile })
+        };
+        let faults = parts.iter().map(fault).collect::<Result<_, _>>()?;
+        Ok(Self { typed: typed.to_owned(), faults })
+    }
 }
 
 /// Readings of the torque fault.
@@ -83,7 +130,8 @@ impl Run for Study {
 
         let torque = self.torque.into();
         let Self { beta, profile, .. } = self;
-        let options = StudyOptions { drive, seed: session.seed, torque, beta, profile };
+        let further = self.fault.into_iter().map(|it| (it.typed, it.faults)).collect();
+        let options = StudyOptions { drive, seed: session.seed, torque, beta, profile, further };
         let bar = session.progress(1, "training and designing the diagnoser");
         let outcome = study(&options, (&closed, &open), &|step| {
             show(&bar, step);

@@ -5,9 +5,10 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
 /// Name, kind and content of each. uPlot 1.6.32 is as its maker released it, with its licence.
-const FILES: [(&str, &str, &str); 8] = [
+const FILES: [(&str, &str, &str); 9] = [
     ("page.js", "text/javascript", include_str!("assets/page.js")),
     ("plots.js", "text/javascript", include_str!("assets/plots.js")),
+    ("diagnosis.js", "text/javascript", include_str!("assets/diagnosis.js")),
     ("faults.js", "text/javascript", include_str!("assets/faults.js")),
     ("page.css", "text/css", include_str!("assets/page.css")),
     ("uplot.min.js", "text/javascript", include_str!("assets/uplot.min.js")),

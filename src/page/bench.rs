@@ -13,6 +13,7 @@ use drivescope_discovery::Evidence;
 use drivescope_plant::drive::Drive;
 use tokio::sync::watch;
 
+use super::diagnosis::Diagnosis;
 use super::job::{Cancelled, Job, Progress};
 use super::plain::plain;
 use super::recordings::Taken;
@@ -53,6 +54,8 @@ pub(super) struct State {
     pub(super) rungs: Vec<Arc<Rung>>,
     /// What rungs lack, as far as that was asked.
     pub(super) missing: BTreeMap<usize, Arc<Missing>>,
+    /// Training and diagnosing; it outlasts what begins anew.
+    pub(super) diagnosis: Diagnosis,
     /// What is being done.
     pub(super) job: Option<Job>,
     /// What went wrong last.

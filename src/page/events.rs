@@ -33,6 +33,7 @@ fn news(bench: &Bench, site: &Site) -> Event {
         "recordings": state.recordings.len(),
         "rungs": state.rungs.len(),
         "beginning": state.beginnings,
+        "diagnosis": state.diagnosis.changes,
         "asked": state.missing.keys().collect::<Vec<_>>(),
         "study": *site.study.changes.borrow(),
         "running": study.running,

@@ -15,6 +15,8 @@ mod assets;
 mod bench;
 mod command;
 mod command_line;
+mod diagnosis;
+mod diagnosis_routes;
 mod download;
 mod events;
 mod example;

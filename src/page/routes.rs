@@ -21,7 +21,9 @@ use super::recordings::Taken;
 use super::show::{View, pieces, within};
 use super::signals::{MOST_POINTS, Wanted, signals};
 use super::site::Site;
-use super::{assets, download, events, guard, shell, study_routes, upload, window};
+use super::{
+    assets, diagnosis_routes, download, events, guard, shell, study_routes, upload, window,
+};
 
 /// Everything behind the guard.
 pub(super) fn router(site: Arc<Site>) -> Router {
@@ -37,6 +39,9 @@ pub(super) fn router(site: Arc<Site>) -> Router {
         .route("/b/{id}/law", post(check))
         .route("/b/{id}/file", post(take))
         .route("/b/{id}/take/{what}", get(give))
+        .route("/b/{id}/diagnosis", get(diagnosis_routes::view).post(diagnosis_routes::command))
+        .route("/b/{id}/diagnosis/file", post(diagnosis_routes::file))
+        .route("/b/{id}/diagnoser/{what}", get(diagnosis_routes::give))
         .route("/study", get(study_routes::view).post(study_routes::command))
         .route("/study/file", post(study_routes::file))
         .route("/study/trace", get(study_routes::trace))
@@ -240,7 +245,9 @@ async fn give(
 }
 
 /// Work that would keep other requests waiting, on a thread of its own.
-async fn off_the_loop<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Answer<T> {
+pub(super) async fn off_the_loop<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Answer<T> {
     let ended = tokio::task::spawn_blocking(work).await;
     ended.map_err(|_| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, "an internal error"))
 }

@@ -29,6 +29,7 @@ pub(super) fn page(bench: &str, most_bytes: u64) -> String {
                     h1 { "drivescope" }
                     nav.views aria-label="Views" {
                         button type="button" data-view="loop" aria-pressed="true" { "Model and measurement" }
+                        button type="button" data-view="diagnose" aria-pressed="false" { "Diagnose" }
                         button type="button" data-view="faults" aria-pressed="false" { "Faults" }
                         a href="/" { "New session" }
                     }
@@ -41,6 +42,9 @@ pub(super) fn page(bench: &str, most_bytes: u64) -> String {
                     (see())
                     (learn())
                     (add())
+                }
+                main #diagnose hidden {
+                    div #diagnose-content { p.note { "Loading." } }
                 }
                 main #faults hidden {
                     div #faults-content { p.note { "Loading." } }

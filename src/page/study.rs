@@ -190,6 +190,7 @@ fn run(site: &Site, cancelled: &AtomicBool) -> miette::Result<(Value, Traces)> {
         torque: TorqueReading::ALL[0],
         beta: BETA,
         profile: Profile::Step,
+        further: Vec::new(),
     };
     let progress = |step| {
         site.study.change(|shown| {

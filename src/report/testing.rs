@@ -113,6 +113,7 @@ pub(crate) fn study() -> StudyResults {
         window: 50,
         detection: detection.clone(),
         readings,
+        further: Vec::new(),
         healthy: HealthySummary {
             samples: 90_000,
             runs: 16,

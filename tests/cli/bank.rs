@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::{done, folder, program, put, refused, run};
 
 /// Two healthy recordings of the laboratory rig.
-fn simulated(here: &Path, name: &str, seed: u32, more: &[&str]) {
+pub(crate) fn simulated(here: &Path, name: &str, seed: u32, more: &[&str]) {
     let seed = seed.to_string();
     let usual = ["simulate", "dr300", "-o", name, "--seed", &seed, "--quiet"];
     done(here, &[&usual[..], more].concat());
@@ -19,7 +19,7 @@ fn simulated(here: &Path, name: &str, seed: u32, more: &[&str]) {
 const AT_2000: [&str; 4] = ["--reference", "2000 [rpm]", "--duration", "20"];
 
 /// Trains on them; the answer.
-fn trained(here: &Path) -> Value {
+pub(crate) fn trained(here: &Path) -> Value {
     for seed in [1, 2] {
         simulated(here, &format!("h{seed}.csv"), seed, &AT_2000);
     }
@@ -33,7 +33,7 @@ fn diagnosed(here: &Path, more: &[&str]) -> Value {
     done(here, &[&usual[..], more].concat()).json()
 }
 
-fn live(here: &Path, file: &str) -> Vec<Value> {
+pub(crate) fn live(here: &Path, file: &str) -> Vec<Value> {
     let mut program = program(here)
         .args(["diagnose", "rig.toml", "-", "--json", "-", "--quiet"])
         .stdin(Stdio::piped())

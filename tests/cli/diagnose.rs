@@ -287,3 +287,112 @@ fn every_segment_of_a_recording_trains() {
     };
     assert_eq!((verdict("ill.csv"), verdict("well.csv")), ("fault".into(), "healthy".into()));
 }
+
+/// A program that gets rows through a pipe, its answer and what it says beside it.
+fn streamed(here: &Path, more: &[&str], rows: &str) -> (serde_json::Value, String) {
+    put(here, "stream.csv", rows);
+    let input = std::fs::File::open(here.join("stream.csv")).expect("written before");
+    let arguments = ["diagnose", "heater.toml", "-", "--json", "-"];
+    let out = program(here).args(arguments).args(more).stdin(input).output().expect("it runs");
+    let said = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.success(), "{said}");
+    let text = String::from_utf8_lossy(&out.stdout).into_owned();
+    (serde_json::from_str(text.lines().last().expect("an answer")).expect("JSON"), said)
+}
+
+#[test]
+fn a_stream_survives_what_happens_to_streams() {
+    let here = folder();
+    let here = here.path();
+    trained(here, "gmdh,recurrent");
+    let well = heater(held, 6000, 6, usize::MAX, 1.0);
+    let lines: Vec<&str> = well.lines().collect();
+    // Rows lost one by one and many at once: decided as on the recording of the same rows.
+    let kept = |k: usize| ![500, 900, 901].contains(&k) && !(3000..3200).contains(&k);
+    let gaps: String =
+        (0..lines.len()).filter(|k| kept(*k)).map(|k| format!("{}\n", lines[k])).collect();
+    let (answer, said) = streamed(here, &[], &gaps);
+    let stream = &answer["stream"];
+    assert_eq!((&stream["bridged"], &stream["gaps"]), (&3.into(), &1.into()), "{answer}");
+    assert!(said.contains("before line 501: 1 rows are missing: bridged"), "{said}");
+    assert!(said.contains("a new segment begins"), "{said}");
+    let batch = done(here, &["diagnose", "heater.toml", "stream.csv", "--json", "-"]).json();
+    assert_eq!(answer["methods"], batch["methods"]);
+    assert_eq!((&answer["samples"], &answer["run_up"]), (&batch["samples"], &batch["run_up"]));
+
+    // Late, repeated and malformed lines, a second header, a value that is none.
+    let mut hostile: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
+    hostile.insert(1000, hostile[800].clone());
+    hostile.insert(1200, hostile[1199].clone());
+    hostile.insert(1400, "###,\u{0}garbage".to_owned());
+    hostile.insert(1500, hostile[0].clone());
+    hostile.insert(1600, "1.0".to_owned());
+    let time = hostile[2000].split(',').next().expect("a time").to_owned();
+    hostile[2000] = format!("{time},nan,1.0");
+    let (answer, said) = streamed(here, &[], &hostile.join("\n"));
+    let stream = &answer["stream"];
+    for (key, count) in [
+        ("late", 1),
+        ("repeated", 1),
+        ("malformed", 3),
+        ("incomplete", 1),
+        ("bridged", 1),
+        ("gaps", 0),
+    ] {
+        assert_eq!(stream[key], count, "{key}: {stream}");
+    }
+    assert_eq!((&answer["verdict"], &answer["samples"]), (&"healthy".into(), &6000.into()));
+    assert!(said.contains("line 1001: later rows came before it"), "{said}");
+    assert!(said.contains("5999 rows taken"), "{said}");
+
+    // Twice the rate, put on the grid of the diagnoser; another rate alone is refused.
+    let fast: String = lines[1..]
+        .windows(2)
+        .flat_map(|pair| {
+            let row = |line: &str| -> Vec<f64> {
+                line.split(',').map(|it| it.parse().expect("a number")).collect()
+            };
+            let (a, b) = (row(pair[0]), row(pair[1]));
+            let middle: Vec<String> = (0..3).map(|k| format!("{}", 0.5 * (a[k] + b[k]))).collect();
+            [format!("{}\n", pair[0]), format!("{}\n", middle.join(","))]
+        })
+        .collect();
+    let fast = format!("{}\n{fast}", lines[0]);
+    let (answer, _) = streamed(here, &["--resample", "0.005"], &fast);
+    assert_eq!((&answer["verdict"], &answer["samples"]), (&"healthy".into(), &5999.into()));
+    let asked = ["diagnose", "heater.toml", "-", "--json", "-"];
+    let input = std::fs::File::open(here.join("stream.csv")).expect("written before");
+    let out = program(here).args(asked).stdin(input).output().expect("it runs");
+    let said = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.code() == Some(2) && said.contains("--resample 0.005"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_live_run_that_is_ended_by_its_user_answers_with_what_it_found() {
+    let here = folder();
+    let here = here.path();
+    trained(here, "gmdh,recurrent");
+    let ill = heater(held, 5000, 4, 4000, 1.1);
+    let mut live = program(here)
+        .args(["diagnose", "heater.toml", "-", "--check", "--json", "found.json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("it starts");
+    let mut rows = live.stdin.take().expect("piped");
+    rows.write_all(ill.as_bytes()).and_then(|()| rows.flush()).expect("it reads");
+    // It said that a fault is declared: it is at work. The pipe stays open.
+    let mut said = std::io::BufReader::new(live.stdout.take().expect("piped"));
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut said, &mut line).expect("it says so");
+    assert!(line.contains("fault declared"), "{line}");
+    let kill = std::process::Command::new("kill").args(["-INT", &live.id().to_string()]).status();
+    assert!(kill.expect("it can be sent").success());
+    assert_eq!(live.wait().expect("it ends").code(), Some(1));
+    drop(rows);
+    let found = std::fs::read_to_string(here.join("found.json")).expect("it was written");
+    let found: serde_json::Value = serde_json::from_str(&found).expect("JSON");
+    assert_eq!(found["verdict"], "fault", "{found}");
+}

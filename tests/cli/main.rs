@@ -7,6 +7,7 @@ mod benchmark;
 mod campaign;
 mod compare;
 mod diagnose;
+mod diagnoser_fmu;
 mod discover;
 mod drive_files;
 mod effects;

@@ -17,6 +17,7 @@ pub use self::fit::{ArxError, ArxFit, Orders};
 pub use self::orders::{OrderRow, OrderTable};
 use crate::data::Data;
 use crate::history::{History, dot};
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::signal_model::SignalModel;
 use crate::stability::step_down;
 
@@ -116,6 +117,13 @@ impl SignalModel for ArxRun {
         self.remember(y, u);
         self.output = [y];
         &self.output
+    }
+}
+
+impl Memory for ArxRun {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.past_y.walk(walk)?;
+        walk.each(&mut self.past_u)
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::filter::Correction;
 use super::process::{Row, SENSORS};
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Steps in a standard deviation of a sensor that is read in finer ones than its noise: how often
 /// such values repeat by chance is below anything that matters.
@@ -67,5 +68,12 @@ impl Frozen {
             }
         }
         best
+    }
+}
+
+impl Memory for Frozen {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.last.walk(walk)?;
+        self.runs.walk(walk)
     }
 }

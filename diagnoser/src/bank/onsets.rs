@@ -7,8 +7,11 @@
 //! Control 21 (1976), 108-112). Onsets are kept at ages that grow by about a constant ratio, so
 //! that the work a sample does not grow with the oldest.
 
+use std::collections::VecDeque;
+
 use super::filter::Correction;
 use super::process::{Advanced, MECHANISMS, Mechanism, SENSORS, Sensed};
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Onsets that are kept.
 const KEPT: usize = 14;
@@ -92,6 +95,11 @@ impl<const N: usize> Onsets<N> {
         Self { kept: Vec::with_capacity(KEPT), most, vectors, moving }
     }
 
+    /// The latest onset that is kept.
+    pub(crate) fn latest(&self) -> Option<usize> {
+        self.kept.iter().map(|onset| onset.sample).max()
+    }
+
     /// Forgets all onsets.
     pub(crate) fn clear(&mut self) {
         self.kept.clear();
@@ -104,7 +112,7 @@ impl<const N: usize> Onsets<N> {
         } else if self.kept.len() == KEPT {
             self.kept.remove(self.closest(now));
         }
-        self.kept.push(Onset { sample: now, e: [ZERO; N], score: ZERO, gram: ZERO });
+        self.kept.push(Onset::new(now));
     }
 
     /// The onset whose neighbours lie nearest to each other in the logarithm of their ages.
@@ -162,6 +170,11 @@ impl<const N: usize> Onsets<N> {
 }
 
 impl<const N: usize> Onset<N> {
+    /// Nothing seen of it yet.
+    fn new(sample: usize) -> Self {
+        Self { sample, e: [ZERO; N], score: ZERO, gram: ZERO }
+    }
+
     /// Likelihood ratios of the best sizes, none beyond what is looked for.
     #[inline(always)]
     fn ratio(&self, v: usize, most: &[f32; WIDE]) -> [f32; WIDE] {
@@ -213,5 +226,22 @@ impl<const N: usize> Onset<N> {
             }
             self.e[r][v] = next;
         }
+    }
+}
+
+impl<const N: usize> Memory for Onset<N> {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.sample.walk(walk)?;
+        self.e.walk(walk)?;
+        walk.each([&mut self.score, &mut self.gram])
+    }
+}
+
+impl<const N: usize> Memory for Onsets<N> {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        let mut kept: VecDeque<Onset<N>> = std::mem::take(&mut self.kept).into();
+        walk.list(&mut kept, KEPT, || Onset::new(0))?;
+        self.kept.extend(kept);
+        Ok(())
     }
 }

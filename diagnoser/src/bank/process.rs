@@ -7,6 +7,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::memory::{Memory, MemoryError, Walk};
+
 /// Sensors of a drive: tachometer, current, voltage at the armature.
 pub const SENSORS: usize = 3;
 /// Mechanisms in a bank at most: the columns of all lie side by side.
@@ -45,6 +47,25 @@ pub struct Belief<const N: usize> {
     pub mean: [f64; N],
     /// Covariance, symmetric.
     pub covariance: [[f64; N]; N],
+}
+
+impl Row {
+    /// A sample at which nothing was measured.
+    pub const NOTHING: Self = Self { control: f64::NAN, shown: [f64::NAN; SENSORS] };
+}
+
+impl Memory for Row {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.control.walk(walk)?;
+        self.shown.walk(walk)
+    }
+}
+
+impl<const N: usize> Memory for Belief<N> {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.mean.walk(walk)?;
+        self.covariance.walk(walk)
+    }
 }
 
 /// What the sensors should show of a state.
@@ -100,4 +121,10 @@ pub trait Process<const N: usize>: Clone {
 
     /// Takes what was learned of the machine out of the belief's mean and into the process.
     fn settle(&mut self, belief: &mut Belief<N>);
+
+    /// Hands what was learned of the machine to a walk.
+    ///
+    /// # Errors
+    /// As [`Memory::walk`].
+    fn walk_machine(&mut self, walk: &mut Walk) -> Result<(), MemoryError>;
 }

@@ -3,6 +3,7 @@
 //! Detection of Abrupt Changes, 1993, ch. 2.2).
 
 use super::filter::Correction;
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Standard deviation that is looked for, in units of the healthy one.
 const RAISED: f64 = 1.5;
@@ -24,5 +25,12 @@ impl Squares {
         let gain = 0.5 * (1.0 - 1.0 / (RAISED * RAISED)) * correction.squares();
         let change = gain - correction.measured() as f64 * RAISED.ln();
         self.ratio = (self.ratio + change).max(0.0);
+    }
+}
+
+impl Memory for Squares {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.ratio.walk(walk)?;
+        self.onset.walk(walk)
     }
 }

@@ -7,6 +7,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::process::{Advanced, Belief, MECHANISMS, Mechanism, Process, Row, SENSORS, Sensed};
 use super::watch::{Limits, Watch};
+use crate::memory::{Memory, MemoryError, Walk};
 
 const A: f64 = 0.9;
 const B: f64 = 0.5;
@@ -102,6 +103,10 @@ impl Process<2> for Tank {
         let mut made = Self { faults: [0.0; 3], ..self.clone() };
         made.faults[mechanism] = size;
         made
+    }
+
+    fn walk_machine(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.gain.walk(walk)
     }
 
     fn settle(&mut self, belief: &mut Belief<2>) {

@@ -14,8 +14,9 @@ use super::frozen::Frozen;
 use super::hypothesis::Case;
 use super::judge::{Cause, Judgement, TWO_SIDED_95};
 use super::onsets::{OLDEST, Onsets};
-use super::process::{Belief, Process, Row};
+use super::process::{Belief, Process, Row, SENSORS};
 use super::squares::Squares;
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Rows before an onset that are filtered again with every hypothesis.
 const BEFORE: usize = 20;
@@ -76,6 +77,9 @@ pub struct Statistics {
     pub measured: usize,
     /// Of these, outside their 95 % band.
     pub outside: usize,
+    /// What each sensor showed less what was foretold, in standard deviations; 0 where it showed
+    /// nothing.
+    pub innovation: [f64; SENSORS],
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -101,6 +105,8 @@ pub struct Watch<const N: usize, P> {
     healthy: P,
     /// The process as it acts: healthy, or with the fault that was named.
     acting: P,
+    /// The fault that acts in it: mechanism and size.
+    fault: Option<(usize, f64)>,
     belief: Belief<N>,
     limits: Limits,
     horizon: usize,
@@ -122,6 +128,7 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
         Self {
             acting: process.clone(),
             healthy: process,
+            fault: None,
             belief,
             limits,
             horizon,
@@ -137,8 +144,16 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
                 squares: 0.0,
                 measured: 0,
                 outside: 0,
+                innovation: [0.0; SENSORS],
             },
         }
+    }
+
+    /// A watch over a process of whose machine nothing was learned: one that another's memory is
+    /// restored into.
+    pub fn unlearned(process: P, limits: Limits, horizon: usize) -> Self {
+        let belief = process.begin(&Row::NOTHING);
+        Self::new(process, belief, limits, horizon)
     }
 
     /// The process without a fault, with the machine that was learned.
@@ -248,6 +263,7 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
             squares: self.squares.ratio,
             measured: correction.measured(),
             outside: correction.innovation.iter().filter(|w| w.abs() > TWO_SIDED_95).count(),
+            innovation: correction.innovation,
         };
     }
 
@@ -279,15 +295,14 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
         let case = Case { healthy: &self.healthy, before: &self.acting, belief, rows: &rows };
         let judged = case.judge(onset - first, first);
         self.belief = judged.end;
-        self.acting = self.healthy.clone();
+        self.fault = None;
         self.mode = Mode::Watching;
         self.forget();
         match judged.judgement.cause {
             Cause::Healthy => {}
             Cause::Mechanism(mechanism) => {
-                if let Some(of) = judged.judgement.candidates.first() {
-                    self.acting = self.healthy.with_fault(mechanism, of.size);
-                }
+                let named = judged.judgement.candidates.first();
+                self.fault = named.map(|of| (mechanism, of.size));
             }
             Cause::Frozen(sensor) => {
                 let value = rows.last().map_or(f64::NAN, |row| row.shown[sensor]);
@@ -295,7 +310,14 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
             }
             Cause::Unknown => self.mode = Mode::Holding { last: self.now },
         }
+        self.acting = self.process_under(self.fault);
         judged.judgement
+    }
+
+    /// The process under that fault.
+    fn process_under(&self, fault: Option<(usize, f64)>) -> P {
+        let healthy = || self.healthy.clone();
+        fault.map_or_else(healthy, |(mechanism, size)| self.healthy.with_fault(mechanism, size))
     }
 
     /// Waits until nothing is heard of the unknown for a horizon.
@@ -309,5 +331,76 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
             return Some(Event::Ended(last));
         }
         None
+    }
+}
+
+impl Mode {
+    /// Its number, and what it holds.
+    fn parts(self) -> (usize, usize, f64) {
+        match self {
+            Self::Watching => (0, 0, 0.0),
+            Self::Gathering { onset } => (1, onset, 0.0),
+            Self::Stuck { sensor, value } => (2, sensor, value),
+            Self::Holding { last } => (3, last, 0.0),
+        }
+    }
+}
+
+impl Memory for Mode {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        let (mut number, mut sample, mut value) = self.parts();
+        walk.each([&mut number, &mut sample])?;
+        value.walk(walk)?;
+        *self = match number {
+            0 => Self::Watching,
+            1 => Self::Gathering { onset: sample },
+            2 if sample < SENSORS => Self::Stuck { sensor: sample, value },
+            3 => Self::Holding { last: sample },
+            _ => return Err(MemoryError),
+        };
+        Ok(())
+    }
+}
+
+impl Memory for Statistics {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each([&mut self.ratio, &mut self.mechanisms, &mut self.squares])?;
+        walk.each([&mut self.measured, &mut self.outside])?;
+        self.innovation.walk(walk)
+    }
+}
+
+impl<const N: usize, P: Process<N>> Memory for Watch<N, P> {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.healthy.walk_machine(walk)?;
+        walk.maybe(&mut self.fault, || (0, 0.0))?;
+        if self.fault.is_some_and(|(j, _)| j >= self.healthy.mechanisms().len()) {
+            return Err(MemoryError);
+        }
+        if walk.restores() {
+            self.acting = self.process_under(self.fault);
+        }
+        self.belief.walk(walk)?;
+        self.onsets.walk(walk)?;
+        self.frozen.walk(walk)?;
+        self.squares.walk(walk)?;
+        let most = BEFORE + OLDEST.max(self.horizon);
+        let blank = (self.belief, Row::NOTHING);
+        walk.list(&mut self.kept, most, || blank)?;
+        self.now.walk(walk)?;
+        if self.now < self.kept.len() {
+            return Err(MemoryError);
+        }
+        self.mode.walk(walk)?;
+        let kept = self.now - self.kept.len()..=self.now;
+        if let Mode::Gathering { onset } = self.mode
+            && !kept.contains(&onset)
+        {
+            return Err(MemoryError);
+        }
+        if self.onsets.latest().is_some_and(|sample| sample > self.now) {
+            return Err(MemoryError);
+        }
+        self.statistics.walk(walk)
     }
 }

@@ -15,6 +15,7 @@ use crate::detector::{Detector, DetectorError};
 use crate::gmdh::{GmdhBands, RobustGmdh};
 use crate::interface::{Interface, InterfaceError};
 use crate::isolation::KnownFaults;
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::model::{Model, ModelRun};
 use crate::model_error::{BandDesign, ErrorBands};
 use crate::range::OperatingRange;
@@ -96,6 +97,18 @@ pub enum ThresholdKind {
     Gmdh,
 }
 
+impl ThresholdKind {
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::ModelError => "model error modelling",
+            Self::RecurrentModelError => "recurrent error model",
+            Self::Constant => "constant thresholds",
+            Self::Gmdh => "robust GMDH network",
+        }
+    }
+}
+
 /// A stored threshold, running.
 #[derive(Debug, Clone)]
 pub enum ThresholdRun {
@@ -122,6 +135,16 @@ impl Threshold for ThresholdRun {
             Self::ModelError(bands) => bands.band(u),
             Self::Constant(band) => band.band(u),
             Self::Gmdh(bands) => bands.band(u),
+        }
+    }
+}
+
+impl Memory for ThresholdRun {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        match self {
+            Self::ModelError(bands) => bands.walk(walk),
+            Self::Constant(_) => Ok(()),
+            Self::Gmdh(bands) => bands.walk(walk),
         }
     }
 }

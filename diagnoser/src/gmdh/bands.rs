@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::bounds::{BoundError, Corners, Regressor};
 use super::run::{Flow, shift_in};
 use super::{Gmdh, NeuronBounds, NeuronOrders, RobustGmdh, Source};
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::threshold::{Band, Threshold};
 
 /// The network in free run with the intervals of its uncertain neurons.
@@ -172,5 +173,16 @@ impl Threshold for GmdhBands {
             lower: self.unit * (low + self.noise[0] - modelled),
             upper: self.unit * (high + self.noise[1] - modelled),
         }
+    }
+}
+
+impl Memory for GmdhBands {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        let Intervals { flow, corners, errors, output_errors, output_interval, .. } =
+            &mut self.intervals;
+        flow.walk(walk)?;
+        walk.each(corners.iter_mut().flatten())?;
+        walk.each(errors.iter_mut().chain(output_errors))?;
+        output_interval.walk(walk)
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Activation, Gmdh, NeuronOrders, Source};
 use crate::history::History;
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::signal_model::SignalModel;
 
 /// A GMDH network in free run, in the units of its signals.
@@ -156,5 +157,19 @@ impl SignalModel for GmdhRun {
         self.flow.step(u);
         self.output = [self.flow.network.output_scale.restore(self.flow.last())];
         &self.output
+    }
+}
+
+impl Memory for Flow {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each(&mut self.past)?;
+        let Self { regressors, filtered, outputs, .. } = self;
+        walk.each([regressors, filtered, outputs].into_iter().flatten())
+    }
+}
+
+impl Memory for GmdhRun {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.flow.walk(walk)
     }
 }

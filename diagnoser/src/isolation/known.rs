@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::isolator::{Answer, Isolator};
 use super::options::IsolationError;
 use crate::identification::{Size, size_groups, thresholds_off};
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::threshold::Band;
 
 /// The faults that a diagnoser was shown, in the form they are stored in.
@@ -119,5 +120,12 @@ impl Naming {
             size,
             group: self.known.group(size),
         })
+    }
+}
+
+impl Memory for Naming {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each(&mut self.answers)?;
+        self.thresholds.walk(walk)
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::Network;
 use super::layers::{State, Sweep, Weights};
+use crate::memory::{Memory, MemoryError, Walk};
 use crate::signal_model::SignalModel;
 
 /// A network in free run, in the units of its signals.
@@ -57,6 +58,13 @@ impl SignalModel for NetworkRun {
             *output = scale.restore(*y);
         }
         &self.output
+    }
+}
+
+impl Memory for NetworkRun {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        let State { x1, x2, y } = &mut self.state;
+        walk.each([x1, x2, y].into_iter().flatten())
     }
 }
 

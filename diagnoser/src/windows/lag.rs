@@ -8,6 +8,7 @@ use drivescope_numerics::Regression;
 use serde::{Deserialize, Serialize};
 
 use crate::data::Data;
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Dead zones that are tried, as shares of the greatest input.
 const ZONES: usize = 20;
@@ -141,5 +142,11 @@ impl LagRun {
         let y = before + (1.0 - left) * (driven - before);
         self.y = Some(y);
         y + constant
+    }
+}
+
+impl Memory for LagRun {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.maybe(&mut self.y, || 0.0)
     }
 }

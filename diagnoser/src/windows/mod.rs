@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::data::Data;
+use crate::memory::{Memory, MemoryError, Walk};
 
 mod lag;
 
@@ -211,10 +212,24 @@ impl WindowWatch {
         Some([(mean - self.baseline.mean).abs(), (deviation / self.baseline.deviation).ln()])
     }
 
+    /// Departure of the mean of the last window from the baseline, once it is full, and what is
+    /// healthy of it.
+    pub fn departure(&self) -> Option<(f64, f64)> {
+        let full = self.last.len() == self.design.samples;
+        let mean = self.last.iter().sum::<f64>() / self.last.len() as f64;
+        full.then(|| (mean - self.baseline.mean, self.design.mean))
+    }
+
     /// Takes a residual; whether the window that it closes lies outside, once there is one.
     pub fn step(&mut self, residual: f64) -> Option<bool> {
         let [mean, spread] = self.measured(residual)?;
         Some(mean > self.design.mean || spread > self.design.spread)
+    }
+}
+
+impl Memory for WindowWatch {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.list(&mut self.last, self.design.samples, || 0.0)
     }
 }
 

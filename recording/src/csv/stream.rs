@@ -6,7 +6,6 @@ use super::rows::Rows;
 use crate::error::Error;
 use crate::header::{self, ColumnNote, Header};
 use crate::mapping::ReadOptions;
-use crate::time::UNIFORM;
 
 /// Reads a recording one row at a time; names and units are settled by the header.
 pub struct CsvStream<R: Read> {
@@ -16,7 +15,6 @@ pub struct CsvStream<R: Read> {
     notes: Vec<ColumnNote>,
     raw: Vec<f64>,
     values: Vec<f64>,
-    clock: Clock,
 }
 
 /// One sample of every signal.
@@ -45,7 +43,7 @@ impl<R: Read> CsvStream<R> {
         let signals = header.columns.iter().enumerate().filter(|(k, _)| *k != time);
         let notes = signals.map(|(_, column)| column.note.clone()).collect();
         let (raw, values) = (Vec::new(), Vec::new());
-        Ok(CsvStream { rows, header, time, notes, raw, values, clock: Clock::default() })
+        Ok(CsvStream { rows, header, time, notes, raw, values })
     }
 
     /// The signals of every row, in order, the time left out.
@@ -53,16 +51,12 @@ impl<R: Read> CsvStream<R> {
         &self.notes
     }
 
-    /// Mean sampling time so far, s; `None` before the second row.
-    pub fn period_s(&self) -> Option<f64> {
-        self.clock.period_s()
-    }
-
-    /// The next row, `None` at the end.
+    /// The next row, `None` at the end; whether its time is where it should be is the caller's to
+    /// judge.
     ///
     /// # Errors
-    /// A row that is ragged or holds no numbers; a time step that departs by more than 1 % from
-    /// the mean of those before it (here nothing can be resampled).
+    /// A row that is ragged, or holds no numbers, or no time: after an error that
+    /// [is of a row](Error::is_of_row) the next call takes the next row.
     pub fn next_row(&mut self) -> Result<Option<Row<'_>>, Error> {
         let Some(line) = self.rows.next_into(&mut self.raw)? else { return Ok(None) };
         let time_s = self.header.columns[self.time].convert(self.raw[self.time]);
@@ -73,45 +67,7 @@ impl<R: Read> CsvStream<R> {
         if !time_s.is_finite() {
             return Err(Error::TimeNotFinite { place: self.rows.place() });
         }
-        let (before, mean) = (self.clock.last_s, self.clock.period_s());
-        self.clock.tick(time_s);
-        let step_s = time_s - before;
-        let place = || self.rows.place();
-        if self.clock.samples > 1 && step_s < 0.0 {
-            return Err(Error::TimeBackwards { place: place(), from_s: before, to_s: time_s });
-        }
-        if self.clock.samples > 1 && step_s == 0.0 {
-            let median_s = mean.unwrap_or(0.0);
-            return Err(Error::TimeRepeated { place: place(), at_s: time_s, median_s });
-        }
-        match mean {
-            Some(median_s) if (step_s - median_s).abs() > UNIFORM * median_s => {
-                Err(Error::NonUniform { place: place(), step_s, median_s })
-            }
-            _ => Ok(Some(Row { line, time_s, values: &self.values })),
-        }
-    }
-}
-
-/// First and last time stamp: all that a mean sampling time needs.
-#[derive(Debug, Default)]
-struct Clock {
-    first_s: f64,
-    last_s: f64,
-    samples: u64,
-}
-
-impl Clock {
-    fn tick(&mut self, time_s: f64) {
-        if self.samples == 0 {
-            self.first_s = time_s;
-        }
-        self.last_s = time_s;
-        self.samples += 1;
-    }
-
-    fn period_s(&self) -> Option<f64> {
-        (self.samples > 1).then(|| (self.last_s - self.first_s) / (self.samples - 1) as f64)
+        Ok(Some(Row { line, time_s, values: &self.values }))
     }
 }
 
@@ -134,22 +90,21 @@ mod tests {
         assert_eq!((second.line, second.time_s, second.values[0]), (4, 0.005, 1.6));
         assert_eq!(second.values[1], 60.0 * std::f64::consts::PI / 30.0);
         assert_eq!(stream.next_row().unwrap(), None);
-        assert_eq!(stream.period_s(), Some(0.005));
     }
 
     #[test]
-    fn a_step_that_departs_is_located() {
-        let mut late = stream("t,u\n0,1\n0.1,1\n0.2,1\n0.32,1\n");
-        for _ in 0..3 {
-            late.next_row().unwrap().unwrap();
+    fn a_row_that_is_none_is_passed_over() {
+        let mut stream = stream("t,u\n0,1\n0.1\nt,u\n,5\n0.2,x\n0.05,nan\n");
+        assert_eq!(stream.next_row().unwrap().unwrap().time_s, 0.0);
+        for line in 3..=6 {
+            let error = stream.next_row().unwrap_err();
+            assert!(
+                error.is_of_row() && error.to_string().contains(&format!(":{line}")),
+                "{error}"
+            );
         }
-        let error = late.next_row().unwrap_err();
-        assert!(matches!(&error, Error::NonUniform { place, .. } if place.at == 5), "{error}");
-        let mut back = stream("t,u\n0,1\n-0.1,1\n");
-        back.next_row().unwrap();
-        assert!(matches!(back.next_row().unwrap_err(), Error::TimeBackwards { .. }));
-        let mut twice = stream("t,u\n0,1\n0,1\n");
-        twice.next_row().unwrap();
-        assert!(matches!(twice.next_row().unwrap_err(), Error::TimeRepeated { .. }));
+        let last = stream.next_row().unwrap().unwrap();
+        assert!((last.line, last.time_s) == (7, 0.05) && last.values[0].is_nan());
+        assert_eq!(stream.next_row().unwrap(), None);
     }
 }

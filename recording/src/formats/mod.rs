@@ -3,11 +3,17 @@
 //! Reading a file, the errors about unknown files, the page's file picker and the README's
 //! sentence all follow this list.
 
+// Without the large formats some of what they share has no other user.
+#![cfg_attr(not(feature = "containers"), allow(dead_code))]
+
 mod csv;
+#[cfg(feature = "containers")]
 mod excel;
+#[cfg(feature = "containers")]
 mod hdf5;
 mod mat;
 mod mdf;
+#[cfg(feature = "containers")]
 mod parquet;
 mod rates;
 mod recognise;
@@ -27,9 +33,12 @@ pub(crate) use recognise::{by_extension, recognise};
 /// Every format that is read, in the order in which people are told of them.
 static FORMATS: &[&Format] = &[
     &csv::FORMAT,
+    #[cfg(feature = "containers")]
     &parquet::FORMAT,
+    #[cfg(feature = "containers")]
     &excel::FORMAT,
     &mat::FORMAT,
+    #[cfg(feature = "containers")]
     &hdf5::FORMAT,
     &tdms::FORMAT,
     &mdf::FORMAT,

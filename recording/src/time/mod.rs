@@ -34,4 +34,3 @@ mod uniform;
 
 pub(crate) use arrange::arrange;
 pub(crate) use grid::{held_mean, interpolated, samples};
-pub(crate) use uniform::UNIFORM;

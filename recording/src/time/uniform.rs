@@ -1,7 +1,7 @@
 //! Steps that agree within 1 %: such a recording passes as it is.
 
 /// Largest departure of a time step from the others, relative.
-pub(crate) const UNIFORM: f64 = 0.01;
+const UNIFORM: f64 = 0.01;
 /// A time stamp farther than so many steps off the grid belongs to another sample.
 const DRIFT_STEPS: f64 = 0.5;
 

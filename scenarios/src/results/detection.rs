@@ -37,12 +37,7 @@ impl Method {
 
     /// Name for people.
     pub fn label(self) -> &'static str {
-        match self {
-            Self::Mem => "model error modelling",
-            Self::MemRecurrent => "recurrent error model",
-            Self::Constant => "constant thresholds",
-            Self::Gmdh => "robust GMDH network",
-        }
+        self.kind().label()
     }
 }
 
@@ -158,4 +153,13 @@ pub struct HealthySummary {
     pub run_up: usize,
     /// Faults declared.
     pub alarms: ByMethod<usize>,
+}
+
+/// A run beside the twelve: other kinds of faults, or several at once.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FurtherRun {
+    /// The faults, as they were typed.
+    pub faults: String,
+    /// One row a method.
+    pub detection: Vec<DetectionRow>,
 }

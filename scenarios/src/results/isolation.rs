@@ -1,6 +1,7 @@
 //! Which fault it is, and how large.
 
-use drivescope_diagnoser::Size;
+/// Size of a fault relative to the others.
+pub use drivescope_diagnoser::Size as SizeGroup;
 use serde::{Deserialize, Serialize};
 
 use super::FaultName;
@@ -71,39 +72,6 @@ impl IsolationTable {
     pub fn right(&self, fault: usize) -> f64 {
         let row = self.matrix.get(fault).zip(self.class_of.get(fault));
         row.and_then(|(row, class)| row.get(*class).copied()).unwrap_or(f64::NAN)
-    }
-}
-
-/// Size of a fault relative to the others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SizeGroup {
-    /// Of the smallest.
-    Small,
-    /// Between.
-    Medium,
-    /// Of the largest.
-    Large,
-}
-
-impl SizeGroup {
-    /// Name for people.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Small => "small",
-            Self::Medium => "medium",
-            Self::Large => "large",
-        }
-    }
-}
-
-impl From<Size> for SizeGroup {
-    fn from(size: Size) -> Self {
-        match size {
-            Size::Small => Self::Small,
-            Size::Medium => Self::Medium,
-            Size::Large => Self::Large,
-        }
     }
 }
 

@@ -12,7 +12,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::profile::Profile;
 
-pub use detection::{ByMethod, DetectionRow, HealthySummary, LevelRows, Method, ReadingRows};
+pub use detection::{
+    ByMethod, DetectionRow, FurtherRun, HealthySummary, LevelRows, Method, ReadingRows,
+};
 pub use fmu::{FmpyRow, FmuSummary};
 pub use isolation::{
     IdentificationRow, IsolationTable, Merge, Pair, SeparabilitySummary, SizeGroup, SymptomPoints,
@@ -53,6 +55,9 @@ pub struct StudyResults {
     pub detection: Vec<DetectionRow>,
     /// The rows of the other readings.
     pub readings: Vec<ReadingRows>,
+    /// Runs beside the twelve, that were asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<FurtherRun>,
     /// The same at other significance levels.
     pub levels: Vec<LevelRows>,
     /// False alarms on healthy runs.

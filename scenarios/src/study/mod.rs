@@ -100,6 +100,8 @@ pub struct StudyOptions {
     pub beta: f64,
     /// How the sizes of the judged faults go over their span.
     pub profile: Profile,
+    /// Runs beside the twelve: a name, and the faults that act together in it.
+    pub further: Vec<(String, Vec<Fault>)>,
 }
 
 /// A study's outcome.
@@ -154,7 +156,7 @@ pub fn study(
     told(Progress::Training)?;
     let designed = design(&experiment, (&closed, &open), options.beta)?;
 
-    let runs = plan(options.profile);
+    let runs = plan(options);
     told(Progress::Judging(runs.len()))?;
     let judge = || -> Result<Vec<Judged>, StudyError> {
         let judged = runs.into_par_iter().map(|run| {
@@ -184,16 +186,24 @@ pub fn study(
 enum Run {
     Healthy(u64),
     Faulty(TorqueReading, Fault, u64),
+    /// Faults that act together, and the stream of its noise.
+    Further(String, Vec<Fault>, u64),
 }
 
-fn plan(profile: Profile) -> Vec<Run> {
+/// Streams of noise of further runs begin here: the twelve have those before.
+const FURTHER: u64 = 1000;
+
+fn plan(options: &StudyOptions) -> Vec<Run> {
+    let profile = options.profile;
     let healthy = (0..HEALTHY_RUNS).map(Run::Healthy);
     let faulty = TorqueReading::ALL.into_iter().flat_map(|reading| {
         let faults = twelve(reading).into_iter().enumerate();
         // The readings share the noise of each fault: they differ in the fault alone.
         faults.map(move |(k, fault)| Run::Faulty(reading, Fault { profile, ..fault }, k as u64))
     });
-    healthy.chain(faulty).collect()
+    let further = options.further.iter().zip(FURTHER..);
+    let further = further.map(|((name, faults), k)| Run::Further(name.clone(), faults.clone(), k));
+    healthy.chain(faulty).chain(further).collect()
 }
 
 struct Judged {
@@ -221,6 +231,10 @@ fn judge_run(
         Run::Healthy(k) => experiment.closed_loop(SAMPLES, Stream::Healthy(*k), None),
         Run::Faulty(_, fault, k) => {
             experiment.closed_loop(SAMPLES, Stream::Faulty(*k), Some(fault))
+        }
+        Run::Further(_, faults, k) => {
+            let reference = vec![experiment.set_point; SAMPLES];
+            experiment.following(reference, Stream::Faulty(*k), faults)
         }
     };
     let mut watch = Watch::new(&designed.diagnoser)?;

@@ -10,9 +10,9 @@ use super::{Judged, RUN_UP, Run, SAMPLES, Study, StudyError, StudyOptions, isola
 use crate::experiment::Experiment;
 use crate::faults::{Fault, SPAN};
 use crate::results::{
-    ByMethod, DetectionRow, DriveSummary, FaultSpan, FmuSummary, HealthySummary, IdentificationRow,
-    LevelRows, Method, NoiseSummary, ReadingRows, SizeGroup, StructureSummary, StudyResults,
-    TheoremSummary, TorqueReading,
+    ByMethod, DetectionRow, DriveSummary, FaultName, FaultSpan, FmuSummary, FurtherRun,
+    HealthySummary, IdentificationRow, LevelRows, Method, NoiseSummary, ReadingRows,
+    StructureSummary, StudyResults, TheoremSummary, TorqueReading,
 };
 
 /// Significance levels of the tables, beside the one that was asked for.
@@ -51,13 +51,28 @@ fn level(judged: &[Judged], torque: TorqueReading, at: impl Fn(&Judgement) -> Ju
     }
 }
 
+/// The rows of the runs beside the twelve.
+fn further(judged: &[Judged]) -> Vec<FurtherRun> {
+    let of = |judged: &Judged| {
+        let Run::Further(name, faults, _) = &judged.run else { return None };
+        // What counts is that something is declared: the span is that of all of them.
+        let fault = faults.first()?;
+        let rows = Method::ALL.into_iter().map(|method| {
+            let row = judged.judgement.row(method, fault);
+            DetectionRow { fault: FaultName { label: name.clone(), ..row.fault }, ..row }
+        });
+        Some(FurtherRun { faults: name.clone(), detection: rows.collect() })
+    };
+    judged.iter().filter_map(of).collect()
+}
+
 /// The rows of Table 3.
 fn identification(
     judged: &[(&Fault, Signals, &Judgement)],
 ) -> Result<Vec<IdentificationRow>, StudyError> {
     let sizes = judged.iter().map(|(fault, _, judgement)| judgement.symptom(fault));
     let sizes = sizes.collect::<Result<Vec<f64>, _>>()?;
-    let groups = size_groups(&sizes).into_iter().map(SizeGroup::from);
+    let groups = size_groups(&sizes).into_iter();
     let row = |((s, group), (fault, _, _)): ((f64, _), &(&Fault, Signals, &Judgement))| {
         let label = &fault.name.label;
         IdentificationRow {
@@ -125,6 +140,7 @@ pub(super) fn summarise(
         window: WINDOW,
         detection,
         readings,
+        further: further(&judged),
         levels,
         healthy: HealthySummary {
             samples: healthy_runs * (SAMPLES - RUN_UP),

@@ -8,12 +8,12 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use super::{TrialError, TrialOptions};
-use crate::bank::{AnyProcess, AnyWatch, Designed, design, without_current};
 use crate::experiment::{Experiment, Stream};
 use crate::faults::Fault;
 use crate::native::ClosedLoops;
 use crate::profile::Profile;
 use crate::results::FaultName;
+use drivescope_monitor::bank::{AnyProcess, AnyWatch, Designed, design, without_current};
 
 /// Standard deviations over machines of one kind, as fractions.
 const RESISTANCE: f64 = 0.03;

@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use super::bench::{Bench, Group, Machine, NEVER, Plan, fault};
 use super::{ARL_0, TrialError};
-use crate::bank::{AnyProcess, known_process, with_noise};
 use crate::parity::{Share, Spread};
 use crate::profile::Profile;
+use drivescope_monitor::bank::{AnyProcess, known_process, with_noise};
 
 /// The faults.
 const FAULTS: [(&str, f64); 8] = [

@@ -17,6 +17,8 @@ mod delays;
 mod healthy;
 mod incipient;
 mod mechanisms;
+#[cfg(test)]
+mod rig_tests;
 mod unknown;
 
 use drivescope_diagnoser::bank::TailError;
@@ -24,9 +26,9 @@ use drivescope_plant::drive::Drive;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::bank::{DesignError, ProcessError};
 use crate::experiment::ExperimentError;
 use bench::Bench;
+use drivescope_monitor::bank::{DesignError, ProcessError};
 
 pub use classes::{ClassRow, ClassTable, Classes};
 pub use delays::{Delay, DelayRow};

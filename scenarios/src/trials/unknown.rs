@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::TrialError;
 use super::bench::{Bench, Group, Plan, fault};
-use crate::bank::process;
 use crate::parity::Share;
 use crate::profile::Profile;
+use drivescope_monitor::bank::process;
 
 /// Samples of a run after the onset.
 const AFTER: usize = 600;

@@ -3,128 +3,55 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use drivescope_diagnoser::{Answer as Class, KnownFaults, Named};
+use drivescope_monitor::{Declaration, Fault, Found, Method, UNKNOWN};
 use drivescope_recording::rounded;
-use drivescope_scenarios::results::SizeGroup;
 use serde::Serialize;
 
-use super::declaration::{Declaration, UNKNOWN};
-use super::method::Method;
-use crate::report::words::{number, percent};
+use super::stream::Stream;
+use super::words;
 
+/// What a diagnosis says.
 #[derive(Debug, Serialize)]
-pub(super) struct Answer {
-    pub(super) diagnoser: PathBuf,
-    pub(super) recording: String,
-    pub(super) samples: usize,
-    pub(super) run_up: usize,
+pub(crate) struct Answer {
+    pub(crate) diagnoser: PathBuf,
+    pub(crate) recording: String,
+    pub(crate) samples: usize,
+    /// How the rows of a stream arrived.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) stream: Option<Stream>,
+    pub(crate) run_up: usize,
     /// Samples at operating points that the detectors of the residual were not designed on.
-    pub(super) beyond_range: usize,
+    pub(crate) beyond_range: usize,
     /// `healthy`, `fault`, `abnormal` or `not_judged`, by the method that was asked for.
-    pub(super) verdict: &'static str,
+    pub(crate) verdict: &'static str,
     /// Why nothing was judged.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) why: Option<String>,
-    pub(super) method: Method,
-    pub(super) declarations: Vec<Declaration>,
+    pub(crate) why: Option<String>,
+    pub(crate) method: Method,
+    pub(crate) declarations: Vec<Declaration>,
     /// Share of judged values outside; none if nothing was judged.
-    pub(super) share_outside: Option<f64>,
+    pub(crate) share_outside: Option<f64>,
     /// The fault of the declaration that stood longest; none where no fault is known by name.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) fault: Option<Fault>,
+    pub(crate) fault: Option<Fault>,
     /// Where the machine was learned from, and what it differs by from the drive, as fractions.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) baseline: Option<BaselineAnswer>,
-    pub(super) methods: Vec<Found>,
+    pub(crate) baseline: Option<BaselineAnswer>,
+    pub(crate) methods: Vec<Found>,
 }
 
 /// What a bank learned of the machine.
 #[derive(Debug, Serialize)]
-pub(super) struct BaselineAnswer {
-    pub(super) recording: String,
+pub(crate) struct BaselineAnswer {
+    pub(crate) recording: String,
     /// Samples of it.
-    pub(super) samples: usize,
-    pub(super) machine: BTreeMap<String, f64>,
-}
-
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Found {
-    pub(super) method: Method,
-    pub(super) verdict: &'static str,
-    /// None for a method that knows no such level.
-    pub(super) beta: Option<f64>,
-    pub(super) judged: usize,
-    pub(super) outside: usize,
-    /// None if nothing was judged.
-    pub(super) exceedance_rate: Option<f64>,
-    pub(super) declared: Vec<Declared>,
-    pub(super) declarations: Vec<Declaration>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Declared {
-    /// Samples from the start of the recording, the one that completes the window included.
-    pub(super) sample: usize,
-    /// Its time, s.
-    pub(super) time: f64,
-    /// What was declared, where faults are known by name and the method is the one asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) fault: Option<Fault>,
-}
-
-/// A fault by its name and size.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Fault {
-    /// The known faults that it may be, or `unknown`.
-    pub(super) class: String,
-    /// Samples at which it stood declared.
-    pub(super) samples: usize,
-    /// Share of these samples that were answered so.
-    pub(super) share: f64,
-    /// Its size (27).
-    #[serde(rename = "S")]
-    pub(super) s: f64,
-    /// Its size relative to the known faults.
-    pub(super) group: SizeGroup,
-}
-
-/// Between the faults of a class.
-const BETWEEN: &str = " | ";
-
-impl Fault {
-    /// What the symptoms of a standing fault came to.
-    pub(super) fn new(known: &KnownFaults, named: &Named) -> Self {
-        let unknown = named.shares.len() - 1;
-        let (class, place) = match named.answer {
-            Class::Class(class) => (known.class(class).join(BETWEEN), class),
-            Class::Unknown => (UNKNOWN.to_owned(), unknown),
-        };
-        let Named { samples, size, group, .. } = *named;
-        Self { class, samples, share: named.shares[place], s: size, group: group.into() }
-    }
-
-    /// The known faults that it may be.
-    pub(super) fn names(&self) -> Vec<String> {
-        let known = (self.class != UNKNOWN).then(|| self.class.split(BETWEEN));
-        known.into_iter().flatten().map(str::to_owned).collect()
-    }
-
-    /// One line of it.
-    pub(super) fn text(&self) -> String {
-        format!(
-            "{} ({} % of {} samples), size S = {} thresholds, {} among the known faults",
-            self.class,
-            percent(self.share, 0),
-            self.samples,
-            number(self.s),
-            self.group.label()
-        )
-    }
+    pub(crate) samples: usize,
+    pub(crate) machine: BTreeMap<String, f64>,
 }
 
 impl Answer {
     /// As text for a person.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let mut text = format!("{}: {} samples\n", self.recording, self.samples);
         if let Some(BaselineAnswer { recording, samples, machine }) = &self.baseline {
             let differs: Vec<String> =
@@ -141,7 +68,8 @@ impl Answer {
                 self.beyond_range
             );
         }
-        for Found { method, verdict, beta, judged, outside, declared, .. } in &self.methods {
+        for Found { method, verdict, beta, judged, outside, declared, dropped, .. } in &self.methods
+        {
             let designed = beta.map_or_else(String::new, |beta| {
                 format!(" (healthy: {} %)", rounded(100.0 * beta))
             });
@@ -149,9 +77,13 @@ impl Answer {
                 .iter()
                 .map(|at| format!("{:.3} s (sample {})", at.time, at.sample))
                 .collect();
+            let earlier = match dropped {
+                0 => String::new(),
+                _ => format!(", and {dropped} times before"),
+            };
             let declared = match times.is_empty() {
                 true => "no fault declared".to_owned(),
-                false => format!("declared at {}", times.join(", ")),
+                false => format!("declared at {}{earlier}", times.join(", ")),
             };
             let shares = match judged {
                 0 => "not used or nothing to judge".to_owned(),
@@ -164,13 +96,13 @@ impl Answer {
             text += &format!("{}: {shares}, {declared}{verdict}\n", method.label());
         }
         for declaration in self.declarations.iter().filter(|it| it.mechanism != UNKNOWN) {
-            text += &format!("fault: {}\n", declaration.text());
+            text += &format!("fault: {}\n", words::line(declaration));
         }
         for declaration in self.declarations.iter().filter(|it| it.mechanism == UNKNOWN) {
-            text += &format!("no known cause: {}\n", declaration.text());
+            text += &format!("no known cause: {}\n", words::line(declaration));
         }
         if let Some(fault) = &self.fault {
-            text += &format!("fault: {}\n", fault.text());
+            text += &format!("fault: {}\n", words::fault(fault));
         }
         let why = self.why.as_ref().map_or_else(String::new, |why| format!(": {why}"));
         let verdict = self.verdict.replace('_', " ");

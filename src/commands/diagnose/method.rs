@@ -1,53 +1,31 @@
-//! The methods that can be asked for.
+//! The methods that can be asked for on the command line.
 
-use clap::ValueEnum;
-use drivescope_scenarios::results::Method as OfPaper;
-use serde::Serialize;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use drivescope_monitor::Method;
 
-/// A method of a diagnosis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[value(rename_all = "snake_case")]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Method {
-    /// The bank of hypotheses over the drive's equations; the default where the diagnoser has one.
-    Bank,
-    /// Windows of the residual against a baseline; the default where one is given and there is no
-    /// bank.
-    Windows,
-    /// Bands by model error modelling, ARX error model; else the default.
-    Mem,
-    /// The same with the recurrent error model.
-    MemRecurrent,
-    /// Constant thresholds.
-    Constant,
-    /// Intervals of the GMDH network.
-    Gmdh,
+/// What a method is, for the help.
+fn about(method: Method) -> &'static str {
+    match method {
+        Method::Bank => {
+            "The bank of hypotheses over the drive's equations; the default where the diagnoser \
+             has one"
+        }
+        Method::Windows => {
+            "Windows of the residual against a baseline; the default where one is given and there \
+             is no bank"
+        }
+        Method::Mem => "Bands by model error modelling, ARX error model; else the default",
+        Method::MemRecurrent => "The same with the recurrent error model",
+        Method::Constant => "Constant thresholds",
+        Method::Gmdh => "Intervals of the GMDH network",
+    }
 }
 
-impl Method {
-    /// The detectors of the paper.
-    pub(super) const OF_PAPER: [Self; 4] =
-        [Self::Mem, Self::MemRecurrent, Self::Constant, Self::Gmdh];
-
-    /// As the study knows it.
-    pub(super) fn of_paper(self) -> Option<OfPaper> {
-        match self {
-            Self::Bank | Self::Windows => None,
-            Self::Mem => Some(OfPaper::Mem),
-            Self::MemRecurrent => Some(OfPaper::MemRecurrent),
-            Self::Constant => Some(OfPaper::Constant),
-            Self::Gmdh => Some(OfPaper::Gmdh),
-        }
-    }
-
-    /// Name for people.
-    pub(super) fn label(self) -> &'static str {
-        match self {
-            Self::Bank => "bank of hypotheses",
-            Self::Windows => "windows against the baseline",
-            Self::Mem | Self::MemRecurrent | Self::Constant | Self::Gmdh => {
-                self.of_paper().map_or("", OfPaper::label)
-            }
-        }
-    }
+/// Reads a method by its name.
+pub(super) fn parser() -> impl TypedValueParser<Value = Method> {
+    let possible = Method::ALL.map(|it| PossibleValue::new(it.id()).help(about(it)));
+    PossibleValuesParser::new(possible).map(|id: String| {
+        let named = Method::ALL.into_iter().find(|method| method.id() == id);
+        named.unwrap_or(Method::Mem)
+    })
 }

@@ -1,24 +1,24 @@
 //! `diagnose`: a diagnoser at work on a recording or on live rows from standard input.
 
 mod answer;
-mod bank;
-mod declaration;
 mod live;
 mod method;
-mod outside;
-mod watch;
+mod pace;
+mod regrid;
+mod stdin;
+mod stream;
+pub(crate) mod words;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use drivescope_diagnoser::{Channel, Diagnoser, ThresholdKind};
+use drivescope_monitor::{Finished, Found, Method, Monitor, MonitorError, Options};
 use drivescope_recording::Recording;
-use drivescope_scenarios::bank::Columns;
 
-use self::answer::{Answer, BaselineAnswer, Declared, Found};
-use self::bank::{Bank, BankFound, Decision, SHARE_OUTSIDE};
-use self::method::Method;
-use self::watch::{Event, Finished, Watch};
+pub(crate) use self::answer::Answer;
+use self::answer::BaselineAnswer;
+use self::stream::Stream;
 use super::{RecordingOptions, Run, at_period};
 use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
@@ -40,7 +40,7 @@ pub(crate) struct Diagnose {
     baseline: Option<PathBuf>,
     /// The method whose declarations are the verdict; the others are shown beside it. By default the
     /// best that there is: bank, windows, mem, constant.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = method::parser())]
     method: Option<Method>,
     /// Another share of healthy samples outside the bands than the file's.
     #[arg(long, allow_negative_numbers = true)]
@@ -55,44 +55,6 @@ pub(crate) struct Diagnose {
 /// Judged windows below which a diagnosis says that it rests on little.
 const FEW_WINDOWS: usize = 10;
 
-/// All methods at work.
-struct Working {
-    watch: Watch,
-    bank: Option<Bank>,
-}
-
-/// What a row brought.
-enum Happened {
-    Event(Event),
-    Decision(Decision),
-}
-
-impl Working {
-    fn begin(&mut self) {
-        self.watch.begin();
-        self.bank.iter_mut().for_each(Bank::begin);
-    }
-
-    /// Takes a row: inputs and output of the detectors, and the value of each column.
-    fn step(
-        &mut self,
-        (u, y): (&[f64], f64),
-        value: impl Fn(usize) -> f64,
-        time: f64,
-    ) -> miette::Result<Vec<Happened>> {
-        let events = self.watch.step(u, y, time)?;
-        let decision = self.bank.as_mut().and_then(|bank| {
-            let row = bank.columns().row(value);
-            bank.step(&row, time)
-        });
-        Ok(events
-            .into_iter()
-            .map(Happened::Event)
-            .chain(decision.map(Happened::Decision))
-            .collect())
-    }
-}
-
 impl Run for Diagnose {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let diagnoser = Diagnoser::load(&self.diagnoser).map_err(told)?;
@@ -100,82 +62,16 @@ impl Run for Diagnose {
         let baseline = self.baseline(&diagnoser, session)?;
         let asked = self.asked(&diagnoser, baseline.is_some(), session);
         let is_live = self.recording == Path::new("-");
-        let (name, working) = if is_live {
-            let working = self.live(&diagnoser, baseline.as_ref(), asked, session)?;
-            ("standard input".to_owned(), working)
+        let (name, monitor, stream) = if is_live {
+            let (monitor, stream) = self.live(&diagnoser, baseline.as_ref(), asked, session)?;
+            ("standard input".to_owned(), monitor, Some(stream))
         } else {
-            self.recorded(&diagnoser, baseline.as_ref(), asked, session)?
+            let (name, monitor) = self.recorded(&diagnoser, baseline.as_ref(), asked, session)?;
+            (name, monitor, None)
         };
-        let Working { watch, bank } = working;
-        let window = diagnoser.window;
-        let Finished { samples, run_up, beyond, mut methods } = watch.finish();
-        let judged = samples.saturating_sub(run_up);
-        if asked.of_paper().is_some() && judged < window {
-            return Err(Failure::Usage {
-                what: format!(
-                    "{name}: {samples} samples, of which the first {run_up} only settle the models: \
-                     {judged} are left to judge, and a declaration takes {window}"
-                ),
-                instead: "give a longer recording".to_owned(),
-            }
-            .into());
-        }
-        if judged < FEW_WINDOWS * window {
-            session.remark(format_args!(
-                "{name}: {judged} samples are judged, less than {FEW_WINDOWS} windows of {window}: \
-                 the shares outside are rough, and a fault that shows later is not seen"
-            ));
-        }
-        let mut why = None;
-        let mut learned = None;
-        if let Some(found) = bank.map(Bank::found) {
-            learned = found.why.is_none().then(|| BaselineAnswer {
-                recording: baseline.as_ref().map_or(&name, |it| &it.name).clone(),
-                samples: baseline.as_ref().map_or(found.learned, Recording::len),
-                machine: found.machine.iter().cloned().collect(),
-            });
-            why = found.why.clone().filter(|_| asked == Method::Bank);
-            methods.insert(0, of_bank(found));
-        }
-        let at = methods.iter().position(|found| found.method == asked);
-        let Found { verdict, declarations, declared, exceedance_rate, .. } = match at {
-            Some(at) => methods[at].clone(),
-            None => {
-                return Err(Failure::Usage {
-                    what: format!("{}: holds no {}", self.diagnoser.display(), asked.label()),
-                    instead:
-                        "train it again with one, or ask for another --method; windows need a \
-                              --baseline"
-                            .to_owned(),
-                }
-                .into());
-            }
-        };
-        let named = declared.iter().filter_map(|declared| declared.fault.as_ref());
-        let fault = named.max_by_key(|fault| fault.samples).cloned();
-        if verdict == "not_judged" && why.is_none() {
-            why = Some(match beyond {
-                0 => "the recording is too short".to_owned(),
-                _ => "most of it is at operating points that were never shown: not judged here; \
-                      train on such runs, give a --baseline there, or train with --drive"
-                    .to_owned(),
-            });
-        }
-        let answer = Answer {
-            diagnoser: self.diagnoser,
-            recording: name,
-            samples,
-            run_up,
-            beyond_range: beyond,
-            verdict,
-            why,
-            method: asked,
-            declarations,
-            share_outside: exceedance_rate,
-            fault,
-            baseline: learned,
-            methods,
-        };
+        let answer =
+            self.answer(&diagnoser, (name, monitor, stream), baseline.as_ref(), session)?;
+        let verdict = answer.verdict;
         let next = match (verdict, &answer.fault) {
             // The faults that are known by name are those of the training.
             ("fault", None) if asked != Method::Bank => {
@@ -197,35 +93,20 @@ impl Run for Diagnose {
     }
 }
 
-/// The bank's row of the table.
-fn of_bank(found: BankFound) -> Found {
-    let share = found.counted.share();
-    let declared = found.declarations.iter().map(|it| Declared {
-        sample: it.sample,
-        time: it.noticed,
-        fault: None,
-    });
-    Found {
-        method: Method::Bank,
-        verdict: if found.why.is_some() {
-            "not_judged"
-        } else if !found.declarations.is_empty() {
-            "fault"
-        } else if found.counted.is_abnormal(SHARE_OUTSIDE) {
-            "abnormal"
-        } else {
-            "healthy"
-        },
-        beta: Some(SHARE_OUTSIDE),
-        judged: found.counted.judged,
-        outside: found.counted.outside,
-        exceedance_rate: share,
-        declared: declared.collect(),
-        declarations: found.declarations,
-    }
-}
-
 impl Diagnose {
+    /// A diagnosis of that recording with that diagnoser, as it is where nothing else is said.
+    pub(crate) fn on(diagnoser: PathBuf, recording: &Path) -> Self {
+        Self {
+            diagnoser,
+            recording: recording.to_owned(),
+            baseline: None,
+            method: None,
+            beta: None,
+            check: false,
+            reading: RecordingOptions::default(),
+        }
+    }
+
     /// The recording of `--baseline`, at the diagnoser's sampling time.
     fn baseline(
         &self,
@@ -253,63 +134,142 @@ impl Diagnose {
                 ));
             }
         }
-        self.method.unwrap_or(if diagnoser.bank.is_some() {
-            Method::Bank
-        } else if baseline && diagnoser.windows.is_some() {
-            Method::Windows
-        } else if diagnoser.explains(ThresholdKind::ModelError) {
-            Method::Mem
-        } else {
-            Method::Constant
-        })
+        self.method.unwrap_or_else(|| Method::best(diagnoser, baseline))
     }
 
     /// All methods before the first row; `columns` are those of the recording.
-    fn working(
+    fn monitor(
         &self,
         diagnoser: &Diagnoser,
         baseline: Option<&Recording>,
         (asked, columns): (Method, &[(&str, &str)]),
         session: &Session,
-    ) -> miette::Result<Working> {
-        let data = baseline.map(|baseline| {
-            let data = diagnoser.interface.select(baseline).map_err(told)?;
-            Ok::<_, miette::Report>((baseline.name.as_str(), data))
-        });
-        let data = data.transpose()?;
-        let of_baseline = data.as_ref().map(|(name, data)| (*name, data));
-        let watch = Watch::new(diagnoser, asked, self.beta, of_baseline)?;
-        let bank = diagnoser.bank.as_ref().map(|design| {
-            let words = |error: drivescope_scenarios::bank::RowsError| Failure::Usage {
-                what: error.to_string(),
-                instead: "record it, or name its column with --columns".to_owned(),
-            };
-            let columns = Columns::find(columns).map_err(words)?;
-            if !columns.has_current() && design.limits_without_current.is_some() {
+    ) -> miette::Result<Monitor> {
+        let options = Options { asked, beta: self.beta };
+        let monitor = Monitor::new(diagnoser, columns, options, baseline);
+        let monitor = monitor.map_err(|error| refused(&self.diagnoser, &error))?;
+        self.remark_on(&monitor, diagnoser, baseline, session);
+        Ok(monitor)
+    }
+
+    /// Says what the decisions rest on.
+    fn remark_on(
+        &self,
+        monitor: &Monitor,
+        diagnoser: &Diagnoser,
+        baseline: Option<&Recording>,
+        session: &Session,
+    ) {
+        if let Some(design) = &diagnoser.bank {
+            if monitor.is_without_current() && design.limits_without_current.is_some() {
                 session.remark(
                     "there is no current I_m, which the diagnoser was trained with: more mechanisms \
                      cannot be told apart, and sets name them",
                 );
             }
-            match baseline {
-                None => {
-                    session.remark(format_args!(
-                        "no --baseline: the machine is learned from the first {:.1} s, which are \
-                         taken for healthy",
-                        design.baseline as f64 * design.period_s
-                    ));
-                    Bank::new(design, columns, None)
-                }
-                Some(baseline) => {
-                    // A machine is learned from a run without gaps.
-                    let parts = baseline.parts();
-                    let longest = parts.iter().max_by_key(|part| part.len()).unwrap_or(baseline);
-                    let (_, rows) = Columns::of(longest).map_err(words)?;
-                    Bank::new(design, columns, Some((&baseline.name, &rows)))
-                }
+            if baseline.is_none() {
+                session.remark(format_args!(
+                    "no --baseline: the machine is learned from the first {:.1} s, which are \
+                     taken for healthy",
+                    design.baseline as f64 * design.period_s
+                ));
             }
-        });
-        Ok(Working { watch, bank: bank.transpose()? })
+        }
+    }
+
+    /// What was found, of all methods.
+    fn answer(
+        &self,
+        diagnoser: &Diagnoser,
+        (name, monitor, stream): (String, Monitor, Option<Stream>),
+        baseline: Option<&Recording>,
+        session: &Session,
+    ) -> miette::Result<Answer> {
+        let asked = monitor.asked();
+        let window = diagnoser.window;
+        let Finished { samples, run_up, beyond, machine, methods } = monitor.finish();
+        let judged = samples.saturating_sub(run_up);
+        if asked.threshold().is_some() && judged < window {
+            return Err(Failure::Usage {
+                what: format!(
+                    "{name}: {samples} samples, of which the first {run_up} only settle the models: \
+                     {judged} are left to judge, and a declaration takes {window}"
+                ),
+                instead: "give a longer recording".to_owned(),
+            }
+            .into());
+        }
+        if judged < FEW_WINDOWS * window {
+            session.remark(format_args!(
+                "{name}: {judged} samples are judged, less than {FEW_WINDOWS} windows of {window}: \
+                 the shares outside are rough, and a fault that shows later is not seen"
+            ));
+        }
+        let mut why = None;
+        let mut learned = None;
+        if let Some(machine) = machine {
+            learned = machine.why.is_none().then(|| BaselineAnswer {
+                recording: baseline.map_or(&name, |it| &it.name).clone(),
+                samples: baseline.map_or(machine.learned, Recording::len),
+                machine: machine.changes.into_iter().collect(),
+            });
+            why = machine.why.filter(|_| asked == Method::Bank);
+        }
+        let at = methods.iter().position(|found| found.method == asked);
+        let Found { verdict, declarations, declared, exceedance_rate, .. } = match at {
+            Some(at) => methods[at].clone(),
+            None => {
+                return Err(
+                    refused(&self.diagnoser, &MonitorError::Missing { method: asked }).into()
+                );
+            }
+        };
+        let named = declared.iter().filter_map(|declared| declared.fault.as_ref());
+        let fault = named.max_by_key(|fault| fault.samples).cloned();
+        if verdict == "not_judged" && why.is_none() {
+            why = Some(match beyond {
+                0 => "the recording is too short".to_owned(),
+                _ => "most of it is at operating points that were never shown: not judged here; \
+                      train on such runs, give a --baseline there, or train with --drive"
+                    .to_owned(),
+            });
+        }
+        Ok(Answer {
+            diagnoser: self.diagnoser.clone(),
+            recording: name,
+            samples,
+            stream,
+            run_up,
+            beyond_range: beyond,
+            verdict,
+            why,
+            method: asked,
+            declarations,
+            share_outside: exceedance_rate,
+            fault,
+            baseline: learned,
+            methods,
+        })
+    }
+
+    /// Watches a recording at the sampling time of the diagnoser; every row is shown to `each`.
+    ///
+    /// # Errors
+    /// Signals that do not serve, or too few rows.
+    pub(crate) fn watched(
+        &self,
+        diagnoser: &Diagnoser,
+        recording: &Recording,
+        session: &Session,
+        mut each: impl FnMut(&Monitor, usize),
+    ) -> miette::Result<Answer> {
+        diagnoser.interface.select(recording).map_err(told)?;
+        let asked = self.asked(diagnoser, false, session);
+        let signals = recording.signals.iter();
+        let columns: Vec<(&str, &str)> = signals.map(|s| (&*s.name, &*s.unit)).collect();
+        let mut monitor = self.monitor(diagnoser, None, (asked, &columns), session)?;
+        monitor.run(diagnoser, recording, |monitor, k, _| each(monitor, k)).map_err(told)?;
+        self.answer(diagnoser, (recording.name.clone(), monitor, None), None, session)
     }
 
     fn recorded(
@@ -318,30 +278,50 @@ impl Diagnose {
         baseline: Option<&Recording>,
         asked: Method,
         session: &Session,
-    ) -> miette::Result<(String, Working)> {
+    ) -> miette::Result<(String, Monitor)> {
         let (recording, report) = self.reading.read(&self.recording, session)?;
-        let interface = &diagnoser.interface;
         report.require(&recording, &names(diagnoser)).map_err(told)?;
-        let recording = at_period(recording, interface.period_s, session)?;
-        let data = interface.select(&recording).map_err(told)?;
+        let recording = at_period(recording, diagnoser.interface.period_s, session)?;
+        diagnoser.interface.select(&recording).map_err(told)?;
         let signals = recording.signals.iter();
         let columns: Vec<(&str, &str)> = signals.map(|s| (&*s.name, &*s.unit)).collect();
-        let mut working = self.working(diagnoser, baseline, (asked, &columns), session)?;
-        let mut u = vec![0.0; data.inputs().len()];
-        for (k, y) in data.output().values.iter().enumerate() {
-            if recording.breaks.iter().any(|it| it.at == k) {
-                working.begin();
-            }
-            u.iter_mut().zip(data.inputs()).for_each(|(u, column)| *u = column.values[k]);
-            let value = |at: usize| recording.signals[at].values[k];
-            working.step((&u, *y), value, recording.time(k))?;
-        }
-        Ok((recording.name.clone(), working))
+        let mut monitor = self.monitor(diagnoser, baseline, (asked, &columns), session)?;
+        monitor.run(diagnoser, &recording, |_, _, _| ()).map_err(told)?;
+        Ok((recording.name, monitor))
     }
 }
 
+/// Why a machine cannot be watched with the diagnoser of that file, and what to do about it.
+pub(crate) fn refused(file: &Path, error: &MonitorError) -> Failure {
+    let file = file.display();
+    let (what, instead) = match error {
+        MonitorError::Missing { method } => (
+            format!("{file}: holds no {}", method.label()),
+            "train it again with one, or ask for another --method; windows need a --baseline",
+        ),
+        MonitorError::Windows { .. } => (
+            error.to_string(),
+            "give a --baseline of this machine that runs healthily, about 4 s of it",
+        ),
+        MonitorError::Machine { .. } => (
+            error.to_string(),
+            "give a --baseline of this machine that runs healthily, some seconds of it; for \
+             another kind of machine train a diagnoser with its drive",
+        ),
+        MonitorError::Rows(_) => {
+            (error.to_string(), "record it, or name its column with --columns")
+        }
+        MonitorError::Drive(_) | MonitorError::Process(_) => {
+            (format!("{file}: {error}"), "train the diagnoser again")
+        }
+        MonitorError::Confidence(_) => (error.to_string(), "give --beta between 0 and 1"),
+        _ => (error.to_string(), "give a recording of the signals of the training"),
+    };
+    Failure::Usage { what, instead: instead.to_owned() }
+}
+
 /// The signals that the detectors need.
-fn names(diagnoser: &Diagnoser) -> Vec<&str> {
+pub(crate) fn names(diagnoser: &Diagnoser) -> Vec<&str> {
     let interface = &diagnoser.interface;
     let channels = interface.inputs.iter().chain([&interface.output]);
     channels.map(|channel: &Channel| channel.name.as_str()).collect()

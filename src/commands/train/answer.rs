@@ -100,7 +100,7 @@ impl Answer {
         output: &Path,
         learned: &Learned,
         faults: Option<&FaultsReport>,
-        bank: Option<BankAnswer>,
+        bank: Option<&BankAnswer>,
     ) -> Self {
         let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
         let unit = process.network.output_scales[0].deviation;
@@ -149,7 +149,7 @@ impl Answer {
                 .as_deref()
                 .zip(faults)
                 .map(|(known, report)| FaultsAnswer::new(known, report)),
-            bank,
+            bank: bank.cloned(),
         }
     }
 }

@@ -3,14 +3,14 @@
 use drivescope_diagnoser::bank::{
     BankDesign, Calibration, Event, LearnedNoise, Limits, Mechanism, Row, Separation, Verified,
 };
+use drivescope_monitor::bank::{self, AnyProcess, Columns, Designed, without_current};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
-use drivescope_scenarios::bank::{self, AnyProcess, Columns, Designed, without_current};
 use serde::Serialize;
 
 use crate::failure::{Failure, told};
+use crate::interrupt;
 use crate::report::words::number;
-use crate::{drive_source, interrupt};
 
 /// Share of the alarms seen in the healthy recordings that the design foresees, below which the
 /// drive model is not theirs.
@@ -21,7 +21,7 @@ const CHANGES: [f64; 6] = [0.75, 1.25, 0.5, 1.5, 0.0, -1.0];
 const COMPARED: f64 = 0.1;
 
 /// What was found on the way.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub(super) struct BankAnswer {
     drive: String,
     noise: LearnedNoise,
@@ -34,7 +34,7 @@ pub(super) struct BankAnswer {
     confusions: Vec<Confusion>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 struct VerifiedAnswer {
     samples: usize,
     alarms: usize,
@@ -46,7 +46,7 @@ struct VerifiedAnswer {
 }
 
 /// A mechanism and those that a fault of that size is confused with.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 struct Confusion {
     mechanism: String,
     size: f64,
@@ -61,7 +61,7 @@ struct Confusion {
 }
 
 /// A mechanism of a confusion set that another speed takes out of it.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 struct Separable {
     mechanism: String,
     /// Speed to change to, rad/s (m/s).
@@ -73,12 +73,10 @@ struct Separable {
 /// # Errors
 /// A drive or recordings that make no bank, in words.
 pub(super) fn design(
-    drive: &str,
+    (text, known): &(String, Drive),
     healthy: &[Recording],
     (arl_0, verified, seed): (f64, usize, u64),
 ) -> miette::Result<(BankDesign, BankAnswer)> {
-    let text = drive_source::text(drive)?;
-    let known: Drive = drive_source::drive(drive)?;
     let not = |what: String, instead: &str| Failure::Usage { what, instead: instead.to_owned() };
     if !(arl_0.is_finite() && arl_0 >= 1e3) {
         let what = format!("--arl0 {arl_0}: not a mean number of samples between false alarms");
@@ -94,7 +92,7 @@ pub(super) fn design(
             runs.push(Columns::of(&part).map_err(words)?.1);
         }
     }
-    let designed = bank::design(&known, period_s, &runs, seed).map_err(told)?;
+    let designed = bank::design(known, period_s, &runs, seed).map_err(told)?;
     interrupt::check()?;
     let Designed { noise, drive: known, process, tails, tails_without_current, how } = designed;
     let limits = tails.limits(arl_0);
@@ -105,7 +103,7 @@ pub(super) fn design(
         arl_0,
         horizon: how.horizon,
         baseline: how.baseline,
-        drive: text,
+        drive: text.clone(),
         limits,
         limits_without_current: tails_without_current.map(|tails| tails.limits(arl_0)),
         noise,

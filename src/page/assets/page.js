@@ -2,10 +2,13 @@
 
 import { Plots, unpacked } from "./plots.js";
 import { Faults } from "./faults.js";
+import { Diagnosis } from "./diagnosis.js";
 
 const $ = (id) => document.getElementById(id);
 const base = location.pathname;
 const mostBytes = Number(document.body.dataset.mostBytes);
+
+const views = ["loop", "diagnose", "faults"];
 
 // What is looked at, as the address holds it.
 const view = { rung: 0, ghost: null, recording: 0, window: null, view: "loop" };
@@ -24,7 +27,7 @@ function readAddress() {
   view.recording = number("recording") ?? 0;
   const from = number("from"), to = number("to");
   view.window = from !== null && to !== null && from < to ? [from, to] : null;
-  view.view = said.get("view") === "faults" ? "faults" : "loop";
+  view.view = views.includes(said.get("view")) ? said.get("view") : "loop";
 }
 
 function writeAddress() {
@@ -136,6 +139,7 @@ function listen() {
       if (isFirst) painted().then(() => { document.body.dataset.firstViewMs = (performance.now() - heard).toFixed(1); });
     }
     faults.update(news.study + JSON.stringify(news.running));
+    diagnosis.update(`${news.diagnosis} ${news.recordings} ${news.rungs} ${news.beginning}`);
   };
   events.onerror = () => { if (events.readyState === EventSource.CLOSED) tell("This session is over. Open a new one."); };
 }
@@ -340,17 +344,20 @@ function tryLaw(target, text) {
 /* What people do */
 
 const faults = new Faults($("faults-content"), tell);
+const diagnosis = new Diagnosis($("diagnose-content"), base, tell, mostBytes);
 
 function showView() {
-  for (const name of ["loop", "faults"]) $(name).hidden = view.view !== name;
+  for (const name of views) $(name).hidden = view.view !== name;
   document.querySelectorAll("[data-view]").forEach((it) => it.setAttribute("aria-pressed", String(it.dataset.view === view.view)));
   faults.shown = view.view === "faults";
   if (faults.shown) faults.update("asked");
+  diagnosis.shown = view.view === "diagnose";
+  if (diagnosis.shown) diagnosis.update(`asked ${performance.now()}`);
 }
 
 document.addEventListener("click", async (event) => {
   const button = event.target.closest("button");
-  if (!button || button.closest("#faults")) return;
+  if (!button || button.closest("#faults, #diagnose")) return;
   const { dataset } = button;
   if (dataset.view) { view.view = dataset.view; writeAddress(); showView(); }
   else if (dataset.do === "example") await act({ do: "example", id: dataset.id });
@@ -424,6 +431,7 @@ addEventListener("drop", async (event) => {
   event.preventDefault();
   document.body.classList.remove("dropping");
   if (view.view === "faults") { await faults.file(event.dataTransfer.files[0]); return; }
+  if (view.view === "diagnose") { await diagnosis.dropped(event); return; }
   await upload(event.dataTransfer.files);
 });
 

@@ -30,6 +30,7 @@ pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
                 "sensor or mechanism that fails; the label is the paper's."
             }
             (others(study))
+            (further(study))
             (figure("delays", delays(study).svg(), "Delays to declaration", &html! {
                 "Delay from the fault's begin to its declaration. A mark near the dashed line means "
                 "that the residual left its band at once. Arrows carry the numbers of marks that lie off the axis; to the left are "
@@ -37,6 +38,23 @@ pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
             }))
         },
     )
+}
+
+/// Runs with other kinds of faults, or several at once.
+fn further(study: &StudyResults) -> Markup {
+    let head = html! { tr {
+        th.name scope="col" { "Faults" } th.name scope="col" { "Method" }
+        th scope="col" { "delay [samples]" } th scope="col" { (math("r_td [%]")) }
+        th scope="col" { "false alarms" }
+    } };
+    let body = html! { @for row in study.further.iter().flat_map(|run| &run.detection) { tr {
+        th scope="row" { (row.fault.label) }
+        td.name { (row.method.label()) }
+        td { (row.delay.map_or_else(|| "\u{2013}".to_owned(), |delay| delay.to_string())) }
+        td { (percent(row.r_td, 1)) }
+        td { (row.false_alarms) }
+    } } };
+    html! { @if !study.further.is_empty() { (table("Beside the twelve", &head, &body)) } }
 }
 
 fn table_1(study: &StudyResults, pictures: &[Pictures]) -> Markup {

@@ -4,6 +4,7 @@
 //! neighbour is better the extreme is found. A slowly moving regressor takes no step at all.
 
 use super::regressor::Regressor;
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Vertices and edges of all parts of a set.
 #[derive(Debug, Clone)]
@@ -121,5 +122,15 @@ impl PartCorners {
                 return (at, best);
             }
         }
+    }
+}
+
+impl Memory for Corners {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.parts.iter_mut().try_for_each(|part| {
+            let vertices = part.first.len() - 1;
+            walk.below(&mut part.highest, vertices)?;
+            walk.below(&mut part.lowest, vertices)
+        })
     }
 }

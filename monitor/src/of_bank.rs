@@ -1,48 +1,69 @@
 //! The bank of a diagnoser at work on rows.
 
+use std::fmt;
+use std::sync::Arc;
+
 use drivescope_diagnoser::bank::{
-    BankDesign, BaselineError, Cause, Event, Judgement, Limits, Mechanism, Row, Symptom,
+    BankDesign, Cause, Event, Judgement, Limits, Mechanism, Row, Statistics, Symptom,
 };
+use drivescope_diagnoser::{Memory, MemoryError, Walk};
 use drivescope_plant::drive::Drive;
-use drivescope_scenarios::bank::{AnyProcess, AnyWatch, Columns, process, with_noise};
 use serde::Serialize;
 
-use super::declaration::Declaration;
-use super::outside::Outside;
-use crate::failure::{Failure, told};
+use crate::bank::{AnyProcess, AnyWatch, Columns, process, with_noise};
+use crate::declaration::Declaration;
+use crate::error::MonitorError;
+use crate::found::Found;
+use crate::method::Method;
+use crate::outside::Outside;
+use crate::state::State;
 
 /// Share of healthy values outside their band.
-pub(super) const SHARE_OUTSIDE: f64 = 0.05;
-/// Names of what sensors that are stuck are declared as, in the order of the sensors.
-const STUCK: [&str; 3] = ["tacho_freeze", "current_freeze", "voltage_freeze"];
+const SHARE_OUTSIDE: f64 = 0.05;
+/// What sensors that are stuck are declared as, in the order of the sensors.
+pub const STUCK: [&str; 3] = ["tacho_freeze", "current_freeze", "voltage_freeze"];
 
 /// Where a bank stands.
+#[derive(Clone)]
 enum Mode {
     /// The machine is being learned from the recording's own first rows.
     Learning(Vec<Row>),
     /// It is watched.
     Watching(Box<dyn AnyWatch>),
     /// The first rows make no baseline.
-    Refused(BaselineError),
+    Refused(String),
 }
 
 /// A decision, as it is made.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Decision {
+pub struct Decision {
     /// Time of the row that brought it, s.
-    pub(super) time: f64,
+    pub time: f64,
     /// `alarm`, `judged`, `retracted` or `ended`.
-    pub(super) decision: &'static str,
+    pub decision: &'static str,
     /// What the alarm rests on.
-    pub(super) symptom: Option<String>,
+    pub symptom: Option<String>,
+    /// What is declared, or was until now.
     #[serde(flatten)]
-    pub(super) declaration: Declaration,
+    pub declaration: Declaration,
+}
+
+/// What a bank learned of the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// Rows of the run itself that it was learned from; none with a baseline.
+    pub learned: usize,
+    /// What it differs by from the drive, as fractions.
+    pub changes: Vec<(String, f64)>,
+    /// Why nothing was judged.
+    pub why: Option<String>,
 }
 
 /// The bank and what it declared.
-pub(super) struct Bank {
-    process: Box<dyn AnyProcess>,
-    design: BankDesign,
+#[derive(Clone)]
+pub(crate) struct OfBank {
+    process: Arc<dyn AnyProcess>,
+    design: Arc<BankDesign>,
     limits: Limits,
     columns: Columns,
     mode: Mode,
@@ -54,45 +75,40 @@ pub(super) struct Bank {
     /// Rows before the first of the watch.
     base: usize,
     counted: Outside,
-    declarations: Vec<Declaration>,
+    found: Found,
     /// An alarm that is not judged yet.
     alarm: Option<Declaration>,
     symptom: Option<String>,
 }
 
-impl Bank {
+impl OfBank {
     /// The bank of a design over rows of those columns; `baseline` rows are another recording's.
     ///
     /// # Errors
-    /// Columns that a bank cannot use, or a baseline that shows no healthy machine, in words.
-    pub(super) fn new(
+    /// A drive that cannot be read, or a baseline that shows no healthy machine.
+    pub(crate) fn new(
         design: &BankDesign,
         columns: Columns,
         baseline: Option<(&str, &[Row])>,
-    ) -> miette::Result<Self> {
-        let known = Drive::parse(&design.drive, "the drive of the diagnoser").map_err(told)?;
+    ) -> Result<Self, MonitorError> {
+        let known = Drive::parse(&design.drive, "the drive of the diagnoser")?;
         let known = with_noise(&known, &design.noise);
-        let process = process(&known, design.period_s, &[]).map_err(told)?;
+        let process = process(&known, design.period_s, &[])?;
         let without = design.limits_without_current.filter(|_| !columns.has_current());
         let limits = without.unwrap_or(design.limits);
         let mode = match baseline {
             None => Mode::Learning(Vec::with_capacity(design.baseline)),
             Some((name, rows)) => {
                 let watch = process.learn(rows, limits, design.horizon);
-                Mode::Watching(watch.map_err(|error| {
-                    Failure::Usage {
-                        what: format!("{name}: {error}"),
-                        instead:
-                            "give a --baseline of this machine that runs healthily, some seconds \
-                              of it; for another kind of machine train a diagnoser with its drive"
-                                .to_owned(),
-                    }
+                Mode::Watching(watch.map_err(|source| MonitorError::Machine {
+                    baseline: name.to_owned(),
+                    source,
                 })?)
             }
         };
         Ok(Self {
-            process,
-            design: design.clone(),
+            process: process.into(),
+            design: Arc::new(design.clone()),
             limits,
             columns,
             mode,
@@ -101,19 +117,19 @@ impl Bank {
             learned: 0,
             base: 0,
             counted: Outside::default(),
-            declarations: Vec::new(),
+            found: Found::new(Method::Bank, Some(SHARE_OUTSIDE)),
             alarm: None,
             symptom: None,
         })
     }
 
     /// Where it finds its signals.
-    pub(super) fn columns(&self) -> &Columns {
+    pub(crate) fn columns(&self) -> &Columns {
         &self.columns
     }
 
     /// A new segment begins.
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         match &mut self.mode {
             // A baseline is a run without gaps.
             Mode::Learning(rows) => {
@@ -125,7 +141,7 @@ impl Bank {
     }
 
     /// Takes a row.
-    pub(super) fn step(&mut self, row: &Row, time: f64) -> Option<Decision> {
+    pub(crate) fn step(&mut self, row: &Row, time: f64) -> Option<Decision> {
         self.rows += 1;
         let watch = match &mut self.mode {
             Mode::Refused(_) => return None,
@@ -135,7 +151,8 @@ impl Bank {
                 if rows.len() >= self.design.baseline {
                     let made = self.process.learn(rows, self.limits, self.design.horizon);
                     self.base = self.rows;
-                    self.mode = made.map_or_else(Mode::Refused, Mode::Watching);
+                    self.mode =
+                        made.map_or_else(|error| Mode::Refused(error.to_string()), Mode::Watching);
                 }
                 return None;
             }
@@ -188,7 +205,7 @@ impl Bank {
 
     /// Ends what stands.
     fn close(&mut self, to: f64, time: f64, decision: &'static str) -> Option<Decision> {
-        let standing = self.declarations.last_mut().filter(|last| last.to.is_none())?;
+        let standing = self.found.declarations.last_mut().filter(|last| last.to.is_none())?;
         standing.to = Some(to.max(standing.from));
         let declaration = standing.clone();
         Some(Decision { time, decision, symptom: self.symptom.take(), declaration })
@@ -224,7 +241,7 @@ impl Bank {
                     judgement.growth.map(|(rate, sd)| [rate * per_second, sd * per_second]);
             }
         }
-        let standing = self.declarations.last_mut().filter(|last| last.to.is_none());
+        let standing = self.found.declarations.last_mut().filter(|last| last.to.is_none());
         match standing {
             // It was estimated anew, or it grew: one fault.
             Some(standing) if standing.mechanism == declaration.mechanism => {
@@ -240,7 +257,7 @@ impl Bank {
                 if let Some(standing) = standing {
                     standing.to = Some(from.max(standing.from));
                 }
-                self.declarations.push(declaration.clone());
+                self.found.declare(declaration.clone());
             }
         }
         Some(Decision { time, decision: "judged", symptom: self.symptom.take(), declaration })
@@ -254,13 +271,41 @@ impl Bank {
         self.about(j).id.clone()
     }
 
+    /// Statistics of the last row, and their limits; none before a machine is known.
+    pub(crate) fn statistics(&self) -> Option<(Statistics, Limits)> {
+        match &self.mode {
+            Mode::Watching(watch) => Some((watch.statistics(), self.limits)),
+            _ => None,
+        }
+    }
+
+    /// The mechanisms that it knows.
+    pub(crate) fn mechanisms(&self) -> &[Mechanism] {
+        self.process.mechanisms()
+    }
+
+    /// Where it stands, and what it found.
+    pub(crate) fn standing(&self) -> (State, &Found) {
+        let stands = self.found.declarations.last().is_some_and(|last| last.to.is_none());
+        let state = match &self.mode {
+            Mode::Learning(_) => State::NotYet,
+            Mode::Refused(_) => State::NotJudged,
+            Mode::Watching(_) if self.alarm.is_some() => State::Alarm,
+            Mode::Watching(_) if stands => State::Fault,
+            Mode::Watching(_) => State::Healthy,
+        };
+        (state, &self.found)
+    }
+
     /// What was found until now.
-    pub(super) fn found(mut self) -> BankFound {
+    pub(crate) fn finish(mut self) -> (Machine, Found) {
         // The rows end before they tell what it is.
-        self.declarations.extend(self.alarm);
+        if let Some(alarm) = self.alarm.take() {
+            self.found.declare(alarm);
+        }
         let why = match &self.mode {
             Mode::Watching(_) => None,
-            Mode::Refused(error) => Some(error.to_string()),
+            Mode::Refused(error) => Some(error.clone()),
             Mode::Learning(rows) => Some(format!(
                 "a machine is learned from {} samples of it, there are {}: give a longer recording \
                  or a --baseline",
@@ -268,49 +313,62 @@ impl Bank {
                 rows.len()
             )),
         };
-        let machine = match &self.mode {
+        let changes = match &self.mode {
             Mode::Watching(watch) => watch.machine(),
             _ => Vec::new(),
         };
-        BankFound {
-            learned: self.learned,
-            counted: self.counted,
-            machine,
-            why,
-            declarations: self.declarations,
-        }
+        let Self { mut found, counted, learned, .. } = self;
+        found.verdict = if why.is_some() {
+            "not_judged"
+        } else if !found.declarations.is_empty() {
+            "fault"
+        } else if counted.is_abnormal(SHARE_OUTSIDE) {
+            "abnormal"
+        } else {
+            "healthy"
+        };
+        found.judged = counted.judged;
+        found.outside = counted.outside;
+        found.exceedance_rate = counted.share();
+        (Machine { learned, changes, why }, found)
     }
 }
 
-/// What a bank found.
-pub(super) struct BankFound {
-    /// Rows of the recording that the machine was learned from.
-    pub(super) learned: usize,
-    /// Values shown, and those of them outside their 95 % band.
-    pub(super) counted: Outside,
-    /// What the machine differs by from the drive.
-    pub(super) machine: Vec<(String, f64)>,
-    /// Why nothing was judged.
-    pub(super) why: Option<String>,
-    pub(super) declarations: Vec<Declaration>,
+impl Memory for OfBank {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        let mut mode = match self.mode {
+            Mode::Learning(_) => 0,
+            Mode::Watching(_) => 1,
+            Mode::Refused(_) => 2,
+        };
+        walk.below(&mut mode, 3)?;
+        if walk.restores() {
+            self.mode = match mode {
+                0 => Mode::Learning(Vec::with_capacity(self.design.baseline)),
+                1 => Mode::Watching(self.process.unlearned(self.limits, self.design.horizon)),
+                _ => Mode::Refused(String::new()),
+            };
+        }
+        match &mut self.mode {
+            Mode::Learning(rows) => {
+                let mut walked = std::mem::take(rows).into();
+                walk.list(&mut walked, self.design.baseline, || Row::NOTHING)?;
+                rows.extend(walked);
+            }
+            Mode::Watching(watch) => watch.walk(walk)?,
+            Mode::Refused(why) => why.walk(walk)?,
+        }
+        self.anew.walk(walk)?;
+        walk.each([&mut self.rows, &mut self.learned, &mut self.base])?;
+        self.counted.walk(walk)?;
+        self.found.walk(walk)?;
+        walk.maybe(&mut self.alarm, Declaration::blank)?;
+        walk.maybe(&mut self.symptom, String::new)
+    }
 }
 
-impl Decision {
-    /// One line of it.
-    pub(super) fn text(&self) -> String {
-        let Self { time, decision, symptom, declaration } = self;
-        let symptom = symptom.as_deref().unwrap_or("excess");
-        match *decision {
-            "alarm" => {
-                format!("at {time:.3} s: alarm ({symptom}), since {:.3} s", declaration.from)
-            }
-            "retracted" => format!("at {time:.3} s: healthy, the alarm is taken back"),
-            "ended" => format!(
-                "at {time:.3} s: {} ended at {:.3} s",
-                declaration.mechanism,
-                declaration.to.unwrap_or(*time)
-            ),
-            _ => format!("at {time:.3} s: since {:.3} s {}", declaration.from, declaration.what()),
-        }
+impl fmt::Debug for OfBank {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        out.debug_struct("OfBank").field("rows", &self.rows).finish_non_exhaustive()
     }
 }

@@ -32,7 +32,7 @@ pub fn with_noise(drive: &Drive, noise: &LearnedNoise) -> Drive {
 ///
 /// # Errors
 /// As [`process`].
-pub(super) fn learn_noise(
+pub fn learn_noise(
     drive: &Drive,
     period_s: f64,
     healthy: &[Vec<Row>],

@@ -2,9 +2,10 @@
 //! not to the caller.
 
 use drivescope_diagnoser::bank::{
-    BaselineError, Calibration, CalibrationError, Event, Limits, Mechanism, Process, Row,
-    Separation, Statistics, Tails, Verified, Watch, calibrate, learn, log_likelihood, verify,
+    BankDesign, BaselineError, Calibration, CalibrationError, Event, Limits, Mechanism, Process,
+    Row, Separation, Statistics, Tails, Verified, Watch, calibrate, learn, log_likelihood, verify,
 };
+use drivescope_diagnoser::{Memory, MemoryError, Walk};
 use drivescope_plant::drive::Drive;
 
 use super::process::{DriveProcess, LEARNED, Learned, ProcessError};
@@ -23,6 +24,8 @@ pub trait AnyProcess: Send + Sync {
         limits: Limits,
         horizon: usize,
     ) -> Result<Box<dyn AnyWatch>, BaselineError>;
+    /// As [`Watch::unlearned`].
+    fn unlearned(&self, limits: Limits, horizon: usize) -> Box<dyn AnyWatch>;
     /// As [`log_likelihood`].
     fn log_likelihood(&self, rows: &[Row]) -> f64;
     /// As [`calibrate`].
@@ -51,6 +54,13 @@ pub trait AnyWatch: Send {
     fn separation_through(&self, rows: &[Row], change: f64) -> Option<(Separation, f64)>;
     /// What this machine differs by from the drive, as fractions.
     fn machine(&self) -> Vec<(String, f64)>;
+    /// A copy that goes on by itself.
+    fn copy(&self) -> Box<dyn AnyWatch>;
+    /// As [`Memory::walk`].
+    ///
+    /// # Errors
+    /// As there.
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError>;
 }
 
 impl<const N: usize, const L: usize> AnyProcess for DriveProcess<N, L> {
@@ -67,6 +77,10 @@ impl<const N: usize, const L: usize> AnyProcess for DriveProcess<N, L> {
         Ok(Box::new(learn(self.clone(), rows, limits, horizon)?))
     }
 
+    fn unlearned(&self, limits: Limits, horizon: usize) -> Box<dyn AnyWatch> {
+        Box::new(Watch::unlearned(self.clone(), limits, horizon))
+    }
+
     fn log_likelihood(&self, rows: &[Row]) -> f64 {
         log_likelihood(self, rows)
     }
@@ -77,6 +91,12 @@ impl<const N: usize, const L: usize> AnyProcess for DriveProcess<N, L> {
 
     fn verify(&self, limits: Limits, how: &Calibration) -> Result<Verified, CalibrationError> {
         verify(self, limits, how)
+    }
+}
+
+impl Clone for Box<dyn AnyWatch> {
+    fn clone(&self) -> Self {
+        self.copy()
     }
 }
 
@@ -104,6 +124,14 @@ impl<const N: usize, const L: usize> AnyWatch for Watch<N, DriveProcess<N, L>> {
     fn machine(&self) -> Vec<(String, f64)> {
         self.process().learned().iter().cloned().zip(self.process().machine()).collect()
     }
+
+    fn copy(&self) -> Box<dyn AnyWatch> {
+        Box::new(self.clone())
+    }
+
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        Memory::walk(self, walk)
+    }
 }
 
 /// The drive, sampled every `period_s`, as a process, without those mechanisms; what a machine
@@ -117,6 +145,13 @@ pub fn process(
     left_out: &[&str],
 ) -> Result<Box<dyn AnyProcess>, ProcessError> {
     of_any_size(drive, period_s, left_out, &LEARNED)
+}
+
+/// The mechanisms of a design, in the order of its bank; none where its drive makes no process.
+pub fn mechanisms(design: &BankDesign) -> Vec<Mechanism> {
+    let drive = Drive::parse(&design.drive, "the drive of the diagnoser").ok();
+    let made = drive.and_then(|drive| process(&drive, design.period_s, &[]).ok());
+    made.map_or_else(Vec::new, |process| process.mechanisms().to_vec())
 }
 
 /// The same of a machine that is known exactly: nothing is learned.

@@ -7,6 +7,7 @@
 use drivescope_diagnoser::bank::{
     Advanced, Belief, MECHANISMS, Mechanism, Process, Row, SENSORS, Sensed,
 };
+use drivescope_diagnoser::{MemoryError, Walk};
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::effects::law::Variable;
 use drivescope_plant::effects::registry::Entry as Law;
@@ -370,6 +371,14 @@ impl<const N: usize, const L: usize> Process<N> for DriveProcess<N, L> {
         let mut made = Self { faults, ..self.clone() };
         made.set_motors();
         made
+    }
+
+    fn walk_machine(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each(self.learned.iter_mut().map(|(_, change)| change))?;
+        if walk.restores() {
+            self.set_motors();
+        }
+        Ok(())
     }
 
     fn settle(&mut self, belief: &mut Belief<N>) {

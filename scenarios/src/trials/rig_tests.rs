@@ -3,16 +3,18 @@
 use drivescope_diagnoser::bank::{
     Calibration, Cause, Driving, Event, Judgement, LearnedNoise, Limits, Row,
 };
+use drivescope_diagnoser::{Memory, MemoryError, Walk, recall, remember};
 use drivescope_plant::drive::Drive;
 
-use super::noise::learn_noise;
-use super::{AnyProcess, Columns, process, with_noise, without_current};
 use crate::drives::built_in;
 use crate::experiment::{Experiment, Stream};
 use crate::faults::Fault;
 use crate::native::closed_loop;
 use crate::profile::Profile;
 use crate::results::FaultName;
+use drivescope_monitor::bank::{
+    AnyProcess, AnyWatch, Columns, learn_noise, process, with_noise, without_current,
+};
 
 const BASELINE: usize = 1000;
 const HORIZON: usize = 100;
@@ -117,4 +119,44 @@ fn faults_that_were_never_shown_are_named_and_without_the_current_are_in_a_set()
         let blind = judged(&without_current(&rows), of.as_ref());
         assert!(blind.confused >= found.confused, "{kind}: {blind:?}");
     }
+}
+
+/// A watch whose memory is saved and restored.
+struct Remembered(Box<dyn AnyWatch>);
+
+impl Memory for Remembered {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.0.walk(walk)
+    }
+}
+
+#[test]
+fn a_watch_goes_on_from_its_memory_bit_by_bit() {
+    let experiment = experiment();
+    let of = dr300(&experiment);
+    let name = FaultName { kind: "flux".to_owned(), size: -0.1, label: String::new() };
+    let fault = Fault { name, from: 1500, until: 2000, profile: Profile::Step };
+    let rows = rows(&experiment, 2600, Stream::Faulty(0), Some(&fault));
+    let (baseline, rest) = rows.split_at(BASELINE);
+    let mut watch = Remembered(of.learn(baseline, LIMITS, HORIZON).expect("it is healthy"));
+    // Watching, an alarm being judged, the named fault acting, and after its end.
+    let mut others: Vec<Remembered> = Vec::new();
+    let mut events = 0;
+    for (k, row) in rest.iter().enumerate() {
+        if [40, 503, 560, 700, 1003, 1300].contains(&k) {
+            let bytes = remember(&mut watch);
+            let mut other = Remembered(of.unlearned(LIMITS, HORIZON));
+            recall(&mut other, &bytes).expect("they are its own");
+            assert_eq!(remember(&mut other), bytes);
+            assert!(recall(&mut other, &bytes[1..]).is_err());
+            others.push(other);
+        }
+        let event = watch.0.step(row);
+        events += usize::from(event.is_some());
+        for other in &mut others {
+            assert_eq!(other.0.step(row), event, "sample {k}");
+            assert_eq!(other.0.statistics(), watch.0.statistics(), "sample {k}");
+        }
+    }
+    assert!(events >= 3 && others.len() == 6, "{events}");
 }

@@ -15,9 +15,7 @@ mod rows;
 mod sizes;
 
 pub use design::{DesignError, Designed, design};
-pub use noise::with_noise;
+pub use noise::{learn_noise, with_noise};
 pub use process::ProcessError;
 pub use rows::{Columns, RowsError, without_current};
-pub use sizes::{AnyProcess, AnyWatch, known_process, process};
-#[cfg(test)]
-mod tests;
+pub use sizes::{AnyProcess, AnyWatch, known_process, mechanisms, process};

@@ -3,6 +3,8 @@
 //! Exceedances come in bursts, for residuals are correlated: the error of their share is taken from
 //! the shares of blocks that are longer than what the correlation spans.
 
+use drivescope_diagnoser::{Memory, MemoryError, Walk};
+
 /// Samples of a block.
 const BLOCK: usize = 200;
 /// Blocks from which their spread tells the error of the share.
@@ -16,9 +18,9 @@ const CHANCE: f64 = 3.1;
 
 /// Counts values outside.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Outside {
-    pub(super) judged: usize,
-    pub(super) outside: usize,
+pub(crate) struct Outside {
+    pub(crate) judged: usize,
+    pub(crate) outside: usize,
     of_block: (usize, usize),
     blocks: usize,
     sum: f64,
@@ -27,7 +29,7 @@ pub(super) struct Outside {
 
 impl Outside {
     /// Takes some values, so many of them outside.
-    pub(super) fn step(&mut self, judged: usize, outside: usize) {
+    pub(crate) fn step(&mut self, judged: usize, outside: usize) {
         self.judged += judged;
         self.outside += outside;
         let (of, out) = &mut self.of_block;
@@ -43,12 +45,12 @@ impl Outside {
     }
 
     /// The share; none if nothing was judged.
-    pub(super) fn share(&self) -> Option<f64> {
+    pub(crate) fn share(&self) -> Option<f64> {
         (self.judged > 0).then(|| self.outside as f64 / self.judged as f64)
     }
 
     /// Whether the share is far above the designed one, and not by chance.
-    pub(super) fn is_abnormal(&self, designed: f64) -> bool {
+    pub(crate) fn is_abnormal(&self, designed: f64) -> bool {
         let Some(share) = self.share() else { return false };
         if self.blocks < ENOUGH {
             return self.judged >= BLOCK / 2 && share > VERY_FAR * designed;
@@ -57,6 +59,15 @@ impl Outside {
         let mean = self.sum / n;
         let variance = ((self.squares - n * mean * mean) / (n - 1.0)).max(0.0);
         share > FAR * designed && share - designed > CHANCE * (variance / n).sqrt()
+    }
+}
+
+impl Memory for Outside {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each([&mut self.judged, &mut self.outside])?;
+        self.of_block.walk(walk)?;
+        self.blocks.walk(walk)?;
+        walk.each([&mut self.sum, &mut self.squares])
     }
 }
 

@@ -1,0 +1,144 @@
+//! When rows arrive against when they should: what was lost, came late or twice.
+
+/// Departure from the grid, in sampling times, that is rounding of printed times.
+const ROUNDING: f64 = 1e-4;
+/// Share of a departure that the grid follows: clocks of senders drift.
+const FOLLOWED: f64 = 0.05;
+/// Rows from which the sampling time of a stream is known, and by what it may differ.
+const KNOWN: usize = 20;
+const SAME: f64 = 0.1;
+/// Rows in a row that are late, each after the one before, from which the clock was set back.
+const SET_BACK: usize = 20;
+
+/// What a row is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Arrival {
+    /// The next one, before which so many were lost, at that time, s.
+    Row { lost: usize, time: f64 },
+    /// The first of a stream whose clock was set back.
+    SetBack { time: f64 },
+    /// Of a time that was there already.
+    Repeated,
+    /// Of a time before the last row's.
+    Late,
+    /// Between two samples.
+    Between,
+    /// The stream has another sampling time, s.
+    OtherPeriod(f64),
+}
+
+/// The grid on which rows arrive.
+#[derive(Debug, Clone)]
+pub(super) struct Pace {
+    period_s: f64,
+    start: f64,
+    /// Place of the last row from the start.
+    place: usize,
+    /// What the clock has drifted by, s.
+    drift: f64,
+    last: Option<f64>,
+    /// Time of the last late row, and how many there were in a row.
+    late: (f64, usize),
+    /// The first steps.
+    steps: Vec<f64>,
+}
+
+impl Pace {
+    pub(super) fn new(period_s: f64) -> Self {
+        let (late, steps) = ((f64::NEG_INFINITY, 0), Vec::with_capacity(KNOWN));
+        Self { period_s, start: 0.0, place: 0, drift: 0.0, last: None, late, steps }
+    }
+
+    fn begin(&mut self, time: f64) {
+        (self.start, self.place, self.drift, self.last) = (time, 0, 0.0, Some(time));
+        self.late = (f64::NEG_INFINITY, 0);
+    }
+
+    /// Takes the time of a row, s.
+    pub(super) fn arrives(&mut self, time: f64) -> Arrival {
+        let Some(last) = self.last else {
+            self.begin(time);
+            return Arrival::Row { lost: 0, time };
+        };
+        if self.steps.len() < KNOWN {
+            self.steps.push((time - last).abs());
+            if self.steps.len() == KNOWN {
+                let mut sorted = self.steps.clone();
+                sorted.sort_by(f64::total_cmp);
+                let usual = sorted[KNOWN / 2];
+                if (usual - self.period_s).abs() > SAME * self.period_s {
+                    return Arrival::OtherPeriod(usual);
+                }
+            }
+        }
+        if time <= last {
+            let follows = time > self.late.0;
+            self.late = (time, if follows { self.late.1 + 1 } else { 1 });
+            if self.late.1 >= SET_BACK {
+                self.begin(time);
+                return Arrival::SetBack { time };
+            }
+            return if time == last { Arrival::Repeated } else { Arrival::Late };
+        }
+        self.late = (f64::NEG_INFINITY, 0);
+        let grid = |place: usize| self.start + place as f64 * self.period_s;
+        let steps = ((time - grid(self.place) - self.drift) / self.period_s).round();
+        if steps < 1.0 {
+            return Arrival::Between;
+        }
+        // A step of centuries is a gap as any other.
+        let steps = steps.min(1e15) as usize;
+        let place = self.place + steps;
+        let off = time - grid(place);
+        let on_grid = off.abs() <= ROUNDING * self.period_s;
+        let time_s = if on_grid { grid(place) } else { time };
+        self.drift += FOLLOWED * (off - self.drift);
+        (self.place, self.last) = (place, Some(time));
+        Arrival::Row { lost: steps - 1, time: time_s }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arrivals(times: &[f64]) -> Vec<Arrival> {
+        let mut pace = Pace::new(0.01);
+        times.iter().map(|time| pace.arrives(*time)).collect()
+    }
+
+    #[test]
+    fn lost_late_and_repeated_rows_are_told_apart() {
+        let row = |lost, time| Arrival::Row { lost, time };
+        let found = arrivals(&[5.0, 5.01, 5.01, 5.04, 5.02, 5.043, 5.0499, 60.0]);
+        assert_eq!(found[..2], [row(0, 5.0), row(0, 5.01)]);
+        assert_eq!(found[2], Arrival::Repeated);
+        assert!(matches!(found[3], Arrival::Row { lost: 2, .. }), "{found:?}");
+        assert_eq!((found[4], found[5]), (Arrival::Late, Arrival::Between));
+        assert!(matches!(found[6], Arrival::Row { lost: 0, time } if time == 5.0499), "{found:?}");
+        assert!(matches!(found[7], Arrival::Row { lost: 5494, .. }), "{found:?}");
+    }
+
+    #[test]
+    fn a_clock_may_jitter_drift_and_be_set_back() {
+        let drifting: Vec<f64> =
+            (0..5000).map(|k| 0.01003 * f64::from(k) + 0.003 * f64::from(k % 2)).collect();
+        let lost = |it: &Arrival| !matches!(it, Arrival::Row { lost: 0, .. });
+        assert_eq!(arrivals(&drifting).iter().filter(|it| lost(it)).count(), 0);
+        let set_back: Vec<f64> = (0..60).map(|k| 0.01 * f64::from(k % 30)).collect();
+        let found = arrivals(&set_back);
+        assert!(matches!(found[49], Arrival::SetBack { .. }), "{found:?}");
+        assert!(matches!(found[50], Arrival::Row { lost: 0, .. }), "{found:?}");
+    }
+
+    #[test]
+    fn another_rate_is_noticed() {
+        let fast: Vec<f64> = (0..40).map(|k| 0.002 * f64::from(k)).collect();
+        let found = arrivals(&fast);
+        assert!(
+            found
+                .iter()
+                .any(|it| matches!(it, Arrival::OtherPeriod(s) if (s - 0.002).abs() < 1e-9))
+        );
+    }
+}

@@ -1,0 +1,190 @@
+//! Training and diagnosing in a session: healthy recordings make a diagnoser, others are watched.
+//!
+//! ```text
+//! recordings, each healthy or to be watched --> train --> diagnoser --> every watched one: Judged
+//! ```
+
+mod picture;
+mod view;
+mod work;
+
+use std::sync::Arc;
+
+use drivescope_recording::Recording;
+use serde::Deserialize;
+
+pub(super) use view::view;
+
+use super::bench::{Bench, State, words};
+use super::recordings::Taken;
+use crate::commands::{Diagnosed, Trained};
+
+/// Name of the diagnoser on the command lines that do the same.
+pub(super) const FILE: &str = "diagnoser.toml";
+
+/// A recording and what it is for.
+#[derive(Debug, Clone)]
+pub(super) struct Material {
+    /// Its name.
+    pub(super) name: String,
+    /// Its signals.
+    pub(super) recording: Arc<Recording>,
+    /// Whether the machine was healthy, so that it trains.
+    pub(super) healthy: bool,
+    /// What was found in it.
+    judged: Option<Arc<Judged>>,
+}
+
+/// A diagnoser that was trained here.
+#[derive(Debug)]
+pub(super) struct Ready {
+    /// What the training came to.
+    pub(super) trained: Trained,
+    /// Names of the recordings that it was trained on.
+    healthy: Vec<String>,
+    /// The step whose drive it knows.
+    rung: Option<usize>,
+}
+
+/// What a diagnoser found in a recording.
+#[derive(Debug)]
+struct Judged {
+    /// The answer, or why there is none.
+    answer: Result<Diagnosed, String>,
+    /// The figure of it.
+    figure: Option<String>,
+}
+
+/// What a session knows of diagnosing.
+#[derive(Debug, Default)]
+pub(super) struct Diagnosis {
+    /// The recordings.
+    pub(super) material: Vec<Material>,
+    /// The step whose drive the diagnoser is to know.
+    pub(super) rung: Option<usize>,
+    /// The diagnoser.
+    pub(super) ready: Option<Arc<Ready>>,
+    /// Counts the changes.
+    pub(super) changes: u64,
+}
+
+/// What the page asks.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case")]
+pub(super) enum DiagnosisCommand {
+    /// Take a recording of the session.
+    Take {
+        /// Which.
+        recording: usize,
+        /// Whether it is healthy.
+        healthy: bool,
+    },
+    /// Say what a recording is for.
+    Mark {
+        /// Its name.
+        name: String,
+        /// Whether it is healthy.
+        healthy: bool,
+    },
+    /// Drop a recording.
+    Remove {
+        /// Its name.
+        name: String,
+    },
+    /// Choose the step whose drive the diagnoser is to know.
+    Drive {
+        /// Which; none for a diagnoser that knows no drive.
+        rung: Option<usize>,
+    },
+    /// Train, and judge what is to be watched.
+    Train,
+    /// Judge what is to be watched.
+    Judge,
+}
+
+impl Diagnosis {
+    /// Takes a recording; the same name again replaces what was there.
+    pub(super) fn take(&mut self, name: String, recording: Arc<Recording>, healthy: bool) {
+        self.material.retain(|it| it.name != name);
+        self.material.push(Material { name, recording, healthy, judged: None });
+        self.changes += 1;
+    }
+
+    fn find(&mut self, name: &str) -> Option<&mut Material> {
+        self.changes += 1;
+        self.material.iter_mut().find(|it| it.name == name)
+    }
+}
+
+/// Takes a file that was dropped.
+///
+/// # Errors
+/// A recording that cannot be used as it is.
+pub(super) fn take(bench: &Arc<Bench>, taken: Taken, healthy: bool) -> Result<(), String> {
+    let Some(recording) = taken.recording else {
+        let missing = taken.incomplete.map_or(String::new(), |it| it.missing);
+        return Err(format!(
+            "{}: {missing}. Drop it under \u{201c}Model and measurement\u{201d}, say there what its \
+             columns are, and take it from the list here",
+            taken.name
+        ));
+    };
+    bench.change(|state| state.diagnosis.take(taken.name, recording, healthy));
+    judge(bench);
+    Ok(())
+}
+
+/// Begins to judge what was not judged yet, if there is a diagnoser and nothing else is done.
+pub(super) fn judge(bench: &Arc<Bench>) {
+    let waits = {
+        let diagnosis = &bench.state().diagnosis;
+        let open = diagnosis.material.iter().any(|it| !it.healthy && it.judged.is_none());
+        diagnosis.ready.is_some() && open
+    };
+    if waits {
+        // Other work has its turn first; the button begins this one.
+        let _ = bench.start("Diagnosing", work::each);
+    }
+}
+
+impl DiagnosisCommand {
+    /// Does it, or begins to.
+    ///
+    /// # Errors
+    /// Why it cannot be done, in words.
+    pub(super) fn run(self, bench: &Arc<Bench>) -> Result<(), String> {
+        match self {
+            Self::Take { recording, healthy } => {
+                let of = |state: &State| {
+                    let taken = state.recordings.get(recording)?;
+                    Some((taken.name.clone(), Arc::clone(taken.recording.as_ref()?)))
+                };
+                let found = of(&bench.state());
+                let (name, recording) = found.ok_or("that recording is not there or incomplete")?;
+                bench.change(|state| state.diagnosis.take(name, recording, healthy));
+                judge(bench);
+            }
+            Self::Mark { name, healthy } => {
+                bench.change(|state| {
+                    if let Some(material) = state.diagnosis.find(&name) {
+                        material.healthy = healthy;
+                    }
+                });
+                judge(bench);
+            }
+            Self::Remove { name } => bench.change(|state| {
+                state.diagnosis.changes += 1;
+                state.diagnosis.material.retain(|it| it.name != name);
+            }),
+            Self::Drive { rung } => bench.change(|state| {
+                state.diagnosis.changes += 1;
+                state.diagnosis.rung = rung.filter(|rung| *rung < state.rungs.len());
+            }),
+            Self::Judge => judge(bench),
+            Self::Train => bench
+                .start("Training a diagnoser", work::train_all)
+                .map_err(|error| words(&error.into()))?,
+        }
+        Ok(())
+    }
+}

@@ -105,7 +105,7 @@ class Slave:
     def restore(self, saved):
         """Goes on from that state."""
         if self.two:
-            state = self.fmu.deSerializeFMUstate(saved, self.reference)
+            state = self.fmu.deSerializeFMUstate(saved)
         else:
             state = self.fmu.deserializeFMUState(saved)
         (self.fmu.setFMUstate if self.two else self.fmu.setFMUState)(state)

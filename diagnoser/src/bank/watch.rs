@@ -77,7 +77,7 @@ pub struct Statistics {
     pub measured: usize,
     /// Of these, outside their 95 % band.
     pub outside: usize,
-    /// What each sensor showed less what was foretold, in standard deviations; 0 where it showed
+    /// What each sensor showed less what was predicted, in standard deviations; 0 where it showed
     /// nothing.
     pub innovation: [f64; SENSORS],
 }
@@ -210,6 +210,11 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
         self.kept.clear();
     }
 
+    /// Rows that are kept at most.
+    fn most_kept(&self) -> usize {
+        BEFORE + OLDEST.max(self.horizon)
+    }
+
     /// Takes in a row.
     #[inline]
     pub fn step(&mut self, row: &Row) -> Option<Event> {
@@ -243,7 +248,7 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
     /// Filters a row and brings the statistics up to it.
     #[inline]
     fn take_in(&mut self, row: &Row) {
-        if self.kept.len() == self.kept.capacity().min(BEFORE + OLDEST.max(self.horizon)) {
+        if self.kept.len() == self.most_kept() {
             self.kept.pop_front();
         }
         self.kept.push_back((self.belief, *row));
@@ -384,7 +389,7 @@ impl<const N: usize, P: Process<N>> Memory for Watch<N, P> {
         self.onsets.walk(walk)?;
         self.frozen.walk(walk)?;
         self.squares.walk(walk)?;
-        let most = BEFORE + OLDEST.max(self.horizon);
+        let most = self.most_kept();
         let blank = (self.belief, Row::NOTHING);
         walk.list(&mut self.kept, most, || blank)?;
         self.now.walk(walk)?;

@@ -217,7 +217,7 @@ impl WindowWatch {
     pub fn departure(&self) -> Option<(f64, f64)> {
         let full = self.last.len() == self.design.samples;
         let mean = self.last.iter().sum::<f64>() / self.last.len() as f64;
-        full.then(|| (mean - self.baseline.mean, self.design.mean))
+        full.then_some((mean - self.baseline.mean, self.design.mean))
     }
 
     /// Takes a residual; whether the window that it closes lies outside, once there is one.

@@ -166,7 +166,7 @@ impl FaultsAnswer {
                 right,
                 unknown,
                 s: *s,
-                group: group.into(),
+                group,
             },
         );
         Self {

@@ -58,20 +58,23 @@ impl Traces {
         self.innovation.push(statistics.map_or(f64::NAN, |(it, _)| it.innovation[0]));
     }
 
-    fn points(&self, values: &[f64]) -> Vec<Point> {
-        self.time.iter().copied().zip(values.iter().copied()).collect()
+    /// Points of a line from that sample on.
+    fn points(&self, values: &[f64], first: usize) -> Vec<Point> {
+        self.time.iter().copied().zip(values.iter().copied()).skip(first).collect()
     }
 
     /// The figure.
     pub(super) fn figure(&self, answer: &Diagnosed, id: &str) -> Figure {
         let (name, unit) = (&*self.output.0, &*self.output.1);
-        let line = |label: &str, values: &[f64], ink| Layer::Line {
+        let line = |label: &str, values: &[f64], first| Layer::Line {
             label: label.to_owned(),
-            points: self.points(values),
-            ink,
+            points: self.points(values, first),
+            ink: Ink::Text,
             dash: Dash::Solid,
         };
-        let ends = self.time.iter().zip(&self.band);
+        // While the models settle the residual says nothing, and would set the scale.
+        let judged = answer.run_up.min(self.time.len());
+        let ends = self.time.iter().zip(&self.band).skip(judged);
         let band = ends.map(|(time, [lower, upper])| (*time, *lower, *upper)).collect();
         let outside = self.time.iter().zip(&self.outside).filter(|(_, outside)| **outside);
         let mut panels = vec![Panel {
@@ -83,7 +86,7 @@ impl Traces {
                     points: band,
                     ink: Ink::Blue,
                 },
-                line("residual of the model", &self.residual, Ink::Text),
+                line("residual of the model", &self.residual, judged),
             ],
             strip: Some(Strip {
                 label: "outside".to_owned(),
@@ -103,7 +106,7 @@ impl Traces {
                         points: both,
                         ink: Ink::Blue,
                     },
-                    line("shown less foretold by the drive", &self.innovation, Ink::Text),
+                    line("measured less predicted by the drive", &self.innovation, 0),
                 ],
                 strip: None,
             });
@@ -111,7 +114,7 @@ impl Traces {
         panels.push(Panel {
             height: SIGNAL_HEIGHT,
             y: Axis::new(name, unit),
-            layers: vec![line("", &self.measured, Ink::Text)],
+            layers: vec![line("", &self.measured, 0)],
             strip: None,
         });
         let last = self.time.last().copied().unwrap_or(0.0);

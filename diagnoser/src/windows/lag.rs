@@ -2,7 +2,9 @@
 //!
 //! y = c + sum over the inputs of k D(u), through a lag of the first order; D is the dead zone that
 //! dry friction makes, D(u) = sgn(u) max(|u| - u_0, 0). Few parameters: what differs from day to day
-//! cannot hide in them.
+//! cannot hide in them. Beyond a dead zone, constant and zone are one number on runs that never rest, so
+//! a model has one of the two. What is slower than half a window is a drift for the windows, and no lag;
+//! and a run begins with the mean of its first inputs, for a single one is mostly noise.
 
 use drivescope_numerics::Regression;
 use serde::{Deserialize, Serialize};
@@ -16,7 +18,8 @@ const WIDEST: f64 = 0.8;
 /// Lags that are tried, samples, by a constant ratio.
 const LAGS: usize = 16;
 const SHORTEST: f64 = 0.5;
-const LONGEST: f64 = 500.0;
+/// By how much a constant must lower the error, as a share, to be preferred to a dead zone.
+const WORTH: f64 = 0.02;
 
 /// The model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,13 +39,19 @@ fn beyond(u: f64, zone: f64) -> f64 {
     u.signum() * (u.abs() - zone).max(0.0)
 }
 
+/// Share of the way to its input that a lag goes with the sample of that number: at first that of a
+/// mean.
+fn share(left: f64, sample: usize) -> f64 {
+    (1.0 - left).max(1.0 / (sample + 1) as f64)
+}
+
 /// A signal behind the lag; each segment begins in the steady state.
 fn lagged(data: &Data, values: &[f64], zone: f64, left: f64) -> Vec<f64> {
     let mut made = Vec::with_capacity(values.len());
     for segment in data.segments() {
-        let mut y = beyond(values[segment.start], zone);
-        for u in &values[segment.clone()] {
-            y += (1.0 - left) * (beyond(*u, zone) - y);
+        let mut y = 0.0;
+        for (k, u) in values[segment.clone()].iter().enumerate() {
+            y += share(left, k) * (beyond(*u, zone) - y);
             made.push(y);
         }
     }
@@ -50,8 +59,9 @@ fn lagged(data: &Data, values: &[f64], zone: f64, left: f64) -> Vec<f64> {
 }
 
 impl Lag {
-    /// The model of least squares over healthy data; nothing if they do not tell one.
-    pub fn fit(data: &[&Data]) -> Option<Self> {
+    /// The model of least squares over healthy data, its lag at most that many samples; nothing if
+    /// they do not tell one.
+    pub fn fit(data: &[&Data], longest: f64) -> Option<Self> {
         let inputs = data.first()?.inputs().len();
         let greatest = |k: usize| {
             let all = data.iter().flat_map(|data| data.inputs()[k].values);
@@ -64,8 +74,9 @@ impl Lag {
             let zones: Vec<f64> = greatest.iter().map(|most| share * most).collect();
             for lag in 0..LAGS {
                 let ratio = lag as f64 / (LAGS - 1) as f64;
-                let left = (-1.0 / (SHORTEST * (LONGEST / SHORTEST).powf(ratio))).exp();
+                let left = (-1.0 / (SHORTEST * (longest.max(1.0) / SHORTEST).powf(ratio))).exp();
                 let Some((error, gains, constant)) = fitted(data, &zones, left) else { continue };
+                let error = if zone == 0 { (1.0 + WORTH) * error } else { error };
                 if best.as_ref().is_none_or(|(least, _)| error < *least) {
                     best = Some((error, Self { left, constant, gains, zones: zones.clone() }));
                 }
@@ -98,7 +109,8 @@ impl Lag {
 
 /// Error, gains and constant of least squares with those dead zones and that lag.
 fn fitted(data: &[&Data], zones: &[f64], left: f64) -> Option<(f64, Vec<f64>, f64)> {
-    let mut regression = Regression::new(zones.len() + 1);
+    let with_constant = zones.iter().all(|zone| *zone == 0.0);
+    let mut regression = Regression::new(zones.len() + usize::from(with_constant));
     for data in data {
         let columns: Vec<Vec<f64>> = data
             .inputs()
@@ -107,30 +119,32 @@ fn fitted(data: &[&Data], zones: &[f64], left: f64) -> Option<(f64, Vec<f64>, f6
             .map(|(column, zone)| lagged(data, column.values, *zone, left))
             .collect();
         for (k, y) in data.output().values.iter().enumerate() {
-            regression.push(columns.iter().map(|column| column[k]).chain([1.0]), *y);
+            let one = with_constant.then_some(1.0);
+            regression.push(columns.iter().map(|column| column[k]).chain(one), *y);
         }
     }
     let solution = regression.solve().ok()?;
-    let (constant, gains) = solution.parameters.split_last()?;
-    Some((solution.sse, gains.to_vec(), *constant))
+    let (gains, constant) = solution.parameters.split_at(zones.len());
+    Some((solution.sse, gains.to_vec(), constant.first().copied().unwrap_or(0.0)))
 }
 
 /// The model, running.
 #[derive(Debug, Clone)]
 pub struct LagRun {
     model: Lag,
-    y: Option<f64>,
+    y: f64,
+    sample: usize,
 }
 
 impl LagRun {
     /// From the next input on, in its steady state.
     pub fn new(model: Lag) -> Self {
-        Self { model, y: None }
+        Self { model, y: 0.0, sample: 0 }
     }
 
     /// Begins anew.
     pub fn reset(&mut self) {
-        self.y = None;
+        (self.y, self.sample) = (0.0, 0);
     }
 
     /// The output under the inputs of the next sample.
@@ -138,15 +152,15 @@ impl LagRun {
         let Lag { left, constant, gains, zones } = &self.model;
         let terms = u.iter().zip(gains).zip(zones);
         let driven: f64 = terms.map(|((u, gain), zone)| gain * beyond(*u, *zone)).sum();
-        let before = self.y.unwrap_or(driven);
-        let y = before + (1.0 - left) * (driven - before);
-        self.y = Some(y);
-        y + constant
+        self.y += share(*left, self.sample) * (driven - self.y);
+        self.sample += 1;
+        self.y + constant
     }
 }
 
 impl Memory for LagRun {
     fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
-        walk.maybe(&mut self.y, || 0.0)
+        self.y.walk(walk)?;
+        self.sample.walk(walk)
     }
 }

@@ -99,7 +99,7 @@ impl Windows {
     /// Fits the model and designs the limits on healthy runs, the segments of `data`; nothing if
     /// there are too few.
     pub fn design(data: &[&Data], (samples, baseline): (usize, usize)) -> Option<Self> {
-        let model = Lag::fit(data)?;
+        let model = Lag::fit(data, 0.5 * samples as f64)?;
         let mut runs = Vec::new();
         for data in data {
             let residual = model.residual(data);
@@ -264,13 +264,13 @@ mod tests {
     #[test]
     fn the_model_finds_gain_lag_and_dead_zone() {
         let u: Vec<f64> = (0..3000).map(|k| 3.0 * (0.01 * k as f64).sin()).collect();
-        let exact = Lag { left: 0.95, constant: 1.0, gains: vec![4.0], zones: vec![0.6] };
+        let exact = Lag { left: 0.95, constant: 0.0, gains: vec![4.0], zones: vec![0.6] };
         let mut run = LagRun::new(exact.clone());
         let e = noise(u.len(), 3);
         let y: Vec<f64> = u.iter().zip(e).map(|(u, e)| run.step(&[*u]) + 0.1 * e).collect();
         let (input, output) = (Column { name: "u", values: &u }, Column { name: "y", values: &y });
         let data = Data::new(vec![input], output).expect("finite");
-        let found = Lag::fit(&[&data]).expect("it tells one");
+        let found = Lag::fit(&[&data], 60.0).expect("it tells one");
         assert!(
             (found.gains[0] - 4.0).abs() < 0.3 && (found.zones[0] - 0.6).abs() < 0.2,
             "{found:?}"

@@ -2,3 +2,4 @@
 
 pub(crate) mod discovery;
 mod rate;
+pub(crate) mod speed;

@@ -8,6 +8,7 @@ pub(crate) mod compare;
 pub(crate) mod discover;
 pub(crate) mod page;
 pub mod plot;
+pub(crate) mod speed;
 pub(crate) mod study;
 #[cfg(test)]
 pub(crate) mod testing;

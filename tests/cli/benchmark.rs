@@ -1,7 +1,7 @@
 //! `benchmark detection` and `benchmark bank`: the figures hold, and those of broken detectors
 //! collapse.
 
-use crate::{done, folder, refused};
+use crate::{done, folder, program, refused};
 
 #[test]
 fn faults_are_detected_and_broken_detectors_collapse() {
@@ -72,6 +72,35 @@ fn the_bank_names_what_failed_on_machines_it_has_never_seen() {
     assert!(answer["bars"].as_array().is_some_and(|bars| bars.len() > 15));
     let message = refused(here.path(), &["benchmark", "bank", "--machines", "1"]);
     assert!(message.contains("--machines 1"), "{message}");
+}
+
+#[test]
+fn what_runs_cost_is_told_beside_other_programs() {
+    let here = folder();
+    // Python is not there: its figures are absent and the reason is said.
+    let out = program(here.path())
+        .args(["benchmark", "speed", "--short", "--out", "speed.html", "--json", "-", "--quiet"])
+        .env("DRIVESCOPE_PYTHON", here.path().join("no_python"))
+        .output()
+        .expect("it runs");
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let answer: serde_json::Value = serde_json::from_slice(&out.stdout).expect("JSON");
+    let number = |key: &str| answer[key].as_f64().expect("a number");
+    assert!(answer["peers"]["scipy_s"].is_null(), "{}", answer["peers"]);
+    let why = answer["peers"]["fmpy_why"].as_str().expect("a reason");
+    assert!(why.contains("no_python"), "{why}");
+    // Bounds that hold on any machine, whatever the build: a step takes longer than its arithmetic,
+    // is closer to the reference than the other solver's, and no core is faster than 10 THz.
+    assert!(number("lane_s") > number("lane_bound_s"), "{answer}");
+    assert!(answer["machine"]["latency_s"].as_f64().expect("s") > 1e-13, "{answer}");
+    let errors = [0, 1].map(|k| answer["errors"][k].as_f64().expect("rad/s"));
+    assert!(errors[0] < errors[1] && errors[1] < 1e-3, "{errors:?}");
+    let growth = answer["growth"].as_array().expect("a list");
+    let of_samples = growth.iter().find(|it| it["over"] == "samples").expect("it is there");
+    let run = |k: usize| of_samples["points"][k][1].as_f64().expect("us");
+    assert!(run(2) > 3.0 * run(1) && run(1) > 3.0 * run(0), "{of_samples}");
+    let page = std::fs::read_to_string(here.path().join("speed.html")).expect("it was written");
+    assert!(page.contains("How costs grow") && page.contains("<svg"));
 }
 
 #[test]

@@ -25,6 +25,11 @@ impl Bar {
         Self { what: what.into(), value, bar, met: value <= bar }
     }
 
+    /// What, value, bar, and whether it is met.
+    pub(super) fn parts(&self) -> (&str, f64, f64, bool) {
+        (&self.what, self.value, self.bar, self.met)
+    }
+
     /// A line of it.
     pub(super) fn line(&self) -> String {
         let Self { what, value, bar, met } = self;

@@ -5,6 +5,7 @@ mod bar;
 mod detection;
 mod discovery;
 mod rule;
+mod speed;
 
 use clap::{Args, Subcommand};
 
@@ -25,6 +26,7 @@ enum TableOf {
     Detection(detection::OfDetection),
     Bank(bank::OfBank),
     Rule(rule::OfRule),
+    Speed(speed::OfSpeed),
 }
 
 impl Run for Benchmark {
@@ -34,6 +36,7 @@ impl Run for Benchmark {
             TableOf::Detection(detection) => detection.run(session),
             TableOf::Bank(bank) => bank.run(session),
             TableOf::Rule(rule) => rule.run(session),
+            TableOf::Speed(speed) => speed.run(session),
         }
     }
 }

@@ -6,6 +6,7 @@
 //! that `--check` forbids, 2 bad input, 70 an error of the program itself, 130 stopped by the user.
 
 mod benchmark;
+pub mod call;
 mod claim;
 mod cli;
 mod commands;

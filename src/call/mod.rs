@@ -1,0 +1,219 @@
+//! A command called from another program, as the Python wheel does, in place of a shell.
+//!
+//! A call has the arguments of the command line, so that options, defaults and messages exist once,
+//! and its answer is what `--json` would have written. What differs is where things lie: recordings
+//! may be handed over in memory, and what is written into the call's scratch folder is no file that
+//! the user asked for: the answer does not name it, and recordings that would go there are handed
+//! back.
+//!
+//! ```text
+//!  caller ── Call::new(arguments, recordings) ──> run(), on a thread of its own ──> Answered
+//!     └──── Watched: progress, stop ──────────────────┘                        or Refused
+//! ```
+
+mod desk;
+
+use std::ffi::OsString;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use clap::Parser;
+use drivescope_recording::{Recording, Report};
+
+use crate::cli::Cli;
+use crate::commands::RecordingOptions;
+use crate::failure::{self, Ending, told};
+use crate::session::Session;
+use crate::{drive_source, interrupt, output, panics};
+
+pub(crate) use desk::Desk;
+pub use desk::{Answered, Progress};
+
+/// A command that is to be run.
+#[derive(Debug)]
+pub struct Call {
+    arguments: Vec<OsString>,
+    desk: Arc<Desk>,
+}
+
+/// A call while it runs, for others than the thread that runs it.
+#[derive(Debug, Clone)]
+pub struct Watched(Arc<Desk>);
+
+/// Why there is no answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Refused {
+    /// The input cannot be used: what the command line would say, and the next step.
+    BadInput(String),
+    /// The caller wanted it to end.
+    Stopped,
+    /// The program itself is wrong.
+    Internal(String),
+}
+
+/// What the last panic said; a panic of a thread pool comes back without its place.
+static SAID: Mutex<Option<String>> = Mutex::new(None);
+
+/// Makes errors and panics of this process fit for a caller: nothing goes to standard error. To be
+/// done once, before the first call.
+pub fn install() {
+    failure::install();
+    panics::install_with(|line| {
+        *SAID.lock().unwrap_or_else(PoisonError::into_inner) = Some(line);
+    });
+}
+
+/// Removes temporary files and folders of calls that never came to their end. To be done when the
+/// process ends.
+pub fn leave_nothing() {
+    interrupt::leave_nothing();
+}
+
+impl Call {
+    /// A command with its arguments, without the program's name. The recordings are found under
+    /// their names wherever an argument names a recording; what is written into `scratch` is no
+    /// file for the user.
+    pub fn new(
+        arguments: impl IntoIterator<Item = OsString>,
+        recordings: impl IntoIterator<Item = (PathBuf, Recording, Report)>,
+        scratch: &Path,
+    ) -> Self {
+        let program = [OsString::from("drivescope")];
+        let arguments = program.into_iter().chain(arguments).collect();
+        Self { arguments, desk: Arc::new(Desk::new(recordings, scratch)) }
+    }
+
+    /// The call, to be watched and stopped from elsewhere.
+    pub fn watched(&self) -> Watched {
+        Watched(Arc::clone(&self.desk))
+    }
+
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// [`Refused`]; a panic is caught, and is an internal error.
+    pub fn run(self) -> Result<Answered, Refused> {
+        let Self { arguments, desk } = self;
+        interrupt::listen(&desk.stop);
+        let cli = Cli::try_parse_from(arguments).map_err(|usage| {
+            let said = usage.to_string();
+            let said = said.strip_prefix("error: ").unwrap_or(&said);
+            // How the command is typed into a shell is of no use here.
+            Refused::BadInput(said.split("\n\nUsage:").next().unwrap_or(said).trim().to_owned())
+        })?;
+        let session = Session::of_call(&cli.common, Arc::clone(&desk));
+        let ending = guarded(|| cli.command.run(&session))?;
+        Ok(desk.answered(ending == Ending::Forbidden))
+    }
+}
+
+impl Watched {
+    /// What it does at the moment, if it says.
+    pub fn progress(&self) -> Option<Progress> {
+        self.0.progress()
+    }
+
+    /// Asks it to end; what it has not written by then is not written.
+    pub fn stop(&self) {
+        self.0.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+/// What the work comes to; a panic is an internal error.
+fn guarded<T>(work: impl FnOnce() -> miette::Result<T>) -> Result<T, Refused> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(done)) => Ok(done),
+        Ok(Err(_)) if interrupt::check().is_err() => Err(Refused::Stopped),
+        Ok(Err(report)) => Err(Refused::BadInput(in_words(&report))),
+        Err(_) => {
+            let said = SAID.lock().unwrap_or_else(PoisonError::into_inner).take();
+            Err(Refused::Internal(said.unwrap_or_else(|| "internal error".to_owned())))
+        }
+    }
+}
+
+/// An error as the command line tells it, without the frame around it: what is wrong, and the next
+/// step.
+fn in_words(report: &miette::Report) -> String {
+    match report.help() {
+        Some(help) => format!("{report}\n{help}"),
+        None => report.to_string(),
+    }
+}
+
+/// The text of a drive file, or of a built-in drive, and what the drive is called.
+///
+/// # Errors
+/// What is wrong with it and where.
+pub fn drive(given: &str) -> Result<(String, String), Refused> {
+    guarded(|| {
+        let text = drive_source::text(given)?;
+        let drive = drive_source::parse(&text, given)?;
+        Ok((text, drive.name))
+    })
+}
+
+/// What the drive of that text is called; `name` is what messages call the text.
+///
+/// # Errors
+/// What is wrong with it and where.
+pub fn drive_name(text: &str, name: &str) -> Result<String, Refused> {
+    guarded(|| Ok(drive_source::parse(text, name)?.name))
+}
+
+/// A recording in a file, as every command reads it: with what was said of its columns before,
+/// unless more is said now.
+///
+/// # Errors
+/// What is wrong with it and where.
+pub fn read(
+    path: &Path,
+    (columns, resample, rows_every): (Option<&str>, Option<f64>, Option<f64>),
+) -> Result<(Recording, Report), Refused> {
+    guarded(|| {
+        let (options, _) = RecordingOptions::new(columns, resample, rows_every).options(path)?;
+        drivescope_recording::read(path, &options).map_err(told)
+    })
+}
+
+/// A recording of columns in memory, each with the text that would stand above it in a file of that
+/// name.
+///
+/// # Errors
+/// What is wrong with it and where.
+pub fn of_columns(
+    name: &str,
+    signals: Vec<(String, Vec<f64>)>,
+    (columns, resample, rows_every): (Option<&str>, Option<f64>, Option<f64>),
+) -> Result<(Recording, Report), Refused> {
+    guarded(|| {
+        let options = RecordingOptions::new(columns, resample, rows_every).said()?;
+        drivescope_recording::of_columns(name, signals, &options).map_err(told)
+    })
+}
+
+/// A recording as a command would read it from a file of that name.
+///
+/// # Errors
+/// What makes it unreadable.
+pub fn reread(recording: Recording, name: &str) -> Result<(Recording, Report), Refused> {
+    guarded(|| recording.reread(name).map_err(told))
+}
+
+/// Writes a recording; the file's extension tells the format.
+///
+/// # Errors
+/// The path, where it cannot be written or its format is not known.
+pub fn write(path: &Path, recording: &Recording) -> Result<(), Refused> {
+    guarded(|| output::write_recording(path, recording))
+}
+
+/// A page of a recording with spans: from, to, s, and what they say.
+///
+/// # Errors
+/// An internal error only.
+pub fn page(recording: &Recording, spans: &[(f64, f64, String)]) -> Result<String, Refused> {
+    guarded(|| Ok(crate::report::recording_html(recording, spans)))
+}

@@ -18,6 +18,9 @@ line, an error of the program itself `RuntimeError`. Ctrl-C ends every function;
 or not at all.
 """
 
+import atexit
+
+from . import _drivescope
 from ._commands import (
     add,
     campaign,
@@ -45,6 +48,9 @@ from ._results import (
     Study,
     Training,
 )
+
+# Temporary files of calls that were left to themselves.
+atexit.register(_drivescope.leave_nothing)
 
 __all__ = [
     "Answer",

@@ -159,7 +159,8 @@ class Campaign(Answer):
     folder: Path
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a row a scenario."""
+        """Return a row a scenario, of all shares that are there."""
         import pandas
 
-        return pandas.read_parquet(self.folder)
+        parts = sorted(self.folder.glob("*.parquet"))
+        return pandas.concat([pandas.read_parquet(it) for it in parts], ignore_index=True)

@@ -7,6 +7,9 @@
 
 mod call;
 mod recording;
+mod scenarios;
+
+use std::ffi::OsString;
 
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -42,6 +45,12 @@ fn drive_name(py: Python<'_>, text: &str, name: &str) -> PyResult<String> {
     py.detach(|| drivescope::call::drive_name(text, name)).map_err(raised)
 }
 
+/// Runs the command line with these arguments, the first of which is its name; the exit code.
+#[pyfunction]
+fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| drivescope::call::main(arguments))
+}
+
 /// Removes what calls left that never came to their end.
 #[pyfunction]
 fn leave_nothing() {
@@ -51,14 +60,20 @@ fn leave_nothing() {
 /// The module.
 #[pymodule]
 fn _drivescope(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    drivescope::call::install();
+    let python = module.py().import("sys")?.getattr("executable")?.extract::<Option<OsString>>()?;
+    let words = ["-m", "drivescope"].map(OsString::from);
+    drivescope::call::install(python.into_iter().chain(words).collect());
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("Error", module.py().get_type::<Error>())?;
     module.add_class::<recording::Recording>()?;
     module.add_class::<call::Answer>()?;
+    module.add_class::<scenarios::Scenarios>()?;
     module.add_function(wrap_pyfunction!(call::call, module)?)?;
     module.add_function(wrap_pyfunction!(drive, module)?)?;
     module.add_function(wrap_pyfunction!(drive_name, module)?)?;
     module.add_function(wrap_pyfunction!(leave_nothing, module)?)?;
+    module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(scenarios::part, module)?)?;
+    module.add_function(wrap_pyfunction!(scenarios::merged, module)?)?;
     Ok(())
 }

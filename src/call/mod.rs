@@ -11,13 +11,15 @@
 //!     └──── Watched: progress, stop ──────────────────┘                        or Refused
 //! ```
 
+pub mod campaign;
 mod desk;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use clap::Parser;
 use drivescope_recording::{Recording, Report};
@@ -56,13 +58,38 @@ pub enum Refused {
 /// What the last panic said; a panic of a thread pool comes back without its place.
 static SAID: Mutex<Option<String>> = Mutex::new(None);
 
+/// How the command line is run by another process, as its words before the arguments, where this
+/// process is not the program itself.
+static PROGRAM: OnceLock<Vec<OsString>> = OnceLock::new();
+
 /// Makes errors and panics of this process fit for a caller: nothing goes to standard error. To be
-/// done once, before the first call.
-pub fn install() {
+/// done once, before the first call. `program` are the words that run the command line.
+pub fn install(program: Vec<OsString>) {
+    let _ = PROGRAM.set(program);
     failure::install();
     panics::install_with(|line| {
         *SAID.lock().unwrap_or_else(PoisonError::into_inner) = Some(line);
     });
+}
+
+/// The command line as a process of its own, its arguments still to come.
+///
+/// # Errors
+/// The system does not tell where this program is.
+pub(crate) fn program() -> std::io::Result<Command> {
+    match PROGRAM.get().map(Vec::as_slice) {
+        Some([program, words @ ..]) => {
+            let mut command = Command::new(program);
+            command.args(words);
+            Ok(command)
+        }
+        _ => std::env::current_exe().map(Command::new),
+    }
+}
+
+/// Runs the command line in this process; the exit code.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    crate::ended(arguments).code()
 }
 
 /// Removes temporary files and folders of calls that never came to their end. To be done when the

@@ -66,6 +66,8 @@ class Spread(InFolder):
         log = Path("driver.log").open("w")
         driver = subprocess.Popen([sys.executable, DRIVER, first.address], stderr=log)
         self.addCleanup(log.close)
+        self.addCleanup(driver.wait)
+        self.addCleanup(driver.kill)
         client = self.client(first)
         until(lambda: len(parts()) >= 2, "no batch arrives")
         # A worker, in the middle of a batch; its nanny starts another.

@@ -60,6 +60,7 @@ def main(arguments: Sequence[str]) -> int: ...
 class Scenarios:
     count: int
     plan: str
+    drive_name: str
     design: str
     digest: str
     @staticmethod

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import os
 import platform
-import re
 import subprocess
 import sys
 import tempfile
@@ -219,7 +218,7 @@ def campaign(
             digest=scenarios.digest,
             plan=scenarios.plan,
             design=scenarios.design,
-            drive=_drive(Path(plan), scenarios.plan),
+            drive=_drive(Path(plan), scenarios.drive_name),
         )
         _Cluster(client, work, runner, scenarios, output, look).run(missing, batch_s)
         dataset = Path(_drivescope.merged(output))
@@ -229,14 +228,13 @@ def campaign(
         scenarios.release()
 
 
-def _drive(path: Path, plan: str) -> tuple[str, str] | None:
+def _drive(plan: Path, name: str) -> tuple[str, str] | None:
     """Return name and text of the drive's file, where it lies beside the plan."""
-    said = re.search(r"""^\s*drive\s*=\s*["']([^"']+)["']""", plan, re.MULTILINE)
-    if said is None or os.path.isabs(said[1]) or ".." in Path(said[1]).parts:
+    if os.path.isabs(name) or ".." in Path(name).parts:
         # What is named by its whole path is looked for there on every machine.
         return None
-    file = path.parent / said[1]
-    return (said[1], file.read_text(encoding="utf-8")) if file.is_file() else None
+    file = plan.parent / name
+    return (name, file.read_text(encoding="utf-8")) if file.is_file() else None
 
 
 def _missing(scenarios: _drivescope.Scenarios, folder: Path, resume: bool) -> list[tuple[int, int]]:

@@ -51,6 +51,12 @@ impl Scenarios {
         self.campaign.plan()
     }
 
+    /// The drive as the plan names it: one that comes with the package, or a file.
+    #[getter]
+    fn drive_name(&self) -> &str {
+        self.campaign.drive_name()
+    }
+
     /// Text of the detectors.
     #[getter]
     fn design(&self) -> PyResult<String> {

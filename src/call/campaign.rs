@@ -61,6 +61,11 @@ impl Scenarios {
         &self.0.plan().text
     }
 
+    /// The drive as the plan names it: one that comes with the program, or a file.
+    pub fn drive_name(&self) -> &str {
+        &self.0.plan().drive_name
+    }
+
     /// Text of the detectors.
     ///
     /// # Errors

@@ -76,6 +76,8 @@ class Cluster:
         words = [sys.executable, "-m", f"distributed.cli.{command}", *arguments]
         environment = {
             **os.environ,
+            # What the workers run stands in this file.
+            "PYTHONPATH": str(Path(__file__).parent),
             "RAYON_NUM_THREADS": "1",
             # A batch is suspected after it has ended two workers, not four.
             "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",

@@ -2,13 +2,11 @@
 
 import sys
 
-import cloudpickle
 import cluster
 from distributed import Client
 
 from drivescope import dask
 
-cloudpickle.register_pickle_by_value(cluster)
 with Client(sys.argv[1], timeout=cluster.PATIENCE) as client:
     client.wait_for_workers(cluster.WORKERS, timeout=cluster.PATIENCE)
     dask.campaign("plan.toml", "spread", client, batch_s=0.3, runner=cluster.slowly)

@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 from unittest import mock
 
-import cloudpickle
 import cluster
 from cluster import PATIENCE, PLAN, POISON, WORKERS, Cluster, until
 from distributed import Client
@@ -34,7 +33,6 @@ class Spread(InFolder):
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
-        cloudpickle.register_pickle_by_value(cluster)
         Path("plan.toml").write_text(PLAN)
         Path("bench.toml").write_text(ds.Drive("dr300").text)
 

@@ -162,7 +162,10 @@ class WhileItRuns(InFolder):
 
     def test_ctrl_c_ends_a_call_and_leaves_nothing(self) -> None:
         script = (
+            "import signal\n"
             "import drivescope as ds\n"
+            # Who starts tests in the background may have had it ignored.
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
             "try:\n"
             f"    ds.simulate('machine.toml', input='1', duration={LONG}, output='never.csv',\n"
             "                progress=lambda *_: print('runs', flush=True))\n"

@@ -64,7 +64,11 @@ fn looks_like_a_file(path: &Path) -> bool {
     path.extension().is_some() || path.components().count() > 1
 }
 
-fn parse(text: &str, name: &str) -> miette::Result<Drive> {
+/// The drive of that text; `name` is what messages call it.
+///
+/// # Errors
+/// Wrong content, with its place.
+pub(crate) fn parse(text: &str, name: &str) -> miette::Result<Drive> {
     Drive::parse(text, name).map_err(|error| {
         let span = error.place().and_then(|place| visible(text, place.span.clone()));
         let text = NamedSource::new(name, text.to_owned()).with_language("toml");

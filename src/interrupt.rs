@@ -2,10 +2,14 @@
 //!
 //! Loops ask [`check`] and end the ordinary way, so that temporary files and folders go. Who does
 //! not ask in time is ended here, but never while a file is being put in place.
+//!
+//! A command that another program called ends when that program wants it to: its thread
+//! [listens](listen) to that call alone.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 use std::time::Duration;
 
 use crate::failure::Ending;
@@ -53,7 +57,7 @@ pub(crate) fn install() {
 }
 
 /// Removes what a run that was not ended the ordinary way would leave.
-fn leave_nothing() {
+pub(crate) fn leave_nothing() {
     drivescope_fmu::import::remove_unpacked();
     let mut leftovers = LEFTOVERS.lock().unwrap_or_else(PoisonError::into_inner);
     for path in leftovers.drain(..).rev() {
@@ -89,12 +93,42 @@ impl Drop for Leftover {
     }
 }
 
-/// Ends the run if the user wants that.
+thread_local! {
+    static CALL: RefCell<Asked> = RefCell::default();
+}
+
+/// Who may ask a run to end: the signals, and the call that it belongs to. Closures that other
+/// threads run take it along.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Asked(Option<Arc<AtomicBool>>);
+
+impl Asked {
+    /// Ends the run if the user wants that.
+    ///
+    /// # Errors
+    /// [`Stopped`].
+    pub(crate) fn check(&self) -> Result<(), Stopped> {
+        let called = self.0.as_ref().is_some_and(|call| call.load(Ordering::Relaxed));
+        if called || ASKED.load(Ordering::Relaxed) { Err(Stopped) } else { Ok(()) }
+    }
+}
+
+/// Whom the run of this thread listens to.
+pub(crate) fn asked() -> Asked {
+    CALL.with_borrow(Clone::clone)
+}
+
+/// From now on the run of this thread ends when that flag is set, too.
+pub(crate) fn listen(call: &Arc<AtomicBool>) {
+    CALL.set(Asked(Some(Arc::clone(call))));
+}
+
+/// Ends the run of this thread if the user wants that.
 ///
 /// # Errors
 /// [`Stopped`].
 pub(crate) fn check() -> Result<(), Stopped> {
-    if ASKED.load(Ordering::Relaxed) { Err(Stopped) } else { Ok(()) }
+    CALL.with_borrow(Asked::check)
 }
 
 /// From now on the run notices by itself that it is to end, and answers with what it has; who asks

@@ -6,6 +6,7 @@
 //! that `--check` forbids, 2 bad input, 70 an error of the program itself, 130 stopped by the user.
 
 mod benchmark;
+pub mod call;
 mod claim;
 mod cli;
 mod commands;
@@ -41,6 +42,11 @@ use session::Session;
 
 /// Runs the program with these arguments, the first of which is its name.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ended(arguments).into()
+}
+
+/// The same; how it ended.
+fn ended(arguments: impl IntoIterator<Item = OsString>) -> Ending {
     panics::install();
     interrupt::install();
     failure::install();
@@ -49,11 +55,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(usage) => {
             // A reader that has gone away is no reason to complain.
             let _ = usage.print();
-            return if usage.use_stderr() { Ending::BadInput } else { Ending::Done }.into();
+            return if usage.use_stderr() { Ending::BadInput } else { Ending::Done };
         }
     };
     let session = Session::new(&cli.common);
     let run = || cli.command.run(&session).unwrap_or_else(|report| failure::report(&report));
     // The hook has said what there is to say of a panic.
-    catch_unwind(AssertUnwindSafe(run)).unwrap_or(Ending::Internal).into()
+    catch_unwind(AssertUnwindSafe(run)).unwrap_or(Ending::Internal)
 }

@@ -19,6 +19,7 @@ pub(crate) fn write_file(
     content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), Failure> {
     let _not_now = interrupt::writing();
+    unless_stopped(path)?;
     write_whole(path, content).map_err(|source| Failure::Write { path: path.to_owned(), source })
 }
 
@@ -28,7 +29,16 @@ pub(crate) fn write_file(
 /// The path, where it cannot be written or its format is not known.
 pub(crate) fn write_recording(path: &Path, recording: &Recording) -> miette::Result<()> {
     let _not_now = interrupt::writing();
+    unless_stopped(path)?;
     drivescope_recording::write(path, recording).map_err(told)
+}
+
+/// A run that was stopped writes nothing any more, though it may notice late.
+fn unless_stopped(path: &Path) -> Result<(), Failure> {
+    interrupt::check().map_err(|_| Failure::Write {
+        path: path.to_owned(),
+        source: ErrorKind::Interrupted.into(),
+    })
 }
 
 /// Writes a recording as CSV with columns of text behind it.

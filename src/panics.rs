@@ -5,12 +5,19 @@ use std::panic::{self, PanicHookInfo};
 
 /// Replaces the standard message of a panic.
 pub(crate) fn install() {
-    panic::set_hook(Box::new(|info| {
+    install_with(|line| {
+        let _ = writeln!(std::io::stderr(), "{line}");
+    });
+}
+
+/// The same where the line goes elsewhere than to standard error.
+pub(crate) fn install_with(say: impl Fn(String) + Send + Sync + 'static) {
+    panic::set_hook(Box::new(move |info| {
         // A damaged recording that a foreign reader stumbles over becomes an error of its own.
         if drivescope_recording::is_reading() {
             return;
         }
-        let _ = writeln!(std::io::stderr(), "{}", line(info));
+        say(line(info));
     }));
 }
 

@@ -1,17 +1,19 @@
 //! What a command has to say, and where it goes.
 //!
 //! The answer goes to standard output, or its JSON form in its place (`--json -`); remarks and
-//! progress go to standard error, unless `--quiet`.
+//! progress go to standard error, unless `--quiet`. Of a command that another program called, all of
+//! it goes to the caller's desk.
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use drivescope_recording::ReadOptions;
+use drivescope_recording::{ReadOptions, Recording, Report};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use crate::call::Desk;
 use crate::cli::Common;
 use crate::failure::Failure;
 use crate::next::Next;
@@ -29,6 +31,8 @@ pub(crate) struct Session {
     /// How recordings are read, to be kept beside them once the answer is given: a command that is
     /// refused leaves nothing.
     to_keep: Mutex<Vec<(PathBuf, ReadOptions)>>,
+    /// Of a command that another program called.
+    desk: Option<Arc<Desk>>,
 }
 
 /// Seed where none is given.
@@ -47,13 +51,44 @@ impl Session {
             given_seed,
             quiet: common.quiet,
             to_keep: Mutex::default(),
+            desk: None,
         }
+    }
+
+    /// The session of a command that another program called.
+    pub(crate) fn of_call(common: &Common, desk: Arc<Desk>) -> Self {
+        Self { desk: Some(desk), ..Self::new(common) }
+    }
+
+    /// The recording that the caller handed over under that name.
+    pub(crate) fn recording(&self, name: &Path) -> Option<(Recording, Report)> {
+        self.desk.as_ref()?.recording(name).cloned()
+    }
+
+    /// Writes a recording, or hands it back to the caller that named no file for it.
+    ///
+    /// # Errors
+    /// As [`output::write_recording`].
+    pub(crate) fn write_recording(&self, path: &Path, recording: Recording) -> miette::Result<()> {
+        match self.desk.as_ref().filter(|desk| desk.is_scratch(path)) {
+            Some(desk) => {
+                desk.hand_back(path, recording);
+                Ok(())
+            }
+            None => output::write_recording(path, &recording),
+        }
+    }
+
+    /// The file as an answer names it: not where a caller named none.
+    pub(crate) fn named(&self, path: &Path) -> Option<PathBuf> {
+        let scratch = self.desk.as_ref().is_some_and(|desk| desk.is_scratch(path));
+        (!scratch).then(|| path.to_owned())
     }
 
     /// One that says nothing, for work that the page asked for.
     pub(crate) fn silent(seed: u64) -> Self {
         let (json, to_keep) = Default::default();
-        Self { json, seed, given_seed: Some(seed), quiet: true, to_keep }
+        Self { json, seed, given_seed: Some(seed), quiet: true, to_keep, desk: None }
     }
 
     /// Finds out whether the answer can be written, before the work.
@@ -80,7 +115,10 @@ impl Session {
             Err(Failure::Unread) => {}
             done => {
                 done?;
-                self.remark(next);
+                // A caller types nothing into a shell.
+                if self.desk.is_none() {
+                    self.remark(next);
+                }
             }
         }
         Ok(())
@@ -113,6 +151,10 @@ impl Session {
     }
 
     fn printed(&self, text: &str, json: &impl Serialize) -> Result<(), Failure> {
+        if let Some(desk) = &self.desk {
+            desk.answer(text, output::json(json)?);
+            return Ok(());
+        }
         self.keep();
         match &self.json {
             Some(path) if path.as_os_str() == "-" => return output::print(&output::json(json)?),
@@ -155,7 +197,12 @@ impl Session {
 
     /// Says something beside the answer.
     pub(crate) fn remark(&self, text: impl std::fmt::Display) {
-        if !self.quiet {
+        if self.quiet {
+            return;
+        }
+        if let Some(desk) = &self.desk {
+            desk.remark(text.to_string());
+        } else {
             // Standard error that cannot be written to leaves nobody to tell.
             let _ = writeln!(std::io::stderr(), "{text}");
         }
@@ -163,6 +210,9 @@ impl Session {
 
     /// Progress without a known end; hidden when quiet or not on a terminal.
     pub(crate) fn spinner(&self) -> ProgressBar {
+        if let Some(desk) = &self.desk {
+            return desk.bar(None, "");
+        }
         if self.quiet || !std::io::stderr().is_terminal() {
             return ProgressBar::hidden();
         }
@@ -182,6 +232,9 @@ impl Session {
 
     /// A progress bar over that many steps; hidden when quiet or not on a terminal.
     pub(crate) fn progress(&self, steps: u64, what: &'static str) -> ProgressBar {
+        if let Some(desk) = &self.desk {
+            return desk.bar(Some(steps), what);
+        }
         if self.quiet || !std::io::stderr().is_terminal() {
             return ProgressBar::hidden();
         }

@@ -28,6 +28,7 @@ mod header;
 mod kept;
 mod look;
 mod mapping;
+mod memory;
 mod place;
 mod preview;
 mod quality;
@@ -55,6 +56,7 @@ pub use file::{
 pub use formats::{Format, formats, formats_listed};
 pub use header::{ColumnNote, Taken};
 pub use mapping::{Mapping, ReadOptions};
+pub use memory::of_columns;
 pub use place::{Counted, Place};
 pub use preview::{ColumnPreview, Preview};
 pub use quality::{Limit, SignalQuality, limits};

@@ -23,6 +23,7 @@ mod train;
 
 use clap::{Args, Subcommand};
 
+pub(crate) use campaign::{campaign_in, campaign_traces};
 pub(crate) use diagnose::words::what as declared;
 pub(crate) use diagnose::{Answer as Diagnosed, Diagnose};
 pub(crate) use recording_options::{RecordingOptions, at_period};

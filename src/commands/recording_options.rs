@@ -1,6 +1,6 @@
 //! How a recording is read: the options of every command that takes one.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use drivescope_recording::{Mapping, ReadOptions, Recording, Report, Suspicion, read, rounded};
@@ -48,24 +48,42 @@ impl RecordingOptions {
         self.columns.is_some() || self.resample.is_some() || self.rows_every.is_some()
     }
 
-    /// What the command line says, or else what was said before of this recording.
-    fn options(&self, path: &Path, session: &Session) -> miette::Result<ReadOptions> {
+    /// What was said, as the command line would say it.
+    pub(crate) fn new(
+        columns: Option<&str>,
+        resample: Option<f64>,
+        rows_every: Option<f64>,
+    ) -> Self {
+        Self { columns: columns.map(str::to_owned), resample, rows_every }
+    }
+
+    /// What was said, where nothing was kept.
+    ///
+    /// # Errors
+    /// A mapping of columns that is none.
+    pub(crate) fn said(&self) -> miette::Result<ReadOptions> {
+        let columns = self.columns.as_deref().map(Mapping::parse_list).transpose();
+        let columns = columns.map_err(told)?.unwrap_or_default();
+        Ok(ReadOptions { columns, resample: self.resample, rows_every: self.rows_every })
+    }
+
+    /// What the command line says, or else what was said before of this recording; then the file
+    /// that keeps it.
+    pub(crate) fn options(&self, path: &Path) -> miette::Result<(ReadOptions, Option<PathBuf>)> {
         let said = self.columns.as_deref().map(Mapping::parse_list).transpose().map_err(told)?;
         let kept = match said {
             // Columns that are named anew are all that counts.
             Some(_) => None,
             None => ReadOptions::kept(path).map_err(told)?,
         };
-        if kept.is_some() {
-            let file = ReadOptions::kept_at(path);
-            session.remark(format_args!("columns as kept in {}", file.display()));
-        }
+        let kept_at = kept.is_some().then(|| ReadOptions::kept_at(path));
         let kept = kept.unwrap_or_default();
-        Ok(ReadOptions {
+        let options = ReadOptions {
             columns: said.unwrap_or(kept.columns),
             resample: self.resample.or(kept.resample),
             rows_every: self.rows_every.or(kept.rows_every),
-        })
+        };
+        Ok((options, kept_at))
     }
 
     /// Reads the recording and says what was assumed and what deserves attention.
@@ -99,7 +117,13 @@ impl RecordingOptions {
     }
 
     fn opened(&self, path: &Path, session: &Session) -> miette::Result<(Recording, Report)> {
-        let options = self.options(path, session)?;
+        if let Some(handed_over) = session.recording(path) {
+            return Ok(handed_over);
+        }
+        let (options, kept_at) = self.options(path)?;
+        if let Some(file) = kept_at {
+            session.remark(format_args!("columns as kept in {}", file.display()));
+        }
         let found = read(path, &options).map_err(told)?;
         if self.is_said() {
             session.keep_later(path, options);

@@ -15,7 +15,6 @@ use crate::drive_source;
 use crate::expression::SignalOverTime;
 use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
-use crate::output;
 use crate::session::Session;
 use crate::simulation::fault::FaultOverTime;
 use crate::simulation::replay::{Fit, fits, replay, start};
@@ -77,7 +76,8 @@ const MOST_SAMPLES: usize = MOST_NUMBERS / MOST_COLUMNS;
 #[derive(Debug, Serialize)]
 struct Answer {
     drive: String,
-    output: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output: Option<PathBuf>,
     samples: usize,
     start: f64,
     period: f64,
@@ -116,7 +116,6 @@ impl Simulate {
         let start = start(&drive, &measured)?;
         let bar = session.progress(measured.len() as u64, "simulating");
         let model = replay(&drive, &measured, start, &bar)?;
-        self.write(&model)?;
         let fit = fits(&measured, &model);
         let mut text = format!("{}, driven by {}\n", title(&drive), measured.name);
         for Fit { signal, percent, rms, unit } in &fit {
@@ -131,7 +130,7 @@ impl Simulate {
                 "  nothing to compare: the recording has no current, speed or position\n",
             );
         }
-        self.answer(text, &drive, &model, fit, (None, None), session)
+        self.answer(text, &drive, model, fit, (None, None), session)
     }
 
     fn typed(&self, drive: Drive, session: &Session) -> miette::Result<()> {
@@ -174,7 +173,6 @@ impl Simulate {
             drive,
         };
         let recording = run.simulate(&session.progress(samples as u64, "simulating"))?;
-        self.write(&recording)?;
         let how = match &reference {
             Some(text) if self.reference.is_none() => format!("reference {text} (by default)"),
             Some(text) => format!("reference {text}"),
@@ -182,7 +180,7 @@ impl Simulate {
         };
         let text = format!("{}, {how}\n", title(&run.drive));
         let drawn = (self.noise == Switch::On).then_some(session.seed);
-        self.answer(text, &run.drive, &recording, Vec::new(), (reference, drawn), session)
+        self.answer(text, &run.drive, recording, Vec::new(), (reference, drawn), session)
     }
 
     fn period_s(&self, drive: &Drive, closed: bool) -> miette::Result<f64> {
@@ -217,24 +215,22 @@ impl Simulate {
         Ok(steps as usize + 1)
     }
 
-    fn write(&self, recording: &Recording) -> miette::Result<()> {
-        output::write_recording(&self.output, recording)
-    }
-
+    /// Writes the recording and tells of it.
     fn answer(
         &self,
         text: String,
         drive: &Drive,
-        recording: &Recording,
+        recording: Recording,
         fit: Vec<Fit>,
         (reference, seed): (Option<String>, Option<u64>),
         session: &Session,
     ) -> miette::Result<()> {
         let (samples, period) = (recording.len(), recording.period_s);
-        let output = self.output.clone();
-        let text =
-            format!("{text}{samples} samples every {} s: {}\n", rounded(period), output.display());
         let start = recording.start_s;
+        session.write_recording(&self.output, recording)?;
+        let output = session.named(&self.output);
+        let file = output.as_ref().map_or(String::new(), |it| format!(": {}", it.display()));
+        let text = format!("{text}{samples} samples every {} s{file}\n", rounded(period));
         let drive = drive.name.clone();
         let measured = self.measured.as_ref().unwrap_or(&self.output);
         let next = Next::new("compare").with(&self.drive).files([measured]);

@@ -133,9 +133,10 @@ impl Run for Study {
         let further = self.fault.into_iter().map(|it| (it.typed, it.faults)).collect();
         let options = StudyOptions { drive, seed: session.seed, torque, beta, profile, further };
         let bar = session.progress(1, "training and designing the diagnoser");
+        let asked = interrupt::asked();
         let outcome = study(&options, (&closed, &open), &|step| {
             show(&bar, step);
-            interrupt::check().is_err()
+            asked.check().is_err()
         });
         bar.finish_and_clear();
         interrupt::check()?;

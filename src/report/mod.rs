@@ -8,10 +8,12 @@ pub(crate) mod compare;
 pub(crate) mod discover;
 pub(crate) mod page;
 pub mod plot;
+mod recording;
 pub(crate) mod speed;
 pub(crate) mod study;
 #[cfg(test)]
 pub(crate) mod testing;
 pub(crate) mod words;
 
+pub use recording::recording_html;
 pub use study::study_html;

@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 
 const ARCHITECTURE: &str = include_str!("../../ARCHITECTURE.md");
 const OURS: &str = "drivescope-";
+const PROGRAM: &str = "drivescope";
 
 /// Crates of the workspace that a manifest names.
 fn used(manifest: &toml::Table) -> BTreeSet<String> {
     let tables = ["dependencies", "build-dependencies", "dev-dependencies"];
     let of = tables.iter().filter_map(|table| manifest.get(*table)?.as_table());
     of.flat_map(toml::Table::keys)
-        .filter_map(|name| name.strip_prefix(OURS))
+        // The program itself is called by its own name.
+        .filter_map(|name| name.strip_prefix(OURS).or((name == PROGRAM).then_some(PROGRAM)))
         .map(str::to_owned)
         .collect()
 }

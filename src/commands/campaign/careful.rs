@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 use std::path::Path;
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{ExitStatus, Stdio};
 
 use drivescope_scenarios::campaign::{Campaign, Plan, Reader, Rows, write_rows};
 
@@ -70,8 +70,8 @@ pub(super) fn rows(
 
 fn other_process(plan: &Path, file: &Path, range: &Range<u64>) -> miette::Result<ExitStatus> {
     let failed = |source| Failure::Read { path: "drivescope".into(), source };
-    let program = std::env::current_exe().map_err(failed)?;
-    let ended = Command::new(program)
+    let ended = crate::call::program()
+        .map_err(failed)?
         .arg("campaign")
         .arg(plan)
         .arg("--part")

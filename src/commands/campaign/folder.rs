@@ -99,7 +99,7 @@ pub(super) fn was_interrupted(folder: &Path, range: &Range<u64>) -> bool {
 ///
 /// # Errors
 /// They cannot be written.
-pub(super) fn write_traces(
+pub(crate) fn write_traces(
     campaign: &Campaign,
     folder: &Path,
     range: &Range<u64>,

@@ -16,12 +16,14 @@ mod shard;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use drivescope_scenarios::campaign::{Plan, PlanError};
+use drivescope_scenarios::campaign::{Campaign as Scenarios, Plan, PlanError};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
+pub(crate) use self::folder::write_traces as campaign_traces;
 use self::shard::Shard;
 use super::Run;
+use crate::claim::Claim;
 use crate::failure::{Ending, Failure, visible};
 use crate::session::Session;
 
@@ -97,6 +99,18 @@ impl Run for Campaign {
             .into()),
         }
     }
+}
+
+/// The campaign of a plan file in a folder that is made and claimed, for who runs its parts otherwise.
+///
+/// # Errors
+/// A plan that is wrong, or a folder of another run or campaign.
+pub(crate) fn campaign_in(plan: &Path, folder: &Path) -> miette::Result<(Scenarios, Claim)> {
+    let plan = read(plan)?;
+    std::fs::create_dir_all(folder)
+        .map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
+    let claim = folder::claim(folder, Shard::WHOLE)?;
+    Ok((folder::open(plan, folder)?, claim))
 }
 
 /// A plan that is wrong, with the text around the place.

@@ -165,9 +165,10 @@ impl Work<'_> {
             rows
         } else {
             let bar = &self.bar;
+            let asked = interrupt::asked();
             let stop = |more: u64| {
                 bar.inc(more);
-                interrupt::check().is_err()
+                asked.check().is_err()
             };
             self.campaign.run(range.clone(), &stop).ok_or_else(|| self.stopped())?
         };

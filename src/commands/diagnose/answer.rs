@@ -13,7 +13,8 @@ use super::words;
 /// What a diagnosis says.
 #[derive(Debug, Serialize)]
 pub(crate) struct Answer {
-    pub(crate) diagnoser: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) diagnoser: Option<PathBuf>,
     pub(crate) recording: String,
     pub(crate) samples: usize,
     /// How the rows of a stream arrived.

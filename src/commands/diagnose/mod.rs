@@ -75,9 +75,9 @@ impl Run for Diagnose {
         let next = match (verdict, &answer.fault) {
             // The faults that are known by name are those of the training.
             ("fault", None) if asked != Method::Bank => {
-                Next::new("train HEALTHY --fault NAME=REC -o").files([&answer.diagnoser])
+                Next::new("train HEALTHY --fault NAME=REC -o").files([&self.diagnoser])
             }
-            _ => Next::new("diagnose").files([&answer.diagnoser]).options(" - --check < live.csv"),
+            _ => Next::new("diagnose").files([&self.diagnoser]).options(" - --check < live.csv"),
         };
         if is_live && session.prints_json() {
             // The last of the lines.
@@ -235,7 +235,7 @@ impl Diagnose {
             });
         }
         Ok(Answer {
-            diagnoser: self.diagnoser.clone(),
+            diagnoser: session.named(&self.diagnoser),
             recording: name,
             samples,
             stream,

@@ -100,7 +100,7 @@ impl Search<'_> {
             let html = report(&found, &gathered, session.seed)?;
             output::write_file(path, |out| out.write_all(html.as_bytes()))?;
         }
-        let written = output.cloned();
+        let written = output.and_then(|path| session.named(path));
         let answer =
             Answer::new(self.base, written, &gathered, &found, self.named_are, session.seed);
         let next = match (output, found.verdict) {

@@ -6,7 +6,7 @@ use drivescope_discovery::{BothUnexplained, Rung, Step, Watch};
 use drivescope_plant::drive::Motion;
 use indicatif::ProgressBar;
 
-use crate::interrupt;
+use crate::interrupt::{self, Asked};
 use crate::report::words::{balances, in_units_of_noise, output_fits};
 use crate::session::Session;
 
@@ -16,11 +16,12 @@ pub(crate) struct Watching<'a> {
     bar: ProgressBar,
     /// Of the drive.
     motion: Motion,
+    asked: Asked,
 }
 
 impl<'a> Watching<'a> {
     pub(crate) fn new(session: &'a Session, motion: Motion) -> Self {
-        Self { session, bar: session.spinner(), motion }
+        Self { session, bar: session.spinner(), motion, asked: interrupt::asked() }
     }
 
     /// Takes the progress away.
@@ -39,7 +40,7 @@ impl Watch for Watching<'_> {
     }
 
     fn stopped(&self) -> bool {
-        interrupt::check().is_err()
+        self.asked.check().is_err()
     }
 }
 

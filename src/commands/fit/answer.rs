@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use drivescope_discovery::signals::SignalFinding;
 use drivescope_discovery::{
@@ -122,7 +122,8 @@ pub(super) struct Answer {
     drive: String,
     #[serde(skip)]
     motion: Motion,
-    output: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output: Option<PathBuf>,
     parameters: BTreeMap<String, Estimate>,
     #[serde(skip)]
     order: Vec<String>,
@@ -158,7 +159,7 @@ pub(super) struct Answer {
 impl Answer {
     pub(super) fn new(
         base: &Drive,
-        output: &Path,
+        output: Option<PathBuf>,
         gathered: &Gathered,
         fitted: &Fitted,
         setting: &Setting,
@@ -213,7 +214,7 @@ impl Answer {
         Self {
             drive: base.name.clone(),
             motion: base.motion,
-            output: output.to_owned(),
+            output,
             parameters: fitted.parameters.iter().map(of).collect(),
             order: fitted.parameters.iter().map(|it| it.name.clone()).collect(),
             correlation: correlation(fitted),
@@ -293,7 +294,9 @@ impl Answer {
                 }
             );
         }
-        let _ = writeln!(text, "written: {}", self.output.display());
+        if let Some(output) = &self.output {
+            let _ = writeln!(text, "written: {}", output.display());
+        }
         text
     }
 

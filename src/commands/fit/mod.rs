@@ -59,7 +59,7 @@ impl Run for Fit {
         output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
         let answer = Answer::new(
             &base,
-            &self.output,
+            session.named(&self.output),
             &gathered,
             &fitted,
             &setting,

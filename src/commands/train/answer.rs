@@ -1,6 +1,6 @@
 //! What a training says.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use drivescope_diagnoser::{
     BandDesign, Channel, FaultsReport, KnownFaults, Learned, ThresholdKind,
@@ -13,7 +13,8 @@ use crate::report::words::{number, p_is, percent};
 
 #[derive(Debug, Serialize)]
 pub(super) struct Answer {
-    output: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    output: Option<PathBuf>,
     inputs: Vec<Channel>,
     watched: Channel,
     period: f64,
@@ -97,7 +98,7 @@ struct FaultAnswer {
 
 impl Answer {
     pub(super) fn new(
-        output: &Path,
+        output: Option<PathBuf>,
         learned: &Learned,
         faults: Option<&FaultsReport>,
         bank: Option<&BankAnswer>,
@@ -115,7 +116,7 @@ impl Answer {
         let constant = diagnoser.constant.band(diagnoser.confidence);
         let network = diagnoser.gmdh.as_ref().zip(gmdh.as_ref());
         Self {
-            output: output.to_owned(),
+            output,
             inputs: diagnoser.interface.inputs.clone(),
             watched: diagnoser.interface.output.clone(),
             period: diagnoser.interface.period_s,
@@ -251,6 +252,9 @@ impl Answer {
         if let Some(bank) = &answer.bank {
             text += &bank.text();
         }
-        text + &format!("written to {}\n", answer.output.display())
+        if let Some(output) = &answer.output {
+            text += &format!("written to {}\n", output.display());
+        }
+        text
     }
 }

@@ -121,9 +121,10 @@ impl Run for Train {
         let trained = train(&interface, material, &plan, session)?;
         {
             let _not_now = interrupt::writing();
+            interrupt::check()?;
             trained.learned.diagnoser.save(&self.output).map_err(told)?;
         }
-        let answer = trained.answer(&self.output);
+        let answer = trained.answer(session.named(&self.output));
         let next = Next::new("diagnose").files([&self.output]).options(" REC --check");
         session.wrote(&answer.text(), &answer, &next)?;
         Ok(Ending::Done)

@@ -1,6 +1,6 @@
 //! A training, wherever it was asked for.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use drivescope_diagnoser::{
     Channel, Confidence, Data, Design, Diagnoser, FaultsReport, FaultyRun, Interface,
@@ -73,11 +73,11 @@ pub(crate) struct Trained {
 impl Trained {
     /// As text for a person; the diagnoser is in that file.
     pub(crate) fn text(&self, output: &Path) -> String {
-        self.answer(output).text()
+        self.answer(Some(output.to_owned())).text()
     }
 
     /// As an answer of the command.
-    pub(super) fn answer(&self, output: &Path) -> Answer {
+    pub(super) fn answer(&self, output: Option<PathBuf>) -> Answer {
         Answer::new(output, &self.learned, self.faults.as_ref(), self.bank.as_ref())
     }
 }

@@ -64,6 +64,8 @@ pub struct Plan {
     pub name: String,
     /// Drive, sampling time and usual set point.
     pub experiment: Experiment,
+    /// The drive as the plan names it: one that comes with the program, or a file.
+    pub drive_name: String,
     /// Seed of all that is drawn.
     pub seed: u64,
     /// Samples of a scenario.

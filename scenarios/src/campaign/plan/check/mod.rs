@@ -103,6 +103,7 @@ pub(super) fn plan(text: &str, folder: &Path) -> Result<Plan, Flaw> {
         faults,
         detector,
         experiment,
+        drive_name: layout.drive.into_inner(),
     };
     let points = plan.all_points();
     let count = points.saturating_mul(u128::from(plan.draws));

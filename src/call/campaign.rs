@@ -1,0 +1,141 @@
+//! The scenarios of a campaign, a range at a time, for who spreads them over several machines
+//! otherwise than by shards: what `campaign` does, in its pieces.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use drivescope_scenarios::campaign::{
+    self, Campaign, Design, Plan, Whole, missing, part_name, parts_of, write_rows,
+};
+
+use super::{Refused, guarded};
+use crate::claim::Claim;
+use crate::commands;
+use crate::failure::told;
+
+/// A plan with its detectors.
+#[derive(Debug)]
+pub struct Scenarios(Campaign);
+
+/// A folder of results in which nobody else writes while this lives.
+#[derive(Debug)]
+pub struct Held {
+    _claim: Claim,
+}
+
+/// Ranges that no file of a folder holds, and files that are damaged, with what is wrong.
+pub type Missing = (Vec<Range<u64>>, Vec<(PathBuf, String)>);
+
+impl Scenarios {
+    /// Those of a plan file, with the detectors of a folder of results (designed, if it has none),
+    /// which is held.
+    ///
+    /// # Errors
+    /// What is wrong with the plan, or the folder is another run's or another campaign's.
+    pub fn in_folder(plan: &Path, folder: &Path) -> Result<(Self, Held), Refused> {
+        guarded(|| {
+            let (campaign, claim) = commands::campaign_in(plan, folder)?;
+            Ok((Self(campaign), Held { _claim: claim }))
+        })
+    }
+
+    /// Those of the texts of a plan and of its detectors; `folder` is where its drive is looked for.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn parse(plan: &str, folder: &Path, design: &str) -> Result<Self, Refused> {
+        guarded(|| {
+            let plan = Plan::parse(plan, "plan", folder).map_err(told)?;
+            let design = Design::parse(design).map_err(told)?;
+            Ok(Self(Campaign::new(plan, design)))
+        })
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> u64 {
+        self.0.plan().scenarios()
+    }
+
+    /// Text of the plan.
+    pub fn plan(&self) -> &str {
+        &self.0.plan().text
+    }
+
+    /// The drive as the plan names it: one that comes with the program, or a file.
+    pub fn drive_name(&self) -> &str {
+        &self.0.plan().drive_name
+    }
+
+    /// Text of the detectors.
+    ///
+    /// # Errors
+    /// An internal error only.
+    pub fn design(&self) -> Result<String, Refused> {
+        guarded(|| self.0.design().to_toml().map_err(told))
+    }
+
+    /// Digest of plan, drive and detectors.
+    pub fn digest(&self) -> String {
+        format!("{}-{}", self.0.plan().digest, self.0.design_digest())
+    }
+
+    /// Runs those of a range into a file.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    ///
+    /// # Panics
+    /// If the range reaches beyond the scenarios: an internal error.
+    pub fn run(&self, range: &Range<u64>, file: &Path) -> Result<(), Refused> {
+        let rows = guarded(|| Ok(self.0.run(range.clone(), &|_| false)))?;
+        let rows = rows.ok_or(Refused::Stopped)?;
+        guarded(|| write_rows(file, &self.0, range, &rows).map_err(told))
+    }
+
+    /// Writes the row of one that ends the process which runs it.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn aborted(&self, scenario: u64, file: &Path) -> Result<(), Refused> {
+        let range = scenario..scenario + 1;
+        guarded(|| write_rows(file, &self.0, &range, &self.0.aborted(scenario)).map_err(told))
+    }
+
+    /// What a folder lacks.
+    ///
+    /// # Errors
+    /// Another campaign's folder, or scenarios that are there twice.
+    pub fn missing(&self, folder: &Path) -> Result<Missing, Refused> {
+        guarded(|| {
+            let Whole { parts, damaged } = parts_of(folder, Some(&self.0)).map_err(told)?;
+            let ranges = missing(&parts, self.count()).map_err(told)?;
+            Ok((ranges, damaged.into_iter().map(|(path, why)| (path, why.to_string())).collect()))
+        })
+    }
+
+    /// Writes the signals of those scenarios of a range that are kept.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn write_traces(
+        &self,
+        folder: &Path,
+        range: &Range<u64>,
+        aborted: &[u64],
+    ) -> Result<(), Refused> {
+        guarded(|| commands::campaign_traces(&self.0, folder, range, aborted))
+    }
+}
+
+/// Name of the file of a range.
+pub fn part(range: &Range<u64>) -> String {
+    part_name(range)
+}
+
+/// Makes one dataset of all files of a folder: its path.
+///
+/// # Errors
+/// What is missing, damaged or of another campaign.
+pub fn merge(folder: &Path) -> Result<PathBuf, Refused> {
+    guarded(|| Ok(campaign::merge(folder).map_err(told)?.0))
+}

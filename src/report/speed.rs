@@ -75,13 +75,13 @@ pub(crate) fn speed_html(speed: &Speed, lines: &[Line]) -> String {
         p { (met) " of " (lines.len()) " bars are met." }
         (table(
             "Figures and bars",
-            &html! { tr { th { "Figure" } th { "Measured" } th { "Bar" } th { "" } } },
+            &html! { tr { th.name { "Figure" } th { "Measured" } th { "Bar" } th { "" } } },
             &html! {
                 @for (what, value, bar, met) in lines {
                     tr {
-                        td { (what) }
-                        td.n { (significant(*value, DIGITS)) }
-                        td.n { (bar) }
+                        th scope="row" { (what) }
+                        td { (significant(*value, DIGITS)) }
+                        td { (bar) }
                         td { @if *met { "met" } @else { strong { "missed" } } }
                     }
                 }
@@ -90,8 +90,8 @@ pub(crate) fn speed_html(speed: &Speed, lines: &[Line]) -> String {
     };
     let others = table(
         "Figures without a bar",
-        &html! { tr { th { "Figure" } th { "Measured" } } },
-        &html! { @for (what, value) in plain(speed) { tr { td { (what) } td { (value) } } } },
+        &html! { tr { th.name { "Figure" } th { "Measured" } } },
+        &html! { @for (what, value) in plain(speed) { tr { th scope="row" { (what) } td { (value) } } } },
     );
     let sections = html! {
         (section("figures", "Figures", &html! { (bars) (others) }))

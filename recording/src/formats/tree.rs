@@ -14,6 +14,8 @@ use crate::place::Lines;
 use crate::report::Constant;
 use crate::table::Table;
 
+/// What only MATLAB itself reads, and what to do there.
+pub(super) const OBJECT: &str = "MATLAB object (of a timeseries x save x.Time and squeeze(x.Data), of a Dataset those of its elements)";
 /// A matrix with more columns than this is a picture or a map, not signals.
 const MOST_COLUMNS: usize = 100;
 /// Last parts of a path that say nothing; the part before them is the name.

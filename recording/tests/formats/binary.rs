@@ -44,6 +44,39 @@ fn structs_and_cells_are_opened() {
 }
 
 #[test]
+fn objects_of_matlab_are_named_with_what_to_save_in_their_place() {
+    let element = |kind: u32, data: &[u8]| {
+        let mut made = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+        made.extend(data);
+        made.resize(made.len().next_multiple_of(8), 0);
+        made
+    };
+    let workspace = element(9, &[0; 800]);
+    let dimensions: Vec<u8> = [1_u32, 100].iter().flat_map(|it| it.to_le_bytes()).collect();
+    let object = [
+        element(6, &[17, 0, 0, 0, 0, 0, 0, 0]),
+        element(1, b"speed"),
+        element(1, b"MCOS"),
+        element(1, b"timeseries"),
+    ];
+    // MATLAB's own workspace, without a name, in which what an object holds lies as it pleases.
+    let own = [
+        element(6, &[6, 0, 0, 0, 0, 0, 0, 0]),
+        element(5, &dimensions),
+        element(1, b""),
+        workspace,
+    ];
+    let mut file = b"MATLAB 5.0 MAT-file".to_vec();
+    file.resize(124, b' ');
+    file.extend([0, 1, b'I', b'M']);
+    file.extend(element(14, &object.concat()));
+    file.extend(element(14, &own.concat()));
+    let told = read_as("log.mat", &file).unwrap_err().to_string();
+    assert!(told.contains("variable `speed` is a MATLAB object"), "{told}");
+    assert!(told.contains("squeeze(x.Data)"), "{told}");
+}
+
+#[test]
 fn varieties_that_are_not_read_are_named_with_the_way_out() {
     let fails = |name: &str, bytes: &[u8]| read_as(name, bytes).unwrap_err().to_string();
     let cases: [(&str, Vec<u8>, &str); 6] = [

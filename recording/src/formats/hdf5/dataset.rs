@@ -3,7 +3,7 @@
 use hdf5_reader::{ByteOrder, Dataset, Datatype};
 
 use super::{Broken, Walk, beneath};
-use crate::formats::tree::{KeyPath, Matrix};
+use crate::formats::tree::{KeyPath, Matrix, OBJECT};
 
 /// Attributes that name a unit.
 const UNITS: [&str; 5] = ["unit", "units", "Unit", "Units", "unit_string"];
@@ -18,6 +18,10 @@ impl Walk<'_> {
         self.object()?;
         let text = |name: &str| dataset.attribute(name).ok().and_then(|it| it.read_string().ok());
         let class = text("MATLAB_class").unwrap_or_default();
+        if dataset.attribute("MATLAB_object_decode").is_ok() {
+            self.tree.others.push((path, OBJECT));
+            return Ok(());
+        }
         let Some((rows, columns)) = sides(dataset.shape()) else {
             self.tree.others.push((path, "array of more than two dimensions"));
             return Ok(());

@@ -4,10 +4,12 @@ use std::io::{self, Read};
 
 use super::element::{Broken, number, small_element, tag, text_of, word};
 use crate::budget::Budget;
-use crate::formats::tree::{KeyPath, Matrix, Tree};
+use crate::formats::tree::{KeyPath, Matrix, OBJECT, Tree};
 
 /// The type of an element that is a variable.
 pub(super) const MATRIX: u32 = 14;
+/// The class of objects.
+const OPAQUE: u8 = 17;
 /// A name is at most 63 characters in MATLAB; others write longer ones.
 const LONGEST_NAME: u32 = 4096;
 /// Field names of a struct, bytes.
@@ -47,8 +49,14 @@ impl Parser<'_> {
     ) -> Result<(), Broken> {
         let flags = small_element(reader, 8)?;
         let dimensions = small_element(reader, 4 * 32)?;
-        let name = text_of(&small_element(reader, LONGEST_NAME)?);
+        let name = small_element(reader, LONGEST_NAME)?;
         let [class, bits, ..] = flags[..] else { return Err(Broken::What("no flags")) };
+        // An object has no dimensions: its name stands there, and here the name of its system.
+        let name = text_of(if class == OPAQUE { &dimensions } else { &name });
+        if path.is_empty() && name.is_empty() {
+            // MATLAB's own workspace, in which its objects lie.
+            return Ok(());
+        }
         let path = if path.is_empty() { vec![name] } else { path };
         let lengths: Vec<usize> =
             dimensions.chunks_exact(4).map(|it| word(it, 0) as usize).collect();
@@ -64,7 +72,7 @@ impl Parser<'_> {
             4 => return self.text(reader, path),
             1 => "cell array",
             2 => "struct",
-            3 => "object",
+            3 => OBJECT,
             5 => "sparse matrix",
             6..=15 if bits & 0x08 != 0 => "complex matrix",
             6..=15 if lengths.len() != 2 => "matrix of more than two dimensions",
@@ -77,7 +85,8 @@ impl Parser<'_> {
                 self.tree.matrices.push(Matrix { path, unit: None, rows, columns, values });
                 return Ok(());
             }
-            _ => "function or object",
+            16 => "function",
+            _ => OBJECT,
         };
         self.tree.others.push((path, other));
         Ok(())

@@ -87,4 +87,6 @@ pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, free_run, residual};
 pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};
-pub use windows::{Baseline, FALSE_RUNS, Lag, LagRun, WindowError, WindowWatch, Windows};
+pub use windows::{
+    Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, Rest, WindowError, WindowWatch, Windows,
+};

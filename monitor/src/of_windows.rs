@@ -1,6 +1,6 @@
 //! Windows of the residual at work.
 
-use drivescope_diagnoser::{LagRun, Memory, MemoryError, Walk, WindowWatch};
+use drivescope_diagnoser::{LagRun, Memory, MemoryError, Rest, Walk, WindowWatch};
 
 use crate::declaration::Declaration;
 use crate::found::Found;
@@ -13,6 +13,7 @@ use crate::state::Shown;
 pub(crate) struct OfWindows {
     watch: WindowWatch,
     model: LagRun,
+    rest: Rest,
     /// Time of the last window outside.
     last_outside: f64,
     pub(crate) counted: Outside,
@@ -25,6 +26,7 @@ impl OfWindows {
         Self {
             watch,
             model,
+            rest: Rest::default(),
             last_outside: 0.0,
             counted: Outside::default(),
             found: Found::new(Method::Windows, None),
@@ -39,10 +41,8 @@ impl OfWindows {
         (sample, beyond): (usize, bool),
     ) -> bool {
         let residual = y - self.model.step(u);
-        if beyond {
-            self.watch.reset();
-        }
-        let Some(outside) = self.watch.step(residual).filter(|_| !beyond) else {
+        let rests = self.rest.step(self.model.model(), u, y, self.watch.samples());
+        let Some(outside) = self.watch.step(residual, rests || beyond) else {
             self.found.end(self.last_outside, &mut self.standing);
             return false;
         };
@@ -64,6 +64,7 @@ impl OfWindows {
     pub(crate) fn begin(&mut self) {
         self.watch.reset();
         self.model.reset();
+        self.rest = Rest::default();
         self.found.end(self.last_outside, &mut self.standing);
     }
 
@@ -89,6 +90,7 @@ impl Memory for OfWindows {
     fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
         self.watch.walk(walk)?;
         self.model.walk(walk)?;
+        self.rest.walk(walk)?;
         self.last_outside.walk(walk)?;
         self.counted.walk(walk)?;
         self.found.walk(walk)?;

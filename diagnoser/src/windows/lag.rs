@@ -100,6 +100,11 @@ impl Lag {
         made
     }
 
+    /// What inputs as large as the dead zones would drive without them, output unit.
+    pub fn over_dead_zones(&self) -> f64 {
+        self.gains.iter().zip(&self.zones).map(|(gain, zone)| (gain * zone).abs()).sum()
+    }
+
     /// Whether those inputs leave a drive at rest.
     pub fn is_at_rest(&self, u: impl Iterator<Item = f64>) -> bool {
         let mut within = u.zip(&self.zones).map(|(u, zone)| *zone > 0.0 && u.abs() <= *zone);
@@ -140,6 +145,11 @@ impl LagRun {
     /// From the next input on, in its steady state.
     pub fn new(model: Lag) -> Self {
         Self { model, y: 0.0, sample: 0 }
+    }
+
+    /// What runs.
+    pub fn model(&self) -> &Lag {
+        &self.model
     }
 
     /// Begins anew.

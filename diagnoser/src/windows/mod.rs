@@ -5,7 +5,13 @@
 //! the mean and the logarithm of the standard deviation over a window are judged. Their limits are
 //! such that of healthy runs, each judged by its own begin, a designed share raises any alarm: the
 //! greatest values of runs have a Gumbel distribution, whose two parameters their median and
-//! quartiles give, so that a run that is not healthy after all does not widen them.
+//! quartiles give, so that a run that is not healthy after all does not widen them. A drive that rests
+//! or runs down is not judged.
+//!
+//! A healthy machine warms up, and its residual drifts with it. While windows lie inside, the mean
+//! that they are held against follows them over [`FOLLOWED`] windows, in the design and at work, and
+//! never further from the baseline than one limit: what grows slowly is seen once it is twice as
+//! large as what comes at once.
 
 use std::collections::VecDeque;
 
@@ -16,8 +22,10 @@ use crate::data::Data;
 use crate::memory::{Memory, MemoryError, Walk};
 
 mod lag;
+mod rest;
 
 pub use lag::{Lag, LagRun};
+pub use rest::Rest;
 
 /// Time of a window and of a baseline, s.
 pub(crate) const WINDOW_S: f64 = 2.0;
@@ -31,6 +39,8 @@ const FEWEST: usize = 5;
 const SHORTER: usize = 4;
 /// Stretches are so many windows long.
 const STRETCH: usize = 10;
+/// Windows over which the mean of a healthy residual is followed.
+pub const FOLLOWED: usize = 10;
 
 /// Mean and standard deviation of a healthy residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +63,9 @@ pub struct Windows {
     pub mean: f64,
     /// Greatest logarithm of a window's standard deviation over the baseline's.
     pub spread: f64,
+    /// Samples over which the mean of a healthy residual is followed; 0 if it is not.
+    #[serde(default)]
+    pub followed: usize,
     /// Healthy runs that the limits rest on.
     pub runs: usize,
     /// Model of the output.
@@ -109,28 +122,42 @@ impl Windows {
                     |values: &[f64]| values[first.clone()].iter().sum::<f64>() / first.len() as f64;
                 // A run that begins at rest is no example of how one goes on from its begin.
                 if !model.is_at_rest(data.inputs().iter().map(|column| mean(column.values))) {
-                    runs.push(residual[segment.clone()].to_vec());
+                    let mut rest = Rest::default();
+                    let sample = |k: usize| {
+                        let u: Vec<f64> = data.inputs().iter().map(|it| it.values[k]).collect();
+                        (residual[k], rest.step(&model, &u, data.output().values[k], samples))
+                    };
+                    runs.push(segment.clone().map(sample).collect::<Vec<_>>());
                 }
             }
         }
-        let long = |run: &Vec<f64>| run.len() >= baseline + 2 * samples;
+        let long = |run: &Vec<(f64, bool)>| run.len() >= baseline + 2 * samples;
         runs.retain(long);
         if runs.len() < FEW {
             let stretch = baseline + STRETCH * samples;
-            let cut = |run: &Vec<f64>| -> Vec<Vec<f64>> {
-                run.chunks(stretch).map(<[f64]>::to_vec).collect()
+            let cut = |run: &Vec<(f64, bool)>| -> Vec<Vec<(f64, bool)>> {
+                run.chunks(stretch).map(<[_]>::to_vec).collect()
             };
             runs = runs.iter().flat_map(cut).filter(long).collect();
         }
         if runs.len() < FEWEST {
             return None;
         }
-        let unlimited = Self { samples, baseline, mean: 0.0, spread: 0.0, runs: runs.len(), model };
-        let greatest = |run: &Vec<f64>| {
+        let unlimited = Self {
+            samples,
+            baseline,
+            mean: f64::INFINITY,
+            spread: f64::INFINITY,
+            followed: FOLLOWED * samples,
+            runs: runs.len(),
+            model,
+        };
+        let greatest = |run: &Vec<(f64, bool)>| {
             let (first, rest) = run.split_at(baseline);
-            let mut watch = unlimited.watch(Baseline::of(first));
+            let first: Vec<f64> = first.iter().map(|(residual, _)| *residual).collect();
+            let mut watch = unlimited.watch(Baseline::of(&first));
             rest.iter()
-                .filter_map(|r| watch.measured(*r))
+                .filter_map(|(residual, rests)| watch.unless(*rests, *residual))
                 .fold([0.0_f64; 2], |top, [mean, spread]| [top[0].max(mean), top[1].max(spread)])
         };
         let all: Vec<[f64; 2]> = runs.iter().map(greatest).collect();
@@ -162,10 +189,14 @@ impl Windows {
         Ok(Baseline::of(&residual))
     }
 
+    fn is_exceeded(&self, [mean, spread]: [f64; 2]) -> bool {
+        mean > self.mean || spread > self.spread
+    }
+
     /// Windows from here on.
     pub fn watch(&self, baseline: Baseline) -> WindowWatch {
         let last = VecDeque::with_capacity(self.samples);
-        WindowWatch { design: self.clone(), baseline, last }
+        WindowWatch { design: self.clone(), baseline, drift: 0.0, last }
     }
 }
 
@@ -190,16 +221,33 @@ fn gumbel_limit(mut greatest: Vec<f64>) -> f64 {
 pub struct WindowWatch {
     design: Windows,
     baseline: Baseline,
+    /// What the healthy mean has moved by since the baseline, output unit.
+    drift: f64,
     last: VecDeque<f64>,
 }
 
 impl WindowWatch {
+    /// Samples of a window.
+    pub fn samples(&self) -> usize {
+        self.design.samples
+    }
+
     /// After a gap the window is empty.
     pub fn reset(&mut self) {
         self.last.clear();
     }
 
-    /// Departure of the mean and logarithm of the spread, once the window is full.
+    /// The same where the sample is judged; else the window begins anew.
+    fn unless(&mut self, unjudged: bool, residual: f64) -> Option<[f64; 2]> {
+        if unjudged {
+            self.reset();
+            return None;
+        }
+        self.measured(residual)
+    }
+
+    /// Departure of the mean and logarithm of the spread, once the window is full; the healthy mean
+    /// follows one that lies inside.
     fn measured(&mut self, residual: f64) -> Option<[f64; 2]> {
         if self.last.len() == self.design.samples {
             self.last.pop_front();
@@ -209,7 +257,13 @@ impl WindowWatch {
             return None;
         }
         let Baseline { mean, deviation } = Baseline::of(self.last.make_contiguous());
-        Some([(mean - self.baseline.mean).abs(), (deviation / self.baseline.deviation).ln()])
+        let departure = mean - self.baseline.mean - self.drift;
+        let measured = [departure.abs(), (deviation / self.baseline.deviation).ln()];
+        let Windows { mean: limit, followed, .. } = self.design;
+        if followed > 0 && !self.design.is_exceeded(measured) {
+            self.drift = (self.drift + departure / followed as f64).clamp(-limit, limit);
+        }
+        Some(measured)
     }
 
     /// Departure of the mean of the last window from the baseline, once it is full, and what is
@@ -217,18 +271,20 @@ impl WindowWatch {
     pub fn departure(&self) -> Option<(f64, f64)> {
         let full = self.last.len() == self.design.samples;
         let mean = self.last.iter().sum::<f64>() / self.last.len() as f64;
-        full.then_some((mean - self.baseline.mean, self.design.mean))
+        full.then_some((mean - self.baseline.mean - self.drift, self.design.mean))
     }
 
-    /// Takes a residual; whether the window that it closes lies outside, once there is one.
-    pub fn step(&mut self, residual: f64) -> Option<bool> {
-        let [mean, spread] = self.measured(residual)?;
-        Some(mean > self.design.mean || spread > self.design.spread)
+    /// Takes a residual; whether the window that it closes lies outside, once there is one. An
+    /// `unjudged` one empties the window.
+    pub fn step(&mut self, residual: f64, unjudged: bool) -> Option<bool> {
+        let measured = self.unless(unjudged, residual)?;
+        Some(self.design.is_exceeded(measured))
     }
 }
 
 impl Memory for WindowWatch {
     fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        self.drift.walk(walk)?;
         walk.list(&mut self.last, self.design.samples, || 0.0)
     }
 }
@@ -241,7 +297,15 @@ mod tests {
 
     fn design() -> Windows {
         let model = Lag { left: 0.9, constant: 0.0, gains: vec![2.0], zones: vec![0.5] };
-        Windows { samples: 100, baseline: 200, mean: 0.6, spread: 0.4, runs: 10, model }
+        Windows {
+            samples: 100,
+            baseline: 200,
+            mean: 0.6,
+            spread: 0.4,
+            followed: 1000,
+            runs: 10,
+            model,
+        }
     }
 
     #[test]
@@ -252,13 +316,31 @@ mod tests {
             let mut watch = design().watch(baseline);
             let rows = health[200..].iter().enumerate();
             let changed = rows.map(|(k, r)| if k < 400 { *r } else { change(*r) });
-            changed.map(|r| watch.step(r) == Some(true)).collect::<Vec<_>>()
+            changed.map(|r| watch.step(r, false) == Some(true)).collect::<Vec<_>>()
         };
         assert!(outside(|r| r).iter().all(|outside| !outside));
         for change in [|r| r + 1.0, |r| r - 1.0, |r| 2.0 * r] {
             let found = outside(change);
             assert!(found[..400].iter().all(|outside| !outside) && found[499..].iter().all(|o| *o));
         }
+    }
+
+    #[test]
+    fn a_slow_drift_is_followed_up_to_one_limit() {
+        let health = noise(20_000, 7);
+        let baseline = Baseline::of(&health[..200]);
+        let first = |per_sample: f64| {
+            let mut watch = design().watch(baseline);
+            health.iter().enumerate().position(|(k, r)| {
+                let drift = (per_sample * k as f64).min(3.0);
+                watch.step(0.3 * r + drift, false) == Some(true)
+            })
+        };
+        // 0.6 is the limit of what comes at once; what has grown to twice the limit is seen.
+        assert!(first(0.0).is_none());
+        let seen = first(0.0002).expect("it grows to 3");
+        assert!((4500..7000).contains(&seen), "{seen}");
+        assert!(first(0.01).expect("at once") < 200);
     }
 
     #[test]

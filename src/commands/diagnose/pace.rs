@@ -39,14 +39,16 @@ pub(super) struct Pace {
     last: Option<f64>,
     /// Time of the last late row, and how many there were in a row.
     late: (f64, usize),
-    /// The first steps.
+    /// Time of the last row, whatever it was, and the first steps from row to row.
+    before: f64,
     steps: Vec<f64>,
 }
 
 impl Pace {
     pub(super) fn new(period_s: f64) -> Self {
         let (late, steps) = ((f64::NEG_INFINITY, 0), Vec::with_capacity(KNOWN));
-        Self { period_s, start: 0.0, place: 0, drift: 0.0, last: None, late, steps }
+        let (start, place, drift, before) = (0.0, 0, 0.0, 0.0);
+        Self { period_s, start, place, drift, last: None, late, before, steps }
     }
 
     fn begin(&mut self, time: f64) {
@@ -54,18 +56,26 @@ impl Pace {
         self.late = (f64::NEG_INFINITY, 0);
     }
 
+    /// Mean of the middle half of the first steps, s: neither lost rows nor a jitter from row to row
+    /// change it.
+    fn usual_step(&self) -> f64 {
+        let mut sorted = self.steps.clone();
+        sorted.sort_by(f64::total_cmp);
+        let middle = &sorted[sorted.len() / 4..sorted.len() - sorted.len() / 4];
+        middle.iter().sum::<f64>() / middle.len() as f64
+    }
+
     /// Takes the time of a row, s.
     pub(super) fn arrives(&mut self, time: f64) -> Arrival {
+        let before = std::mem::replace(&mut self.before, time);
         let Some(last) = self.last else {
             self.begin(time);
             return Arrival::Row { lost: 0, time };
         };
         if self.steps.len() < KNOWN {
-            self.steps.push((time - last).abs());
+            self.steps.push((time - before).abs());
             if self.steps.len() == KNOWN {
-                let mut sorted = self.steps.clone();
-                sorted.sort_by(f64::total_cmp);
-                let usual = sorted[KNOWN / 2];
+                let usual = self.usual_step();
                 if (usual - self.period_s).abs() > SAME * self.period_s {
                     return Arrival::OtherPeriod(usual);
                 }

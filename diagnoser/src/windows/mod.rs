@@ -181,8 +181,9 @@ impl Windows {
         let residual = self.model.residual(data);
         let (first, second) = residual.split_at(samples / 2);
         let by = (mean(first) - mean(second)).abs();
-        // Means over less than a window scatter more.
-        let limit = self.mean * (self.samples as f64 / first.len() as f64).sqrt().max(1.0);
+        // A mean that is followed may move by one limit more; means over less than a window scatter.
+        let healthy = if self.followed > 0 { 2.0 * self.mean } else { self.mean };
+        let limit = healthy * (self.samples as f64 / first.len() as f64).sqrt().max(1.0);
         if by > limit {
             return Err(WindowError::Changes { by, limit });
         }

@@ -137,6 +137,11 @@ pub(crate) fn answers() {
     ANSWERS.store(true, Ordering::Relaxed);
 }
 
+/// Whether what the run has made may still be written.
+pub(crate) fn may_write() -> bool {
+    ANSWERS.load(Ordering::Relaxed) || check().is_ok()
+}
+
 /// While this lives, the program is not ended from outside.
 pub(crate) fn writing() -> Option<RwLockReadGuard<'static, ()>> {
     WRITING.read().ok()

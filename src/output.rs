@@ -33,12 +33,13 @@ pub(crate) fn write_recording(path: &Path, recording: &Recording) -> miette::Res
     drivescope_recording::write(path, recording).map_err(told)
 }
 
-/// A run that was stopped writes nothing any more, though it may notice late.
+/// A run that was stopped writes nothing any more, though it may notice late; but for one that answers
+/// with what it has.
 fn unless_stopped(path: &Path) -> Result<(), Failure> {
-    interrupt::check().map_err(|_| Failure::Write {
-        path: path.to_owned(),
-        source: ErrorKind::Interrupted.into(),
-    })
+    if interrupt::may_write() {
+        return Ok(());
+    }
+    Err(Failure::Write { path: path.to_owned(), source: ErrorKind::Interrupted.into() })
 }
 
 /// Writes a recording as CSV with columns of text behind it.

@@ -72,7 +72,6 @@ fn effects(drive: &Drive, held: &Held, _: bool) -> miette::Result<Growth> {
         more.effects.extend(others().take(count).map(|law| EffectData {
             kind: law.info.id.to_owned(),
             id: law.info.id.to_owned(),
-            // Small: what is timed is the law and not what it does.
             parameters: law.parameters.iter().map(|it| (it.name.to_owned(), it.nominal)).collect(),
             law: None,
         }));

@@ -1,8 +1,8 @@
 """Times of other people's programs on a drive: `speed.py FMU INPUTS SAMPLES`, answers JSON.
 
-INPUTS is a CSV file of voltage [V] and load torque [N m], a row a sample; the numbers of the motor are
-those of the environment variable DRIVE, as JSON. Each time is the least of some repetitions, in seconds
-a sample.
+INPUTS is a CSV file of voltage [V] and load torque [N m], a row a sample; the numbers of the motor
+are those of the environment variable DRIVE, as JSON. Each time is the least of some repetitions, in
+seconds a sample.
 """
 
 import csv

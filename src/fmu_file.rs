@@ -29,6 +29,11 @@ pub(crate) fn platform() -> Result<Platform, Failure> {
     Platform::host().ok_or(Failure::Platform)
 }
 
+/// The version that the number 2 or 3 asks for.
+pub(crate) fn version(fmi: u8) -> Version {
+    if fmi == 2 { Version::Two } else { Version::Three }
+}
+
 /// Writes the FMU of a drive; `open_loop` makes u an input even if the drive has a controller.
 /// What the FMU says of itself.
 ///

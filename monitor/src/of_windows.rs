@@ -41,7 +41,7 @@ impl OfWindows {
         (sample, beyond): (usize, bool),
     ) -> bool {
         let residual = y - self.model.step(u);
-        let rests = self.rest.step(self.model.model(), u, y, self.watch.samples());
+        let rests = self.rest.step(self.model.model(), u.iter().copied(), y, self.watch.samples());
         let Some(outside) = self.watch.step(residual, rests || beyond) else {
             self.found.end(self.last_outside, &mut self.standing);
             return false;

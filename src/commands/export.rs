@@ -8,8 +8,8 @@ use drivescope_fmu::description::Version;
 use drivescope_fmu_blocks::DiagnoserError;
 use serde::Serialize;
 
-use super::diagnose::{names, refused};
-use super::{RecordingOptions, Run, at_period};
+use super::diagnose::{read_for, refused};
+use super::{RecordingOptions, Run};
 use crate::drive_source;
 use crate::failure::{Ending, Failure, told};
 use crate::fmu_file::{self, NoFmu};
@@ -68,7 +68,7 @@ impl Run for Export {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let path = PathBuf::from(&self.drive);
         let is_diagnoser = std::fs::read_to_string(&path).is_ok_and(|it| Diagnoser::is_meant(&it));
-        let version = if self.fmi == 2 { Version::Two } else { Version::Three };
+        let version = fmu_file::version(self.fmi);
         if is_diagnoser {
             return self.diagnoser(&path, version, session);
         }
@@ -112,11 +112,8 @@ impl Export {
         }
         let diagnoser = Diagnoser::load(path).map_err(told)?;
         session.check_writable(&[&self.output])?;
-        let baseline = self.baseline.as_ref().map(|file| {
-            let (recording, report) = self.reading.read(file, session)?;
-            report.require(&recording, &names(&diagnoser)).map_err(told)?;
-            at_period(recording, diagnoser.interface.period_s, session)
-        });
+        let file = self.baseline.as_ref();
+        let baseline = file.map(|file| read_for(&diagnoser, file, &self.reading, session));
         let baseline = baseline.transpose()?;
         let made = fmu_file::write_diagnoser(&diagnoser, baseline.as_ref(), version, &self.output);
         let (description, learns_for) = made.map_err(|error| match error {

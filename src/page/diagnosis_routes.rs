@@ -7,7 +7,6 @@ use axum::body::Body;
 use axum::extract::{Path, Query, State as From};
 use axum::http::StatusCode;
 use axum::response::Response;
-use drivescope_fmu::description::Version;
 use serde::Deserialize;
 use serde_json::json;
 
@@ -83,7 +82,7 @@ pub(super) async fn give(
             Ok(download::file("application/toml", FILE, text))
         }
         ("fmu", Some(fmi @ (2 | 3))) => {
-            let version = if fmi == 2 { Version::Two } else { Version::Three };
+            let version = fmu_file::version(fmi);
             let made = move || -> miette::Result<Vec<u8>> {
                 let folder = site.folder.path();
                 let unwritable = |source| Failure::Write { path: folder.to_owned(), source };

@@ -2,7 +2,6 @@
 
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use drivescope_fmu::description::Version;
 
 use super::bench::{State, words};
 use super::rung::Rung;
@@ -31,7 +30,7 @@ pub(super) fn file(kind: &str, name: &str, content: miette::Result<Vec<u8>>) -> 
 /// # Errors
 /// It cannot be written.
 pub(super) fn fmu(site: &Site, rung: &Rung, fmi: u8) -> miette::Result<Vec<u8>> {
-    let version = if fmi == 2 { Version::Two } else { Version::Three };
+    let version = fmu_file::version(fmi);
     let folder = site.folder.path();
     let unwritable = |source| Failure::Write { path: folder.to_owned(), source };
     let own = tempfile::Builder::new().tempdir_in(folder).map_err(unwritable)?;

@@ -30,6 +30,12 @@ fn declared(here: &Path, file: &str, prefix: &str) -> Vec<(usize, [f64; 4])> {
         .collect()
 }
 
+/// The mechanisms of a trained bank, in the order of their codes.
+fn codes(answer: &Value) -> Vec<&str> {
+    let confusions = answer["bank"]["confusions"].as_array().expect("a list");
+    confusions.iter().map(|it| it["mechanism"].as_str().expect("a name")).collect()
+}
+
 /// The same of the lines of a live run, rows counted by their times.
 fn judged(lines: &[Value], codes: &[&str]) -> Vec<(usize, [f64; 4])> {
     let number = |value: &Value| value.as_f64().unwrap_or(0.0);
@@ -50,9 +56,7 @@ fn an_exported_diagnoser_decides_as_the_program_does() {
     let here = folder();
     let here = here.path();
     let answer = trained(here);
-    let confusions = answer["bank"]["confusions"].as_array().expect("a list");
-    let codes: Vec<&str> =
-        confusions.iter().map(|it| it["mechanism"].as_str().expect("a name")).collect();
+    let codes = codes(&answer);
     simulated(here, "ill.csv", 12, &ILL);
     let expected = judged(&live(here, "ill.csv"), &codes);
     assert_eq!(expected.len(), 1, "{expected:?}");
@@ -115,9 +119,7 @@ fn plant_and_diagnoser_run_connected_with_the_alarms_of_the_recorded_signals() {
     let here = folder();
     let here = here.path();
     let answer = trained(here);
-    let confusions = answer["bank"]["confusions"].as_array().expect("a list");
-    let codes: Vec<&str> =
-        confusions.iter().map(|it| it["mechanism"].as_str().expect("a name")).collect();
+    let codes = codes(&answer);
     done(here, &["export", "dr300", "-o", "plant.fmu", "--fmi", "2", "--quiet"]);
     done(here, &["export", "rig.toml", "-o", "watch.fmu", "--quiet"]);
     put(here, "noise.csv", noise(2401));

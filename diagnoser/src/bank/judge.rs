@@ -58,7 +58,7 @@ pub struct Judgement {
 }
 
 /// Half width of a 95 % interval in standard deviations.
-pub(crate) const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
+pub const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
 impl Candidate {
     /// The 95 % interval of the size.

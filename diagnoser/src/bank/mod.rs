@@ -37,7 +37,7 @@ mod watch;
 pub use baseline::{BaselineError, learn, log_likelihood};
 pub use calibration::{Calibration, CalibrationError, Tails, Verified, calibrate, verify};
 pub use design::{Tail, TailError};
-pub use judge::{Candidate, Cause, Judgement};
+pub use judge::{Candidate, Cause, Judgement, TWO_SIDED_95};
 pub use process::{Advanced, Belief, MECHANISMS, Mechanism, Process, Row, SENSORS, Sensed};
 pub use separation::{Separation, separation};
 pub use simulated::{Driving, simulated};

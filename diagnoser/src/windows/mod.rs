@@ -124,8 +124,8 @@ impl Windows {
                 if !model.is_at_rest(data.inputs().iter().map(|column| mean(column.values))) {
                     let mut rest = Rest::default();
                     let sample = |k: usize| {
-                        let u: Vec<f64> = data.inputs().iter().map(|it| it.values[k]).collect();
-                        (residual[k], rest.step(&model, &u, data.output().values[k], samples))
+                        let u = data.inputs().iter().map(|it| it.values[k]);
+                        (residual[k], rest.step(&model, u, data.output().values[k], samples))
                     };
                     runs.push(segment.clone().map(sample).collect::<Vec<_>>());
                 }

@@ -19,8 +19,14 @@ pub struct Rest {
 
 impl Rest {
     /// Takes a sample; whether it is one at rest. `window` is the length of a window, samples.
-    pub fn step(&mut self, model: &Lag, u: &[f64], y: f64, window: usize) -> bool {
-        if !model.is_at_rest(u.iter().copied()) {
+    pub fn step(
+        &mut self,
+        model: &Lag,
+        u: impl Iterator<Item = f64>,
+        y: f64,
+        window: usize,
+    ) -> bool {
+        if !model.is_at_rest(u) {
             self.inside = 0;
             return false;
         }
@@ -43,14 +49,14 @@ mod tests {
     fn a_drive_runs_down_and_stands_and_a_stuck_sensor_does_not() {
         let model = Lag { left: 0.9, constant: 0.0, gains: vec![10.0], zones: vec![2.0] };
         let mut rest = Rest::default();
-        assert!(!rest.step(&model, &[3.0], 10.0, 50));
+        assert!(!rest.step(&model, [3.0].into_iter(), 10.0, 50));
         let run_down = |k: usize| 10.0 * 0.9_f64.powi(k as i32);
-        assert!((0..500).all(|k| rest.step(&model, &[0.0], run_down(k), 50)));
-        assert!(!rest.step(&model, &[3.0], 10.0, 50));
-        let stuck = (0..500).filter(|_| rest.step(&model, &[0.0], 10.0, 50)).count();
+        assert!((0..500).all(|k| rest.step(&model, [0.0].into_iter(), run_down(k), 50)));
+        assert!(!rest.step(&model, [3.0].into_iter(), 10.0, 50));
+        let stuck = (0..500).filter(|_| rest.step(&model, [0.0].into_iter(), 10.0, 50)).count();
         assert_eq!(stuck, 100);
         // Without a dead zone nothing rests.
         let free = Lag { zones: vec![0.0], ..model };
-        assert!(!rest.step(&free, &[0.0], 0.0, 50));
+        assert!(!rest.step(&free, [0.0].into_iter(), 0.0, 50));
     }
 }

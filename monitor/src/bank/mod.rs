@@ -17,5 +17,5 @@ mod sizes;
 pub use design::{DesignError, Designed, design};
 pub use noise::{learn_noise, with_noise};
 pub use process::ProcessError;
-pub use rows::{Columns, RowsError, without_current};
+pub use rows::{CURRENTS, Columns, DRIVING, RowsError, without_current};
 pub use sizes::{AnyProcess, AnyWatch, known_process, mechanisms, process};

@@ -28,9 +28,13 @@ pub enum RowsError {
 /// Names under which each sensor is looked for, the first that is there, and the SI units of it:
 /// first what the controller sees, for a simulated recording holds ideal values beside it.
 const SPEED: (&[&str], &[&str]) = (&["T", "omega", "v"], &["rad/s", "m/s"]);
-const CURRENT: (&[&str], &[&str]) = (&["I_m", "i"], &["A"]);
-const VOLTAGE: (&[&str], &[&str]) = (&["u"], &["V", "A", "N m", "N"]);
-const CONTROL: &str = "C_m";
+const CURRENT: (&[&str], &[&str]) = (&CURRENTS, &["A"]);
+const VOLTAGE: (&[&str], &[&str]) = (&[DRIVING[1]], &["V", "A", "N m", "N"]);
+const CONTROL: &str = DRIVING[0];
+/// Names of what drives the process, the first that is there.
+pub const DRIVING: [&str; 2] = ["C_m", "u"];
+/// Names of the current, the first that is there.
+pub const CURRENTS: [&str; 2] = ["I_m", "i"];
 
 /// Where a bank finds its signals among columns.
 #[derive(Debug, Clone, PartialEq)]

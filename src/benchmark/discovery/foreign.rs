@@ -78,9 +78,9 @@ pub(crate) struct Python {
 }
 
 impl Python {
-    /// The given one, or `python3` on the path.
-    pub(crate) fn new(given: Option<PathBuf>) -> Self {
-        Self { program: given.unwrap_or_else(|| PathBuf::from("python3")) }
+    /// That program.
+    pub(crate) fn new(program: PathBuf) -> Self {
+        Self { program }
     }
 
     /// About that many cases.
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn the_generators_that_are_shipped_run() {
-        let python = Python::new(std::env::var_os("DRIVESCOPE_PYTHON").map(PathBuf::from));
+        let python = Python::new(crate::benchmark::python());
         // Of three cases one has a hidden effect, and the other groups have none.
         let cases = match python.cases(3, 1) {
             Ok(cases) => cases,
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn a_python_that_is_none_is_said() {
-        let python = Python::new(Some(PathBuf::from("no-such-python")));
+        let python = Python::new(PathBuf::from("no-such-python"));
         let error = format!("{:?}", python.cases(4, 1).expect_err("there is none"));
         assert!(error.contains("DRIVESCOPE_PYTHON"), "{error}");
     }

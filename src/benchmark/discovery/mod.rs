@@ -17,7 +17,7 @@ mod tally;
 #[cfg(test)]
 mod testing;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use drivescope_discovery::{
@@ -337,5 +337,5 @@ fn answer(rule: &Rule, case: &Case, noise_given: bool) -> Result<Answer, String>
 
 /// Where the Python that runs the generators is.
 pub(crate) fn python() -> foreign::Python {
-    foreign::Python::new(std::env::var_os("DRIVESCOPE_PYTHON").map(PathBuf::from))
+    foreign::Python::new(super::python())
 }

@@ -12,7 +12,6 @@ mod peers;
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
-use std::path::PathBuf;
 
 use drivescope_plant::drive::Drive;
 use drivescope_scenarios::campaign::Campaign;
@@ -92,11 +91,7 @@ impl Speed {
     ///
     /// # Errors
     /// Interrupted, or an internal error.
-    pub(crate) fn measure(
-        python: Option<PathBuf>,
-        short: bool,
-        tick: &dyn Fn(),
-    ) -> miette::Result<Self> {
+    pub(crate) fn measure(short: bool, tick: &dyn Fn()) -> miette::Result<Self> {
         let part = || {
             tick();
             interrupt::check()
@@ -126,7 +121,7 @@ impl Speed {
         let judged = ours::campaign(count, SAMPLES, "\"bands\", \"cusum\"")?;
         let (scenario_s, threads, threads_gain) = campaigns(&bare, &judged, count)?;
         part()?;
-        let peers = Peers::measure(python, &drive, &held, short);
+        let peers = Peers::measure(&drive, &held, short);
         part()?;
         let growth = growth::measure(&drive, &held, short)?;
         part()?;

@@ -1,7 +1,7 @@
 //! Programs of other people, in Python: a script that ships inside this one times them.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::Command;
 
 use drivescope_fmu::description::Version;
@@ -9,6 +9,7 @@ use drivescope_plant::drive::Drive;
 use miette::IntoDiagnostic as _;
 use serde::{Deserialize, Serialize};
 
+use super::super::python;
 use super::{Held, SAMPLES};
 use crate::fmu_file;
 
@@ -33,26 +34,15 @@ pub(crate) struct Peers {
 }
 
 impl Peers {
-    pub(super) fn measure(
-        python: Option<PathBuf>,
-        drive: &Drive,
-        held: &Held,
-        short: bool,
-    ) -> Self {
-        let python = python.unwrap_or_else(|| PathBuf::from("python3"));
-        measured(&python, drive, held, short).unwrap_or_else(|error| {
+    pub(super) fn measure(drive: &Drive, held: &Held, short: bool) -> Self {
+        measured(&python(), drive, held, short).unwrap_or_else(|error| {
             let why = Some(error.to_string());
             Self { scipy_why: why.clone(), fmpy_why: why, ..Self::default() }
         })
     }
 }
 
-fn measured(
-    python: &std::path::Path,
-    drive: &Drive,
-    held: &Held,
-    short: bool,
-) -> miette::Result<Peers> {
+fn measured(python: &Path, drive: &Drive, held: &Held, short: bool) -> miette::Result<Peers> {
     let folder = tempfile::tempdir().into_diagnostic()?;
     let path = |name: &str| folder.path().join(name);
     fmu_file::write(drive, false, Version::Two, &path("drive.fmu"))?;

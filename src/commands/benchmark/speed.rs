@@ -41,8 +41,7 @@ impl Run for OfSpeed {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         session.check_writable(&self.out.iter().collect::<Vec<_>>())?;
         let progress = session.progress(PARTS, "timing");
-        let python = std::env::var_os("DRIVESCOPE_PYTHON").map(PathBuf::from);
-        let speed = Speed::measure(python, self.short, &|| progress.inc(1))?;
+        let speed = Speed::measure(self.short, &|| progress.inc(1))?;
         progress.finish_and_clear();
         let bars = bars(&speed);
         if let Some(path) = &self.out {

@@ -113,10 +113,8 @@ impl Diagnose {
         diagnoser: &Diagnoser,
         session: &Session,
     ) -> miette::Result<Option<Recording>> {
-        let Some(file) = &self.baseline else { return Ok(None) };
-        let (recording, report) = self.reading.read(file, session)?;
-        report.require(&recording, &names(diagnoser)).map_err(told)?;
-        Ok(Some(at_period(recording, diagnoser.interface.period_s, session)?))
+        let file = self.baseline.as_ref();
+        file.map(|file| read_for(diagnoser, file, &self.reading, session)).transpose()
     }
 
     /// The method that was asked for, or the best that there is.
@@ -265,10 +263,7 @@ impl Diagnose {
     ) -> miette::Result<Answer> {
         diagnoser.interface.select(recording).map_err(told)?;
         let asked = self.asked(diagnoser, false, session);
-        let signals = recording.signals.iter();
-        let columns: Vec<(&str, &str)> = signals.map(|s| (&*s.name, &*s.unit)).collect();
-        let mut monitor = self.monitor(diagnoser, None, (asked, &columns), session)?;
-        monitor.run(diagnoser, recording, |monitor, k, _| each(monitor, k)).map_err(told)?;
+        let monitor = self.through(diagnoser, recording, (None, asked), session, &mut each)?;
         self.answer(diagnoser, (recording.name.clone(), monitor, None), None, session)
     }
 
@@ -279,15 +274,27 @@ impl Diagnose {
         asked: Method,
         session: &Session,
     ) -> miette::Result<(String, Monitor)> {
-        let (recording, report) = self.reading.read(&self.recording, session)?;
-        report.require(&recording, &names(diagnoser)).map_err(told)?;
-        let recording = at_period(recording, diagnoser.interface.period_s, session)?;
+        let recording = read_for(diagnoser, &self.recording, &self.reading, session)?;
         diagnoser.interface.select(&recording).map_err(told)?;
+        let how = (baseline, asked);
+        let monitor = self.through(diagnoser, &recording, how, session, &mut |_, _| ())?;
+        Ok((recording.name, monitor))
+    }
+
+    /// All methods after a whole recording; every row is shown to `each`.
+    fn through(
+        &self,
+        diagnoser: &Diagnoser,
+        recording: &Recording,
+        (baseline, asked): (Option<&Recording>, Method),
+        session: &Session,
+        each: &mut dyn FnMut(&Monitor, usize),
+    ) -> miette::Result<Monitor> {
         let signals = recording.signals.iter();
         let columns: Vec<(&str, &str)> = signals.map(|s| (&*s.name, &*s.unit)).collect();
         let mut monitor = self.monitor(diagnoser, baseline, (asked, &columns), session)?;
-        monitor.run(diagnoser, &recording, |_, _, _| ()).map_err(told)?;
-        Ok((recording.name, monitor))
+        monitor.run(diagnoser, recording, |monitor, k, _| each(monitor, k)).map_err(told)?;
+        Ok(monitor)
     }
 }
 
@@ -320,8 +327,20 @@ pub(crate) fn refused(file: &Path, error: &MonitorError) -> Failure {
     Failure::Usage { what, instead: instead.to_owned() }
 }
 
+/// A recording with the signals that the detectors need, at the diagnoser's sampling time.
+pub(crate) fn read_for(
+    diagnoser: &Diagnoser,
+    file: &Path,
+    reading: &RecordingOptions,
+    session: &Session,
+) -> miette::Result<Recording> {
+    let (recording, report) = reading.read(file, session)?;
+    report.require(&recording, &names(diagnoser)).map_err(told)?;
+    at_period(recording, diagnoser.interface.period_s, session)
+}
+
 /// The signals that the detectors need.
-pub(crate) fn names(diagnoser: &Diagnoser) -> Vec<&str> {
+fn names(diagnoser: &Diagnoser) -> Vec<&str> {
     let interface = &diagnoser.interface;
     let channels = interface.inputs.iter().chain([&interface.output]);
     channels.map(|channel: &Channel| channel.name.as_str()).collect()

@@ -27,6 +27,40 @@ pub(super) enum Arrival {
     OtherPeriod(f64),
 }
 
+/// Rows whose time goes back.
+#[derive(Debug, Clone)]
+pub(super) struct Backwards {
+    /// Time of the last of them, and how many there were in a row, each after the one before.
+    last: f64,
+    in_a_row: usize,
+}
+
+impl Default for Backwards {
+    fn default() -> Self {
+        Self { last: f64::NEG_INFINITY, in_a_row: 0 }
+    }
+}
+
+impl Backwards {
+    /// What a row is that does not come after the last one taken; nothing if it does. Once the clock
+    /// was set back, the stream begins anew.
+    pub(super) fn arrives(&mut self, time: f64, last: f64) -> Option<Arrival> {
+        if time > last {
+            *self = Self::default();
+            return None;
+        }
+        self.in_a_row = if time > self.last { self.in_a_row + 1 } else { 1 };
+        self.last = time;
+        Some(if self.in_a_row >= SET_BACK {
+            Arrival::SetBack { time }
+        } else if time == last {
+            Arrival::Repeated
+        } else {
+            Arrival::Late
+        })
+    }
+}
+
 /// The grid on which rows arrive.
 #[derive(Debug, Clone)]
 pub(super) struct Pace {
@@ -37,8 +71,7 @@ pub(super) struct Pace {
     /// What the clock has drifted by, s.
     drift: f64,
     last: Option<f64>,
-    /// Time of the last late row, and how many there were in a row.
-    late: (f64, usize),
+    backwards: Backwards,
     /// Time of the last row, whatever it was, and the first steps from row to row.
     before: f64,
     steps: Vec<f64>,
@@ -46,14 +79,14 @@ pub(super) struct Pace {
 
 impl Pace {
     pub(super) fn new(period_s: f64) -> Self {
-        let (late, steps) = ((f64::NEG_INFINITY, 0), Vec::with_capacity(KNOWN));
+        let (backwards, steps) = (Backwards::default(), Vec::with_capacity(KNOWN));
         let (start, place, drift, before) = (0.0, 0, 0.0, 0.0);
-        Self { period_s, start, place, drift, last: None, late, before, steps }
+        Self { period_s, start, place, drift, last: None, backwards, before, steps }
     }
 
     fn begin(&mut self, time: f64) {
         (self.start, self.place, self.drift, self.last) = (time, 0, 0.0, Some(time));
-        self.late = (f64::NEG_INFINITY, 0);
+        self.backwards = Backwards::default();
     }
 
     /// Mean of the middle half of the first steps, s: neither lost rows nor a jitter from row to row
@@ -81,16 +114,12 @@ impl Pace {
                 }
             }
         }
-        if time <= last {
-            let follows = time > self.late.0;
-            self.late = (time, if follows { self.late.1 + 1 } else { 1 });
-            if self.late.1 >= SET_BACK {
+        if let Some(back) = self.backwards.arrives(time, last) {
+            if matches!(back, Arrival::SetBack { .. }) {
                 self.begin(time);
-                return Arrival::SetBack { time };
             }
-            return if time == last { Arrival::Repeated } else { Arrival::Late };
+            return back;
         }
-        self.late = (f64::NEG_INFINITY, 0);
         let grid = |place: usize| self.start + place as f64 * self.period_s;
         let steps = ((time - grid(self.place) - self.drift) / self.period_s).round();
         if steps < 1.0 {

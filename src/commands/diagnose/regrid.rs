@@ -7,14 +7,12 @@ use std::collections::VecDeque;
 
 use drivescope_monitor::BRIDGED;
 
-use super::pace::Arrival;
+use super::pace::{Arrival, Backwards};
 
 /// Rounding of times, in sampling times.
 const ROUNDING: f64 = 1e-9;
 /// Share by which the usual step follows the last one.
 const FOLLOWED: f64 = 0.1;
-/// Rows in a row whose time goes back, each after the one before, from which the clock was set back.
-const SET_BACK: usize = 20;
 
 /// Rows on their way onto a grid.
 #[derive(Debug, Clone)]
@@ -30,7 +28,7 @@ pub(super) struct Regrid {
     step: Option<f64>,
     /// A segment begins with the rows that are here.
     anew: bool,
-    late: (f64, usize),
+    backwards: Backwards,
 }
 
 impl Regrid {
@@ -43,7 +41,7 @@ impl Regrid {
             given: 0,
             step: None,
             anew: false,
-            late: (f64::NEG_INFINITY, 0),
+            backwards: Backwards::default(),
         }
     }
 
@@ -51,7 +49,7 @@ impl Regrid {
         self.anew = self.step.is_some();
         self.rows.clear();
         self.rows.push_back((time, values.to_vec()));
-        (self.start, self.given, self.late) = (time, 0, (f64::NEG_INFINITY, 0));
+        (self.start, self.given, self.backwards) = (time, 0, Backwards::default());
     }
 
     /// Takes a row; what is wrong with its time.
@@ -61,16 +59,12 @@ impl Regrid {
             return None;
         };
         let step = time - last;
-        if step <= 0.0 {
-            let follows = time > self.late.0;
-            self.late = (time, if follows { self.late.1 + 1 } else { 1 });
-            if self.late.1 >= SET_BACK {
+        if let Some(back) = self.backwards.arrives(time, *last) {
+            if matches!(back, Arrival::SetBack { .. }) {
                 self.begin(time, values);
-                return Some(Arrival::SetBack { time });
             }
-            return Some(if step == 0.0 { Arrival::Repeated } else { Arrival::Late });
+            return Some(back);
         }
-        self.late = (f64::NEG_INFINITY, 0);
         let usual = self.step.unwrap_or(step);
         if step > (BRIDGED as f64 + 1.5) * usual.max(self.period_s) {
             let lost = (step / self.period_s) as usize;

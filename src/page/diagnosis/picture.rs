@@ -1,6 +1,7 @@
 //! The figure of a watched recording: residual and band, the bank's innovations, declared faults.
 
 use drivescope_diagnoser::Diagnoser;
+use drivescope_diagnoser::bank::TWO_SIDED_95;
 use drivescope_monitor::{Declaration, Method, Monitor};
 use drivescope_recording::Recording;
 
@@ -9,8 +10,6 @@ use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Point, Span, St
 
 const RESIDUAL_HEIGHT: f64 = 150.0;
 const SIGNAL_HEIGHT: f64 = 64.0;
-/// Half width of a 95 % band in standard deviations.
-const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 /// Declared faults whose names are written into the figure.
 const NAMED: usize = 6;
 

@@ -1,11 +1,10 @@
 //! The variables of an exported diagnoser, in their order.
 
-use drivescope_diagnoser::bank::{BankDesign, SENSORS};
+use drivescope_diagnoser::bank::{BankDesign, SENSORS, TWO_SIDED_95};
 use drivescope_diagnoser::{Channel, Diagnoser};
+use drivescope_monitor::bank::{CURRENTS, DRIVING};
 use drivescope_monitor::{Method, Monitor, STUCK, Standing, UNKNOWN};
 
-/// Half width of a 95 % band in standard deviations.
-const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 /// Code of a fault that is none of the known ones.
 pub(super) const UNKNOWN_CODE: f64 = -1.0;
 /// Faults that the bits of a set stand for.
@@ -73,10 +72,6 @@ pub(super) struct Layout {
     pub(super) of: Vec<Of>,
 }
 
-/// Names under which a bank finds what drives and the current.
-const CONTROLS: [&str; 2] = ["C_m", "u"];
-const CURRENTS: [&str; 2] = ["I_m", "i"];
-
 impl Layout {
     pub(super) fn new(diagnoser: &Diagnoser, baseline: bool) -> Self {
         let asked = Method::best(diagnoser, baseline);
@@ -93,7 +88,7 @@ impl Layout {
                     signals.len() - 1
                 })
             };
-            need(&CONTROLS, "V");
+            need(&DRIVING, "V");
             current = bank.limits_without_current.map(|_| need(&CURRENTS, "A"));
         }
         let known = diagnoser.faults.as_ref().map(|known| known.isolator.faults.clone());

@@ -8,6 +8,7 @@
 
 use drivescope_plant::effects::info::Variable;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::layout::Layout;
 use super::score::{Score, basis, outside, own_basis, score};
@@ -144,14 +145,15 @@ impl Data<'_> {
     fn ranked(
         &self,
         added: &[usize],
-        filter: &dyn Fn(&[f64]) -> Vec<f64>,
+        filter: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
         blocks: &(Vec<usize>, usize),
     ) -> Vec<Ranked> {
         let known = self.filtered(added, filter);
         let e = outside(&known, &filter(&self.residual));
         let chance = self.layout.values().ln();
-        let others = (0..self.shapes.len()).filter(|number| !added.contains(number));
+        let others = (0..self.shapes.len()).into_par_iter();
         others
+            .filter(|number| !added.contains(number))
             .filter_map(|number| {
                 let columns: Vec<Vec<f64>> =
                     self.columns[number].iter().map(|column| filter(column)).collect();

@@ -64,19 +64,18 @@ pub(super) fn outside(basis: &DMatrix<f64>, column: &[f64]) -> DVector<f64> {
 /// An orthonormal basis of what is left of a shape's columns outside the base; none if that is
 /// nothing.
 pub(super) fn own_basis(base: &DMatrix<f64>, columns: &[Vec<f64>]) -> Option<DMatrix<f64>> {
-    let sized = columns.iter().map(|column| {
-        let size = column.iter().map(|v| v * v).sum::<f64>().sqrt();
-        (column, size)
-    });
-    let left: Vec<DVector<f64>> = sized
-        .filter(|(_, size)| *size > 0.0)
-        .map(|(column, size)| outside(base, column) / size)
+    let sized: Vec<DVector<f64>> = columns
+        .iter()
+        .map(|column| DVector::from_column_slice(column))
+        .filter_map(|column| column.try_normalize(0.0))
         .collect();
-    if left.is_empty() {
+    if sized.is_empty() {
         return None;
     }
-    let left = DMatrix::from_columns(&left);
-    let eigen = SymmetricEigen::new(left.tr_mul(&left));
+    let sized = DMatrix::from_columns(&sized);
+    let along = base.transpose() * &sized;
+    let left = sized - base * along;
+    let eigen = SymmetricEigen::new(left.transpose() * &left);
     let kept: Vec<DVector<f64>> = (0..eigen.eigenvalues.len())
         .filter(|k| eigen.eigenvalues[*k] > OUTSIDE)
         .map(|k| &left * eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt())

@@ -16,7 +16,7 @@ use drivescope_plant::model::OWN;
 use super::direction::Direction;
 use super::filter::{LOAD, SENSORS, Tick, Track, VOLTAGE, Vector, own_states};
 use super::rates::Rates;
-use super::sparse::{LANES, NO_ROWS, Row, Rows, add};
+use super::rows::{LANES, NO_ROWS, Row, Rows, add};
 use super::stepper::{Stepped, Stepper};
 use crate::measured::Measured;
 

@@ -7,7 +7,7 @@
 
 use drivescope_plant::integrate::{Work, widest};
 
-use super::sparse::{NO_ROWS, Row, Rows, add, product, unit};
+use super::rows::{NO_ROWS, Row, Rows, add, product, unit};
 
 /// Norm of the part of the sample for which the series is summed; six terms leave 4e-8 of it.
 const SMALL: f64 = 0.3;

@@ -20,7 +20,7 @@ use super::beginning::beginning;
 use super::direction::Direction;
 use super::linear::{Along, Itself, Linearised, Step};
 use super::noise::{Noise, Wandering};
-use super::sparse::{NO_ROWS, Row, Rows, add};
+use super::rows::{NO_ROWS, Row, Rows, add};
 use crate::measured::Measured;
 
 /// States of the filter at most: current, speed, position, three own states, d_T, d_V.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::columns::{Pass, Share, Source};
 use super::direction::Direction;
 use super::filter::{LOAD, SENSORS, Tick, Track, VOLTAGE, Vector};
-use super::sparse::{LANES, Row};
+use super::rows::{LANES, Row};
 use crate::measured::Measured;
 
 /// A matrix whose rows and columns are exchanged.

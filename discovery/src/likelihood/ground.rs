@@ -100,10 +100,11 @@ impl Filtered {
                 searched = oscillating;
             }
             let moved = refined(part.clone(), &searched, &references)?.scene;
-            let same = moved.drive == part.drive && searched == randomness;
+            let stays = moved.drive == part.drive;
             (part, randomness) = (moved, searched);
             references = part.references(&part.tracks(&randomness)?);
-            if same && round > 0 {
+            // What is random has just been searched for beside these very parameters.
+            if stays && round > 0 {
                 break;
             }
         }

@@ -13,7 +13,7 @@ use super::direction::Direction;
 use super::exponential::Exponential;
 use super::filter::{LOAD, SENSORS, STATES, Tick, Track, Vector, own_states};
 use super::plant::Plant;
-use super::sparse::{NO_ROWS, Rows, Sparse, add, product, times};
+use super::rows::{NO_ROWS, Rows, Upper, add, product, times};
 use crate::measured::Measured;
 
 /// Parts of a sample in which teeth may meet, and parts of the armature's time constant.
@@ -26,9 +26,9 @@ type Number = Dual<STATES>;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Step {
     /// Of the propagated state by the filtered one, but for the disturbances' own decay.
-    pub(crate) transition: Sparse,
+    pub(crate) transition: Upper,
     /// Of the propagated state by the rates of the states over the sample, s.
-    pub(crate) input: Sparse,
+    pub(crate) input: Upper,
     /// Of what the sensors show by the predicted state.
     pub(crate) sense: [Vector; SENSORS],
 }
@@ -124,8 +124,8 @@ impl Linearised for Itself<'_> {
         let now = (self.transition, self.input, self.sense);
         if self.last.as_ref() != Some(&now) {
             self.steps.push(Step {
-                transition: Sparse::of(&now.0, self.plant.imposed),
-                input: Sparse::of(&now.1, self.plant.imposed),
+                transition: Upper::of(&now.0, self.plant.imposed),
+                input: Upper::of(&now.1, self.plant.imposed),
                 sense: self.sense,
             });
             self.last = Some(now);

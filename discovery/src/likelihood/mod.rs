@@ -32,9 +32,9 @@ mod plant;
 mod randomness;
 mod rates;
 mod refine;
+mod rows;
 mod scene;
 mod search;
-mod sparse;
 mod stepper;
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use super::filter::{CYCLE, LOAD, SENSORS, STATES, VOLTAGE, Vector};
-use super::sparse::{Rows, add};
+use super::rows::{Rows, add};
 
 /// A load that oscillates at a frequency with an amplitude and a phase that wander (the stochastic
 /// cycle of Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, ch. 2).

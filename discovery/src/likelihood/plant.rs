@@ -6,7 +6,7 @@ use drivescope_plant::model::{Applied, Model, OWN, SPEED, field};
 use drivescope_plant::sampled::DelayLine;
 
 use super::filter::{LOAD, OWN_STATES, SENSORS, VOLTAGE, Vector};
-use super::sparse::{LANES, NO_ROWS, Rows};
+use super::rows::{LANES, NO_ROWS, Rows};
 use crate::measured::Measured;
 
 /// A drive whose numbers carry `P` directions.

@@ -11,7 +11,7 @@ use super::columns::{A_PASS, Share};
 use super::direction::Direction;
 use super::filter::{Tick, Track};
 use super::plant::Plant;
-use super::sparse::NO_ROWS;
+use super::rows::NO_ROWS;
 use crate::measured::Measured;
 
 type Number = Dual<A_PASS>;

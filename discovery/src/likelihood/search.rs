@@ -64,10 +64,11 @@ impl Randomness {
             }
             let distance = distances[place];
             let tried = |by: f64| best.moved(numbers[place], by, scene);
-            let [up, down] = [distance, -distance].map(|by| {
+            let beside = |by: f64| {
                 let tried = tried(by);
                 if tried == best { f64::NEG_INFINITY } else { of(&tried) }
-            });
+            };
+            let (up, down) = rayon::join(|| beside(distance), || beside(-distance));
             let (mut by, mut found) = if up > down { (distance, up) } else { (-distance, down) };
             let slope = (up - down) / (2.0 * distance);
             let bend = (2.0 * most - up - down) / (distance * distance);

@@ -6,8 +6,8 @@ use drivescope_numerics::Dual;
 use drivescope_plant::drive::Drive;
 
 use super::super::plant::Plant;
+use super::super::rows::LANES;
 use super::super::scene::Recorded;
-use super::super::sparse::LANES;
 use super::windows::Windows;
 use crate::measured::Measured;
 

@@ -1,6 +1,6 @@
-//! Matrices of the filter's states of which few entries are not 0, times several columns at once.
+//! Matrices of the filter's states, times several columns at once.
 
-use super::filter::{STATES, Vector};
+use super::filter::{LOAD, STATES, Vector};
 
 /// Columns that are handled together.
 pub(crate) const LANES: usize = 8;
@@ -27,16 +27,25 @@ pub(crate) fn unit() -> Rows {
     unit
 }
 
-/// The product of two square matrices, the first of which has few entries that are not 0.
+/// The product of two square matrices.
 #[inline(always)]
 pub(crate) fn product(a: &Rows, b: &Rows) -> Rows {
     let mut product = NO_ROWS;
-    for (sum, row) in product.iter_mut().zip(a) {
-        for (factor, row) in row.iter().zip(b).filter(|(factor, _)| **factor != 0.0) {
-            add(sum, *factor, row);
-        }
-    }
+    add_product(a, b, &mut product);
     product
+}
+
+/// Adds the product of a matrix with columns to as many rows as it has. To multiply by the entries
+/// that are 0 costs less than to leave them out: each sum stays in a register.
+#[inline(always)]
+fn add_product<const N: usize>(a: &[Row; N], b: &Rows, sums: &mut Rows) {
+    for (sum, factors) in sums.iter_mut().zip(a) {
+        let mut total = *sum;
+        for (factor, row) in factors.iter().zip(b) {
+            add(&mut total, *factor, row);
+        }
+        *sum = total;
+    }
 }
 
 /// The product of a square matrix with one column.
@@ -45,46 +54,28 @@ pub(crate) fn times(matrix: &Rows, column: &Vector) -> Vector {
     Vector::from_iterator(matrix.iter().map(of))
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Entry {
-    row: u8,
-    column: u8,
-    value: f64,
-}
-
-/// The entries that are not 0.
+/// A matrix with a row for each state before the disturbances, and a column for each state.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Sparse(Vec<Entry>);
+pub(crate) struct Upper([Row; LOAD]);
 
-impl Sparse {
-    /// Those of the first `rows` rows of a matrix.
+impl Upper {
+    /// The first `rows` rows of a matrix, the others 0.
     pub(crate) fn of(matrix: &Rows, rows: usize) -> Self {
-        let places = (0..rows).flat_map(|row| (0..STATES).map(move |column| (row, column)));
-        let entry = |(row, column): (usize, usize)| Entry {
-            row: row as u8,
-            column: column as u8,
-            value: matrix[row][column],
-        };
-        Self(places.map(entry).filter(|it| it.value != 0.0).collect())
+        let row = |row: usize| if row < rows { matrix[row] } else { [0.0; STATES] };
+        Self(std::array::from_fn(row))
     }
 
     /// Adds its product with columns to others.
     #[inline(always)]
-    pub(crate) fn add_times(&self, columns: &Rows, sum: &mut Rows) {
-        for it in &self.0 {
-            add(
-                &mut sum[usize::from(it.row) % STATES],
-                it.value,
-                &columns[usize::from(it.column) % STATES],
-            );
-        }
+    pub(crate) fn add_times(&self, columns: &Rows, sums: &mut Rows) {
+        add_product(&self.0, columns, sums);
     }
 
     /// Its product with one column.
     pub(crate) fn times(&self, column: &Vector) -> Vector {
         let mut product = Vector::zeros();
-        for it in &self.0 {
-            product[usize::from(it.row)] += it.value * column[usize::from(it.column)];
+        for (sum, row) in product.iter_mut().zip(&self.0) {
+            *sum = row.iter().zip(column).map(|(a, b)| a * b).sum();
         }
         product
     }
@@ -92,8 +83,8 @@ impl Sparse {
     /// One of its columns.
     pub(crate) fn column(&self, column: usize) -> Vector {
         let mut values = Vector::zeros();
-        for it in self.0.iter().filter(|it| usize::from(it.column) == column) {
-            values[usize::from(it.row)] = it.value;
+        for (value, row) in values.iter_mut().zip(&self.0) {
+            *value = row[column];
         }
         values
     }
@@ -104,23 +95,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_are_those_of_the_whole_matrix() {
+    fn products_are_those_of_the_first_rows() {
         let mut matrix = NO_ROWS;
         (matrix[0][0], matrix[1][3], matrix[5][7], matrix[7][7]) = (2.0, -1.5, 0.25, 9.0);
-        let sparse = Sparse::of(&matrix, 6);
+        let upper = Upper::of(&matrix, 6);
         let vector = Vector::from_fn(|row, _| row as f64 + 1.0);
         let mut expected = times(&matrix, &vector);
         assert_eq!(expected[1], -6.0);
         expected[7] = 0.0;
-        assert_eq!(sparse.times(&vector), expected);
+        assert_eq!(upper.times(&vector), expected);
         let columns: Rows =
             std::array::from_fn(|row| std::array::from_fn(|lane| vector[row] * lane as f64));
         let mut sum = NO_ROWS;
-        sparse.add_times(&columns, &mut sum);
+        upper.add_times(&columns, &mut sum);
         for (row, lanes) in sum.iter().enumerate() {
             assert_eq!(lanes[3], 3.0 * expected[row]);
         }
-        assert_eq!(sparse.column(7)[5], 0.25);
+        assert_eq!(upper.column(7)[5], 0.25);
         assert_eq!(product(&unit(), &matrix), matrix);
         assert_eq!(product(&matrix, &matrix)[5], [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.25]);
     }

@@ -253,6 +253,41 @@ fn one_effect_is_added_measured_and_refused() {
     assert!(other < 20.0, "{other}");
 }
 
+/// What nobody programmed, in a form that only a curve with a factor, over a magnitude or in the flux
+/// holds: it is shown, it can be added, and the error falls.
+#[test]
+fn every_curve_of_the_state_is_added_as_it_was_shown() {
+    let weak_field = typed("w", Target::Flux, "-c * abs(omega)", &[("c", 1.2e-3)]);
+    let sticky = typed(
+        "w",
+        Target::Torque,
+        "-c * tanh(omega / 0.5) * (1 - cos(abs(i) / a))",
+        &[("c", 6e-3), ("a", 0.4)],
+    );
+    for (law, balance, over, times) in [
+        (weak_field, Balance::Flux, "abs(omega)", None),
+        (sticky, Balance::Torque, "abs(i)", Some("sign(omega)")),
+    ] {
+        let mut truth = base();
+        truth.effects.push(law);
+        let [estimation, validation] = recorded(&truth, false, 5);
+        let answer = discover(&base(), &estimation, &validation, &Unwatched).expect("it is fitted");
+        assert_eq!(answer.verdict, Verdict::Unknown, "{:?}", answer.ranking);
+        let learned = answer.learned.expect("there is a curve");
+        let found = (learned.balance, learned.over, learned.times);
+        assert_eq!(found, (balance, over, times), "{learned:?}");
+        assert!(learned.addable && learned.excess_removed > 0.9, "{learned:?}");
+        let added = add(&base(), "learned", &estimation, &validation, &Unwatched).expect("added");
+        let excess = |rung: usize| added.ladder[rung].validation_error.powi(2) - 1.0;
+        assert!(excess(1) < 0.2 * excess(0), "{} and {}", excess(1), excess(0));
+        let effect = added.drive.effects.last().expect("it was added");
+        let values: Vec<f64> = effect.parameters.iter().map(|(_, value)| *value).collect();
+        // What is drawn and what is added have one sign: here the fast end or the great current loses.
+        let fast = |values: &[f64]| values[values.len() - 2] - values[0];
+        assert!(fast(&values) < 0.0 && fast(&learned.values) < 0.0, "{values:?} {learned:?}");
+    }
+}
+
 /// Ends the loop at its first word.
 struct Impatient;
 

@@ -9,6 +9,7 @@ use thiserror::Error;
 use crate::drive::{ANY, Drive, EffectData, Field, Input, LawData, fields};
 use crate::effects::custom::Target;
 use crate::effects::law::Parameter;
+use crate::effects::learned::Factor;
 use crate::effects::registry::Entry;
 use crate::units::for_motion;
 
@@ -146,8 +147,17 @@ impl Drive {
     fn of_effect(&self, effect: &EffectData, name: &str, value: f64) -> NamedParameter {
         let known = registered(effect, name);
         let of_file = match effect.law {
+            Some(LawData::Learned {
+                target: Target::Torque, times: Some(Factor::Current), ..
+            }) => ("N m/A", AT_KNOT),
             Some(LawData::Learned { target: Target::Torque, .. }) => ("N m", AT_KNOT),
-            Some(LawData::Learned { .. }) => ("V", AT_KNOT),
+            Some(LawData::Learned {
+                target: Target::Voltage,
+                times: Some(Factor::Current),
+                ..
+            }) => ("Ohm", AT_KNOT),
+            Some(LawData::Learned { target: Target::Voltage, .. }) => ("V", AT_KNOT),
+            Some(LawData::Learned { .. }) => ("", AT_KNOT),
             Some(LawData::Typed { .. }) | None => ("", "coefficient of the typed law"),
         };
         NamedParameter {

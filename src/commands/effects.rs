@@ -5,9 +5,9 @@ use std::fmt::Write;
 use clap::Args;
 use comfy_table::{ContentArrangement, Table, presets};
 use drivescope_plant::effects::custom::Target;
-use drivescope_plant::effects::learned::Over;
+use drivescope_plant::effects::learned::{Factor, Over};
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
-use drivescope_plant::file::{CUSTOM, LEARNED};
+use drivescope_plant::file::{BALANCES, CUSTOM, LEARNED};
 use serde::Serialize;
 
 use super::Run;
@@ -205,16 +205,27 @@ fn custom() -> String {
 }
 
 fn learned_keys() -> serde_json::Value {
-    let variables: Vec<_> = Over::ALL.iter().map(|(name, _)| *name).collect();
-    serde_json::json!({ "id": LEARNED, "balance": ["torque", "voltage"], "over": variables })
+    let [balances, variables, factors] = curve_words();
+    serde_json::json!({ "id": LEARNED, "balance": balances, "over": variables, "times": factors })
+}
+
+/// The balances of a curve, what it goes over, and what may multiply it.
+fn curve_words() -> [Vec<&'static str>; 3] {
+    [
+        BALANCES.iter().map(|(name, _)| *name).collect(),
+        Over::ALL.iter().map(|(name, _)| *name).collect(),
+        Factor::ALL.iter().map(|(name, _)| *name).collect(),
+    ]
 }
 
 fn learned() -> String {
-    let variables: Vec<_> = Over::ALL.iter().map(|(name, _)| *name).collect();
+    let [balances, variables, factors] = curve_words().map(|names| names.join(", "));
     format!(
-        "{LEARNED}\n  a curve in the balance of torques or voltages over one of {}\n\n\
+        "{LEARNED}\n  a curve by its values at knots, cubic between them; it gives one of {balances}\n  \
+         over one of {variables},\n  perhaps `times` one of {factors}; a torque \
+         times the sign of the\n  motion is a dry friction. Values are added to the motor torque, to \
+         u, or to the nominal\n  flux, which is 1.\n\n\
          [[effect]]\nkind = \"learned\"\nbalance = \"torque\"\nover = \"omega\"\n\
          knots = [-100.0, 0.0, 100.0]\nvalues = [0.002, 0.0, -0.003]\n",
-        variables.join(", "),
     )
 }

@@ -2,7 +2,7 @@
 
 use drivescope_plant::drive::{Drive, EffectData, Input, LawData};
 use drivescope_plant::effects::custom::Target;
-use drivescope_plant::effects::learned::Over as Variable;
+use drivescope_plant::effects::learned::{Factor as Times, Over as Variable};
 use drivescope_plant::units::for_motion;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -26,7 +26,8 @@ pub struct LearnedCurve {
     pub knots: Vec<f64>,
     /// Unit of the knots.
     pub over_unit: String,
-    /// Its values there: N m (N), V, or a share of the flux, lost.
+    /// Its values there: N m (N), V, or a share of the flux, in the direction of the motor torque, of
+    /// u and of the nominal flux, as the effect `learned` holds them.
     pub values: Vec<f64>,
     /// Their unit; empty for a share.
     pub unit: String,
@@ -34,8 +35,11 @@ pub struct LearnedCurve {
     /// balance, with its coefficients in it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub formula: Option<String>,
-    /// Share of the error above the noise floor that it removes.
+    /// Share of the error above the noise floor that it removes in free run; 0 where no effect can
+    /// hold it.
     pub excess_removed: f64,
+    /// Whether the effect `learned` can hold it.
+    pub addable: bool,
 }
 
 impl LearnedCurve {
@@ -47,18 +51,13 @@ impl LearnedCurve {
         drive: &Drive,
         formulas: &[Formula],
     ) -> Self {
-        let (curve, values) = (&weight.curve, beside_parameters(weight));
+        let (curve, values) = (&weight.curve, driving(weight));
         let times = match curve.factor {
             Factor::One => None,
             Factor::Direction => Some("sign(omega)"),
             Factor::Current => Some("i"),
         };
-        let balance = match curve.balance {
-            Balance::Torque => Some(Target::Torque),
-            Balance::Voltage => Some(Target::Voltage),
-            Balance::Flux => None,
-        };
-        let alike = |it: &&Formula| Some(it.law.parts().0) == balance;
+        let alike = |it: &&Formula| it.law.parts().0 == target(curve.balance);
         Self {
             balance: curve.balance,
             over: name(curve.over),
@@ -69,6 +68,7 @@ impl LearnedCurve {
             formula: formulas.iter().find(alike).map(Formula::with_values),
             values,
             excess_removed,
+            addable: curve.is_addable(),
         }
     }
 }
@@ -108,20 +108,24 @@ fn balance_unit(balance: Balance, drive: &Drive) -> String {
 }
 
 impl Curve {
-    /// Where and over what the effect `learned` holds the curve, if it can.
-    fn as_effect(&self) -> Option<(Target, Variable)> {
-        let over = match (self.over, self.factor) {
-            (Over::Speed, Factor::One) => Variable::Speed,
-            (Over::Current, Factor::One) => Variable::Current,
-            (Over::Position, Factor::One) => Variable::Position,
-            (Over::Time, Factor::One) => Variable::Time,
-            _ => return None,
+    /// Over what the effect `learned` holds the curve, if it can: an acceleration is what comes of
+    /// the balance, and no variable of it.
+    fn as_effect(&self) -> Option<(Variable, Option<Times>)> {
+        let over = match self.over {
+            Over::Speed => Variable::Speed,
+            Over::SpeedMagnitude => Variable::SpeedMagnitude,
+            Over::Current => Variable::Current,
+            Over::CurrentMagnitude => Variable::CurrentMagnitude,
+            Over::Position => Variable::Position,
+            Over::Time => Variable::Time,
+            Over::Acceleration => return None,
         };
-        match self.balance {
-            Balance::Torque => Some((Target::Torque, over)),
-            Balance::Voltage => Some((Target::Voltage, over)),
-            Balance::Flux => None,
-        }
+        let times = match self.factor {
+            Factor::One => None,
+            Factor::Direction => Some(Times::Direction),
+            Factor::Current => Some(Times::Current),
+        };
+        Some((over, times))
     }
 
     /// Whether the effect `learned` can hold it.
@@ -133,34 +137,44 @@ impl Curve {
 /// The curve as an effect of a drive, if the effect `learned` can hold it, with the names of the
 /// values that these recordings do not tell.
 pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData, Vec<String>)> {
-    let (target, over) = weight.curve.as_effect()?;
+    let (over, times) = weight.curve.as_effect()?;
     let id = drive.free_id("learned");
-    // A curve is what is lost; the effect adds.
-    let values = beside_parameters(weight);
-    let values = values.iter().enumerate();
-    let parameters = values.map(|(k, value)| (LawData::value_name(k), -value)).collect();
+    let values = driving(weight).into_iter().enumerate();
+    let parameters = values.map(|(k, value)| (LawData::value_name(k), value)).collect();
     let untold = weight.told.iter().enumerate().filter(|(_, told)| !**told);
     let kept = untold.map(|(k, _)| format!("{id}.{}", LawData::value_name(k))).collect();
-    let law = LawData::Learned { target, over, knots: weight.curve.knots.clone() };
+    let target = target(weight.curve.balance);
+    let law = LawData::Learned { target, over, times, knots: weight.curve.knots.clone() };
     Some((EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) }, kept))
 }
 
+fn target(balance: Balance) -> Target {
+    match balance {
+        Balance::Torque => Target::Torque,
+        Balance::Voltage => Target::Voltage,
+        Balance::Flux => Target::Flux,
+    }
+}
+
+/// What a curve adds to its balance, where weighing counts what is lost.
+fn driving(weight: &CurveWeight) -> Vec<f64> {
+    beside_parameters(weight).into_iter().map(|value| -value).collect()
+}
+
 /// Values of a curve less what parameters of the base do over its variable: a resistance, viscous and
-/// dry friction. How much of that stands in the curve no recording tells. What was not visited goes on
+/// dry friction, the nominal flux. How much of that stands in the curve no recording tells. What was not visited goes on
 /// as the nearest value that was.
 fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
     let CurveWeight { curve, values, visited, .. } = weight;
-    let dry = match (curve.balance, curve.over, curve.factor) {
-        (Balance::Voltage, Over::Current, Factor::One) => 0.0,
-        (Balance::Torque, Over::Speed, Factor::One) => 1.0,
+    // What is in proportion to the variable, and what is the same on either side of 0.
+    let of_base: [fn(f64) -> f64; 2] = match (curve.balance, curve.over, curve.factor) {
+        (Balance::Voltage, Over::Current, Factor::One) => [|z| z, |_| 0.0],
+        (Balance::Torque, Over::Speed, Factor::One) => [|z| z, sign],
+        (Balance::Flux, ..) | (_, _, Factor::Direction | Factor::Current) => [|_| 0.0, |_| 1.0],
         _ => return values.clone(),
     };
     let known: Vec<usize> = (0..values.len()).filter(|k| visited[*k]).collect();
-    let of_base = |row: usize, k: usize| {
-        let z = curve.knots[known[k]];
-        if row == 0 { z } else { dry * sign(z) }
-    };
-    let rows = DMatrix::from_fn(2, known.len(), of_base);
+    let rows = DMatrix::from_fn(2, known.len(), |row, k| of_base[row](curve.knots[known[k]]));
     let left = beside(&rows, &known.iter().map(|k| values[*k]).collect::<Vec<_>>());
     let nearest = |k: usize| (0..known.len()).min_by_key(|place| known[*place].abs_diff(k));
     (0..values.len()).map(|k| nearest(k).map_or(0.0, |place| left[place])).collect()

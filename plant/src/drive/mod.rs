@@ -17,7 +17,7 @@ pub(crate) use field::{ANY, Field};
 pub(crate) use sections::fields;
 
 use crate::effects::custom::Target;
-use crate::effects::learned::{Curve, KnotError, Over};
+use crate::effects::learned::{Curve, Factor, KnotError, Over};
 
 /// Whether the drive turns or slides; it decides the units of every label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -69,6 +69,8 @@ pub enum LawData {
         target: Target,
         /// What it goes over.
         over: Over,
+        /// What multiplies it.
+        times: Option<Factor>,
         /// Its knots, SI.
         knots: Vec<f64>,
     },

@@ -1,4 +1,5 @@
-//! A learned curve: a torque or a voltage over one variable, by its values at knots.
+//! A learned curve: a torque, a voltage or a share of the flux over one variable, perhaps times the
+//! sign of the motion or the current, by its values at knots.
 //!
 //! Between knots a cubic (Hermite) whose slope at a knot is that of the parabola through it and
 //! its neighbours (one-sided at the ends): linear in the values, smooth at the knots, and a
@@ -30,19 +31,41 @@ pub enum Over {
     Input,
     /// Time, s.
     Time,
+    /// Magnitude of the current, A.
+    CurrentMagnitude,
+    /// Magnitude of the speed, rad/s (m/s).
+    SpeedMagnitude,
 }
 
 impl Over {
     /// Every variable with its name in the drive file; those of a linear drive come last.
-    pub const ALL: [(&'static str, Self); 7] = [
+    pub const ALL: [(&'static str, Self); 10] = [
         ("omega", Self::Speed),
         ("i", Self::Current),
         ("theta", Self::Position),
         ("u", Self::Input),
         ("time", Self::Time),
+        ("abs(i)", Self::CurrentMagnitude),
+        ("abs(omega)", Self::SpeedMagnitude),
+        ("abs(v)", Self::SpeedMagnitude),
         ("v", Self::Speed),
         ("x", Self::Position),
     ];
+}
+
+/// What multiplies a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Factor {
+    /// Sign of the motion: the torque of a dry friction.
+    Direction,
+    /// Armature current, A: the voltage of a resistance.
+    Current,
+}
+
+impl Factor {
+    /// Every factor with its name in the drive file; that of a linear drive comes last.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("sign(omega)", Self::Direction), ("i", Self::Current), ("sign(v)", Self::Direction)];
 }
 
 /// Why numbers are not the knots of a curve.
@@ -76,6 +99,7 @@ pub enum KnotError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     over: Over,
+    times: Option<Factor>,
     /// The knots, and for a curve that repeats the first one a period on.
     knots: Vec<f64>,
     period: Option<f64>,
@@ -104,10 +128,21 @@ impl Curve {
         }
         let mut knots = knots.to_vec();
         knots.extend(period.map(|period| knots[0] + period));
-        Ok(Self { over, knots, period })
+        Ok(Self { over, times: None, knots, period })
     }
 
-    /// The curve's value in every lane; `p` are its values at the knots.
+    /// The same times that factor.
+    pub fn times(self, factor: Option<Factor>) -> Self {
+        Self { times: factor, ..self }
+    }
+
+    /// Whether it is a dry friction where it is a torque: its sign is that of the motion.
+    pub(super) fn is_dry(&self) -> bool {
+        self.times == Some(Factor::Direction)
+    }
+
+    /// The curve's value in every lane; `p` are its values at the knots. The sign of the motion is
+    /// left to who knows whether the shaft sticks.
     #[inline(always)]
     pub(super) fn value<R: Real, const N: usize>(
         &self,
@@ -121,8 +156,11 @@ impl Curve {
                 Over::Position => at.theta[l],
                 Over::Input => at.u[l],
                 Over::Time => R::constant(at.time),
+                Over::CurrentMagnitude => at.i[l].abs(),
+                Over::SpeedMagnitude => at.omega[l].abs(),
             };
-            self.at(z, |k| p[k][l])
+            let value = self.at(z, |k| p[k][l]);
+            if self.times == Some(Factor::Current) { value * at.i[l] } else { value }
         })
     }
 

@@ -1,4 +1,4 @@
-//! The `[[effect]]` of a learned curve: `balance`, `over`, `knots`, `values`.
+//! The `[[effect]]` of a learned curve: `balance`, `over`, perhaps `times`, `knots`, `values`.
 
 use std::ops::Range;
 
@@ -7,31 +7,49 @@ use super::error::{Flaw, Problem};
 use super::layout::EffectValue;
 use crate::drive::{EffectData, Input, LawData, Motion};
 use crate::effects::custom::Target;
-use crate::effects::learned::{KnotError, Over};
+use crate::effects::learned::{Factor, KnotError, Over};
 use crate::effects::refusal::Refusal;
 
 /// The kind of an effect that is a learned curve.
 pub const LEARNED: &str = "learned";
 
 /// The balances in which a curve may act.
-pub(super) const BALANCES: [(&str, Target); 2] =
-    [("torque", Target::Torque), ("voltage", Target::Voltage)];
+pub const BALANCES: [(&str, Target); 3] =
+    [("torque", Target::Torque), ("voltage", Target::Voltage), ("flux", Target::Flux)];
 
 /// The variables that a curve may go over for that motion; its own names come last.
 pub(super) fn overs(motion: Motion) -> Vec<(&'static str, Over)> {
-    let linear = |name: &str| ["v", "x"].contains(&name);
-    Over::ALL.into_iter().filter(|(name, _)| motion == Motion::Linear || !linear(name)).collect()
+    of_motion(&Over::ALL, motion)
+}
+
+/// What a curve may be multiplied by; the names of that motion come last.
+pub(super) fn factors(motion: Motion) -> Vec<(&'static str, Factor)> {
+    of_motion(&Factor::ALL, motion)
+}
+
+fn of_motion<T: Copy>(all: &[(&'static str, T)], motion: Motion) -> Vec<(&'static str, T)> {
+    let linear = |name: &str| ["v", "x", "abs(v)", "sign(v)"].contains(&name);
+    all.iter().filter(|(name, _)| motion == Motion::Linear || !linear(name)).copied().collect()
 }
 
 impl Reader<'_, '_> {
     /// Reads the curve.
     pub(super) fn learned(&self, kind: String, id: String) -> Result<EffectData, Flaw> {
-        self.only(&["kind", "id", "balance", "over", "knots", "values"])?;
+        self.only(&["kind", "id", "balance", "over", "times", "knots", "values"])?;
         let target = self.choice("balance", &BALANCES)?;
         if self.input == Input::Force && target == Target::Voltage {
             return Err(self.impossible(&id, "balance", Refusal::NoCircuit));
         }
         let over = self.choice("over", &overs(self.motion))?;
+        let times = match self.get("times") {
+            Some(_) => Some(self.choice("times", &factors(self.motion))?),
+            None => None,
+        };
+        if times == Some(Factor::Direction) && target != Target::Torque {
+            return Err(
+                self.of_type("times", "\"i\", for the sign of the motion belongs to a torque")
+            );
+        }
         let (knots, values) = (self.list("knots")?, self.list("values")?);
         self.motion.curve(over, knots).map_err(|error| {
             let span = match error {
@@ -47,7 +65,7 @@ impl Reader<'_, '_> {
         }
         let named = |(k, value): (usize, &f64)| (LawData::value_name(k), *value);
         let parameters = values.iter().enumerate().map(named).collect();
-        let law = Some(LawData::Learned { target, over, knots: knots.to_vec() });
+        let law = Some(LawData::Learned { target, over, times, knots: knots.to_vec() });
         Ok(EffectData { kind, id, parameters, law })
     }
 

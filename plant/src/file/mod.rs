@@ -25,7 +25,7 @@ use std::path::Path;
 
 use crate::drive::Drive;
 
-pub use curve::LEARNED;
+pub use curve::{BALANCES, LEARNED};
 pub use edit::Change;
 pub use effects::{CUSTOM, target_key};
 pub use error::{DriveFileError, Location, Problem};

@@ -9,7 +9,7 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
-use super::curve::{BALANCES, LEARNED, overs};
+use super::curve::{BALANCES, LEARNED, factors, overs};
 use super::effects::{CUSTOM, targets};
 use super::layout::{EffectTable, Layout, NoiseTable};
 use crate::drive::{Field, Motion, NoiseData, fields};
@@ -170,9 +170,11 @@ fn learned() -> Value {
     };
     let balances = BALANCES.iter().map(|(name, _)| *name).collect();
     let variables = overs(Motion::Linear).iter().map(|(name, _)| *name).collect();
+    let factors = factors(Motion::Linear).iter().map(|(name, _)| *name).collect();
     let keys = [
         ("balance", words(balances, "what the curve gives")),
         ("over", words(variables, "what it goes over")),
+        ("times", words(factors, "what multiplies it; the sign of the motion only a torque")),
         ("knots", list("where its values stand, increasing")),
         ("values", list("its values at the knots, in the direction of u or of the motor torque")),
     ];

@@ -1,6 +1,6 @@
 //! From a [`Drive`] back to its file.
 
-use super::curve::{BALANCES, overs};
+use super::curve::{BALANCES, factors, overs};
 use super::effects::target_key;
 use super::layout::{EffectTable, EffectValue, FitTable, Layout, NoiseTable, Origin};
 use crate::drive::{Drive, EffectData, Field, LawData, Motion, SensorData, fields};
@@ -50,12 +50,16 @@ fn effect(effect: &EffectData, motion: Motion) -> EffectTable {
                 table.push(("parameters".to_owned(), coefficients));
             }
         }
-        Some(LawData::Learned { target, over, knots }) => {
+        Some(LawData::Learned { target, over, times, knots }) => {
             let balance = BALANCES.iter().find(|(_, other)| other == target);
             let of_motion = overs(motion).into_iter().rfind(|(_, other)| other == over);
             let list = |key: &str, all: Vec<f64>| (key.to_owned(), EffectValue::List(all));
             table.push(text("balance", balance.expect("a curve acts in a balance").0));
             table.push(text("over", of_motion.expect("every variable has a name").0));
+            if let Some(times) = times {
+                let name = factors(motion).into_iter().rfind(|(_, other)| other == times);
+                table.push(text("times", name.expect("every factor has a name").0));
+            }
             table.push(list("knots", knots.clone()));
             table.push(list("values", effect.parameters.iter().map(|(_, v)| *v).collect()));
         }

@@ -78,10 +78,10 @@ fn kind(effect: &EffectData, motion: Motion, laws: &mut Vec<Law>) -> Kind {
             return entry.kind;
         }
         Some(LawData::Typed { .. }) => effect.typed().expect("it is typed"),
-        Some(LawData::Learned { target, over, knots }) => {
+        Some(LawData::Learned { target, over, times, knots }) => {
             assert_eq!(knots.len(), names.len(), "`{}` has a value at every knot", effect.id);
             let curve = motion.curve(*over, knots).expect("the knots were read with the file");
-            Law::learned(*target, curve)
+            Law::learned(*target, curve.times(*times))
         }
     };
     laws.push(law);

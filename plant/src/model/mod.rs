@@ -97,7 +97,7 @@ impl<R: Real> Model<R, 1> {
         }
         let any = |of: fn(&Info) -> bool| parts.iter().filter_map(|q| info(q.kind)).any(of);
         let kinked = any(|i| i.replaces_dry);
-        let dry = any(|i| i.dry) && !kinked;
+        let dry = (any(|i| i.dry) || laws.iter().any(Law::is_dry)) && !kinked;
         let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
         let senses = |kind| match kind {
             Kind::Custom(k) => laws[k].senses(),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use drivescope_numerics::Real;
 use drivescope_plant::effects::custom::{Law, Target};
-use drivescope_plant::effects::learned::{Curve, Over};
+use drivescope_plant::effects::learned::{Curve, Factor, Over};
 use drivescope_plant::effects::registry::{Entry, Kind, REGISTRY};
 use drivescope_plant::model::{Model, Part};
 
@@ -100,6 +100,17 @@ fn learned_law() -> Law {
     Law::learned(Target::Torque, curve)
 }
 
+/// A dry friction that falls with the speed, and a flux that the current weakens.
+fn learned_factors() -> [(Law, Vec<f64>); 2] {
+    let over = |over, knots: &[f64]| Curve::new(over, knots, None).expect("right knots");
+    let dry = over(Over::SpeedMagnitude, &[0.0, 5.0, 60.0]).times(Some(Factor::Direction));
+    let weak = over(Over::CurrentMagnitude, &[0.0, 1.0, 8.0]);
+    [
+        (Law::learned(Target::Torque, dry), vec![-0.004, -0.003, -0.002]),
+        (Law::learned(Target::Flux, weak), vec![0.0, -0.03, -0.2]),
+    ]
+}
+
 /// Every drive of the battery.
 pub(crate) fn cases() -> Vec<Case> {
     let typed = (Kind::Custom(0), vec![3e-7, 0.002]);
@@ -110,6 +121,12 @@ pub(crate) fn cases() -> Vec<Case> {
         let mut parts = friction();
         parts.push(law.clone());
         cases.push(Case { name, entry: None, parts, laws: laws.clone() });
+    }
+    for (name, (law, values)) in ["learned dry", "learned flux"].into_iter().zip(learned_factors())
+    {
+        let mut parts = friction();
+        parts.push((Kind::Custom(0), values));
+        cases.push(Case { name, entry: None, parts, laws: Arc::from([law]) });
     }
     // Everything that leaves the shaft sticking, and everything.
     for (name, sticks) in [("all that stick", true), ("all", false)] {

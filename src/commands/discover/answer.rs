@@ -238,16 +238,18 @@ impl Answer {
 
 /// A learned curve in words.
 fn curve(learned: &LearnedCurve) -> String {
-    let LearnedCurve { over, over_unit, times, unit, excess_removed, .. } = learned;
+    let LearnedCurve { over, over_unit, times, unit, excess_removed, addable, .. } = learned;
     let of = |unit: &str| if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
     let balance = format!("{:?}", learned.balance).to_lowercase();
     let times = times.map_or(String::new(), |times| format!(", times {times}"));
-    let mut text = format!(
-        "a curve over {over}{}{times} in the {balance}{} removes {:.0} % of the excess\n",
-        of(over_unit),
-        of(unit),
-        100.0 * excess_removed
-    );
+    let does = if *addable {
+        format!("removes {:.0} % of the excess", 100.0 * excess_removed)
+    } else {
+        "shows it; no effect of the drive file can hold that curve".to_owned()
+    };
+    let (of_over, of_value) = (of(over_unit), of(unit));
+    let mut text =
+        format!("a curve over {over}{of_over}{times} in the {balance}{of_value} {does}\n");
     for (knot, value) in learned.knots.iter().zip(&learned.values) {
         let _ = writeln!(text, "  {knot:>12.4} {:>12}", significant(*value, 5));
     }

@@ -92,13 +92,17 @@ fn unknown(
         article.card.honest aria-label="something unknown, as a curve" {
             h3 { "Unknown" }
             p {
-                "A curve over " (learned.over) (times) " in the " (balance) " removes "
-                (percent(learned.excess_removed, 0)) " % of the error above the noise."
+                "A curve over " (learned.over) (times) " in the " (balance)
+                @if learned.addable {
+                    " removes " (percent(learned.excess_removed, 0)) " % of the error above the noise."
+                } @else {
+                    " shows it; no effect of the drive file can hold that curve."
+                }
             }
             (PreEscaped(learned_figure(learned, &balance).svg_of(WIDTH)))
-            (numbers("Data of this curve", (learned.over, "lost"), learned.knots.iter().zip(&learned.values)))
+            (numbers("Data of this curve", (learned.over, "adds"), learned.knots.iter().zip(&learned.values)))
             (proposals(formulas))
-            (action("learned"))
+            @if learned.addable { (action("learned")) }
         }
     }
 }
@@ -126,7 +130,7 @@ fn proposals(formulas: &[Formula]) -> Markup {
 }
 
 fn learned_figure(learned: &LearnedCurve, balance: &str) -> Figure {
-    let points = learned.knots.iter().zip(&learned.values).map(|(x, y)| (*x, -y)).collect();
+    let points = learned.knots.iter().zip(&learned.values).map(|(x, y)| (*x, *y)).collect();
     Figure {
         id: "learned-plot".to_owned(),
         title: format!("What is missing over {}", learned.over),

@@ -3,7 +3,7 @@
 //! The text is parsed once (`parse.rs`) into a tape of operations for a stack (`tape.rs`): no
 //! code is executed, size and depth are limited, and the same tape runs over `f64`, duals and
 //! lanes, natively and inside an exported FMU. Signs: a torque is added to the motor torque, a
-//! voltage to the applied voltage, heat to the winding; `omega` and `i` are what the sensor
+//! voltage to the applied voltage, a flux to the nominal one, which is 1, heat to the winding; `omega` and `i` are what the sensor
 //! shows. A learned curve ([`super::learned`]) is another such law, given by knots.
 
 mod parse;
@@ -25,6 +25,8 @@ pub enum Target {
     Torque,
     /// A voltage in the armature circuit in the direction of u, V.
     Voltage,
+    /// A share of the nominal flux in its direction: it acts in both balances.
+    Flux,
     /// Heat into the winding, W.
     Heat,
     /// The speed that the tachometer shows, rad/s (m/s).
@@ -35,9 +37,10 @@ pub enum Target {
 
 impl Target {
     /// Every target with its key in the drive file.
-    pub const ALL: [(&'static str, Self); 5] = [
+    pub const ALL: [(&'static str, Self); 6] = [
         ("torque", Self::Torque),
         ("voltage", Self::Voltage),
+        ("flux", Self::Flux),
         ("heat", Self::Heat),
         ("omega", Self::Omega),
         ("i", Self::Current),
@@ -156,7 +159,7 @@ impl Law {
     /// is zero, or its sensor shows what is there.
     pub fn vanishes(&self, parameters: &[f64]) -> bool {
         let without = |[i, omega, ..]: [f64; 5]| match self.target {
-            Target::Torque | Target::Voltage | Target::Heat => 0.0,
+            Target::Torque | Target::Voltage | Target::Flux | Target::Heat => 0.0,
             Target::Omega => omega,
             Target::Current => i,
         };
@@ -175,6 +178,12 @@ impl Law {
         if read.is_empty() { Variable::ALL.to_vec() } else { read }
     }
 
+    /// Whether the law is a dry friction, whose sign is that of the motion.
+    pub fn is_dry(&self) -> bool {
+        self.target == Target::Torque
+            && matches!(&self.form, Form::Learned(curve) if curve.is_dry())
+    }
+
     /// Whether the law distorts what a sensor shows.
     pub fn senses(&self) -> bool {
         matches!(self.target, Target::Omega | Target::Current)
@@ -191,9 +200,16 @@ impl Law {
             return;
         }
         let value = self.form.run(p, at);
+        let is_dry = self.is_dry();
         for l in 0..N {
             match self.target {
+                // The balance of torques gives a dry friction its sign, and holds the shaft with it.
+                Target::Torque if is_dry => {
+                    sum.forward[l] -= value[l];
+                    sum.backward[l] -= value[l];
+                }
                 Target::Torque => sum.torque[l] -= value[l],
+                Target::Flux => sum.flux[l] += value[l],
                 Target::Voltage => sum.voltage[l] -= value[l],
                 Target::Heat => sum.heat[l] += value[l],
                 Target::Omega | Target::Current => {}
@@ -211,7 +227,7 @@ impl Law {
         match self.target {
             Target::Omega => y.omega = self.form.run(p, at),
             Target::Current => y.i = self.form.run(p, at),
-            Target::Torque | Target::Voltage | Target::Heat => {}
+            Target::Torque | Target::Voltage | Target::Flux | Target::Heat => {}
         }
     }
 }

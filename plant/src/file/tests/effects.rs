@@ -303,9 +303,26 @@ fn learned_curves() {
             "[-1, 0, 6]",
             "`learned.knots`: the knots span 7 rad",
         ),
+        (
+            "\"omega\"\n",
+            "\"omega\"\ntimes = \"theta\"\n",
+            "19:9",
+            "\"theta\"",
+            "`learned.times` = \"theta\": it takes \"sign(omega)\" or \"i\"",
+        ),
+        (
+            "\"torque\"\nover = \"omega\"\n",
+            "\"flux\"\nover = \"abs(i)\"\ntimes = \"sign(omega)\"\n",
+            "19:9",
+            "\"sign(omega)\"",
+            "`learned.times` = \"sign(omega)\": it takes \"i\", for the sign of the motion belongs",
+        ),
     ] {
         let wrong = right.replacen(line, by, 1);
         assert_ne!(wrong, right, "{line}");
         refused(&[("T_c = 0.016", &wrong, place, underlined, message)]);
     }
+    let dry = right.replace("\"omega\"\n", "\"abs(omega)\"\ntimes = \"sign(omega)\"\n");
+    let (text, _) = mistaken(&[("T_c = 0.016", &dry), ("schema = 1", "schema = 2")]);
+    assert!(Drive::parse(&text.replace("schema = 2", "schema = 1"), "right.toml").is_ok());
 }

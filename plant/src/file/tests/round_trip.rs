@@ -9,8 +9,9 @@ use proptest::prelude::*;
 
 use crate::drive::*;
 use crate::effects::custom::Target;
-use crate::effects::learned::Over;
+use crate::effects::learned::{Factor, Over};
 use crate::effects::registry::{Entry, REGISTRY};
+use crate::file::BALANCES;
 use crate::parameters::{Role, possible};
 
 const DR300: &str = include_str!("../../../../scenarios/drives/dr300.toml");
@@ -205,14 +206,20 @@ fn effect(number_of_it: usize, motion: Motion, input: Input) -> BoxedStrategy<Ef
             EffectData { kind, id: custom_id.clone(), parameters, law }
         },
     );
-    let curves: Vec<_> = [Target::Torque, Target::Voltage]
+    let curves: Vec<_> = BALANCES
         .into_iter()
-        .filter(|target| input == Input::Voltage || *target == Target::Torque)
+        .map(|(_, target)| target)
+        .filter(|target| input == Input::Voltage || *target != Target::Voltage)
         .flat_map(|target| Over::ALL.map(|(_, over)| (target, over)))
+        .flat_map(|(target, over)| {
+            let factors = [None, Some(Factor::Current), Some(Factor::Direction)].into_iter();
+            let dry = move |times| times != Some(Factor::Direction) || target == Target::Torque;
+            factors.filter(move |times| dry(*times)).map(move |times| (target, over, times))
+        })
         .collect();
     let any_number = number((f64::NEG_INFINITY, f64::INFINITY));
     let learned = (prop::sample::select(curves), vec((0.01..0.5, any_number), 2..12)).prop_map(
-        move |((target, over), all)| {
+        move |((target, over, times), all)| {
             let mut knot = -1.0;
             let knots = all.iter().map(|(step, _)| {
                 knot += step;
@@ -221,7 +228,7 @@ fn effect(number_of_it: usize, motion: Motion, input: Input) -> BoxedStrategy<Ef
             let knots = knots.collect();
             let named = |(k, (_, value)): (usize, &(f64, f64))| (LawData::value_name(k), *value);
             let parameters = all.iter().enumerate().map(named).collect();
-            let law = Some(LawData::Learned { target, over, knots });
+            let law = Some(LawData::Learned { target, over, times, knots });
             EffectData { kind: "learned".to_owned(), id: curve_id.clone(), parameters, law }
         },
     );

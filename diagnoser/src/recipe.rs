@@ -28,6 +28,7 @@ use crate::model::Model;
 use crate::model_error::BandDesign;
 use crate::network::{Structure, Trained, Training, TrainingError, train};
 use crate::range::OperatingRange;
+use crate::signal_model::Start;
 use crate::windows::{BASELINE_S, WINDOW_S, Windows};
 
 /// Healthy recordings, by what they are for.
@@ -64,9 +65,11 @@ impl Recipe {
     /// The paper's sizes and orders; beside its ARX error model a recurrent one, and a GMDH network.
     pub fn paper(inputs: usize, design: Design, seed: u64) -> Self {
         let structure = Structure { inputs, ..Structure::PAPER };
-        let training = Training { seed, ..Training::default() };
+        let training = Training { seed, start: design.start, ..Training::default() };
         let error = Structure { v1: 2, v2: 1, ..structure };
-        let error_training = Training { starts: 3, run_up: 0, ..training };
+        // Settled residuals go on from where they are: from rest they need no run-up of their own.
+        let run_up = if design.start == Start::Rest { 0 } else { training.run_up };
+        let error_training = Training { starts: 3, run_up, ..training };
         let bounds =
             BoundOptions { inflation: 1.2, run_up: design.run_up, ..BoundOptions::default() };
         Self {
@@ -125,8 +128,9 @@ impl Diagnoser {
             Self::design(interface, model, &healthy[0], &healthy[1], &recipe.design)?;
         let mut recurrent_error = None;
         if let Some((structure, training)) = &recipe.recurrent_error {
+            let how = (training, recipe.design.start);
             let (with, bands) =
-                diagnoser.with_recurrent_error(&healthy[0], &healthy[1], *structure, training)?;
+                diagnoser.with_recurrent_error(&healthy[0], &healthy[1], *structure, how)?;
             (diagnoser, recurrent_error) = (with, Some(bands));
         }
         let mut gmdh = None;

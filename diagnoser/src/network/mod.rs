@@ -89,6 +89,13 @@ impl Structure {
         self.v1 * (self.iir_parameters() - 2) + rank * (rows + columns - rank)
     }
 
+    /// The smallest structure that can do all that this one can: linear neurons beyond the rank of
+    /// what they pass on add nothing.
+    pub fn class(&self) -> Self {
+        let (rows, columns) = (self.outputs * self.order, self.v1 + self.inputs);
+        Self { v2: self.v2.min(rows).min(columns), ..*self }
+    }
+
     /// w (n), theta (r), b (r), b_0, g_1, g_2.
     fn iir_parameters(&self) -> usize {
         self.inputs + 2 * self.order + 3
@@ -196,5 +203,9 @@ mod tests {
         assert!(Structure::grid(1, 1).contains(&Structure::PAPER));
         let narrow = Structure { v2: 1, ..Structure::PAPER };
         assert_eq!(narrow.effective_parameters(), Structure::PAPER.effective_parameters());
+        assert_eq!(Structure::PAPER.class(), narrow);
+        let second = Structure { order: 2, ..Structure::PAPER };
+        assert_eq!(second.class(), Structure { v2: 2, ..second });
+        assert_eq!(second.class().effective_parameters(), second.effective_parameters());
     }
 }

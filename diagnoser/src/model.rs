@@ -11,6 +11,9 @@ use crate::network::{Network, NetworkRun};
 use crate::signal_model::SignalModel;
 use crate::stability::{largest_root, time_constant};
 
+/// Time constants in which a model settles; e^-5 is less than a hundredth.
+pub(crate) const SETTLED_AFTER: f64 = 5.0;
+
 /// A model as it is stored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -46,15 +49,13 @@ impl Model {
 
     /// Samples in which a free run forgets where it began: five of its slowest time constants.
     pub fn run_up(&self) -> usize {
-        /// Time constants; e^-5 is less than a hundredth.
-        const CONSTANTS: f64 = 5.0;
         let roots: Vec<f64> = match self {
             Self::Arx(arx) => vec![largest_root(&arx.a)],
             Self::Network(network) => network.iir.iter().map(|it| largest_root(&it.a)).collect(),
             Self::Gmdh(gmdh) => gmdh.neurons.iter().map(|it| largest_root(&it.a)).collect(),
         };
         let slowest = roots.into_iter().fold(0.0, f64::max);
-        (CONSTANTS * time_constant(slowest)).ceil() as usize
+        (SETTLED_AFTER * time_constant(slowest)).ceil() as usize
     }
 
     /// The same model with an output higher by `by`, in its unit, once it has settled.

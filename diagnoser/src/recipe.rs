@@ -17,6 +17,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
+use crate::arx::longest_run_up;
 use crate::data::Data;
 use crate::design::{Design, DesignError, DesignReport};
 use crate::diagnoser::Diagnoser;
@@ -24,7 +25,7 @@ use crate::gmdh::{
     BoundOptions, Gmdh, GmdhError, GmdhOptions, GmdhReport, RobustError, RobustGmdh,
 };
 use crate::interface::Interface;
-use crate::model::Model;
+use crate::model::{Model, SETTLED_AFTER};
 use crate::model_error::BandDesign;
 use crate::network::{Structure, Trained, Training, TrainingError, train};
 use crate::range::OperatingRange;
@@ -79,6 +80,25 @@ impl Recipe {
             recurrent_error: Some((error, error_training)),
             gmdh: Some((GmdhOptions { survivors: 4, ..GmdhOptions::default() }, bounds)),
         }
+    }
+}
+
+impl Recipe {
+    /// The same with networks that settle, from a steady state, in half of each of the recordings: what
+    /// remembers for longer cannot be told from a drift, and its run-up would leave nothing to judge.
+    #[must_use]
+    pub fn settling_within(mut self, sets: &Sets) -> Self {
+        /// Samples that any network may remember.
+        const LEAST: usize = 10;
+        if self.design.start == Start::Steady {
+            let [a, b] = &sets.excited;
+            let [c, d] = &sets.healthy;
+            let longest = longest_run_up(&[a, b, c, d]) as f64 / SETTLED_AFTER;
+            let memory = Some((longest as usize).max(LEAST));
+            self.structure.memory = memory;
+            self.recurrent_error.iter_mut().for_each(|(sizes, _)| sizes.memory = memory);
+        }
+        self
     }
 }
 

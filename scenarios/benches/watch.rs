@@ -3,7 +3,7 @@
 #![allow(missing_docs, reason = "criterion's macro makes a public function")]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use drivescope_scenarios::bank::{Columns, design};
+use drivescope_monitor::bank::{Columns, design};
 use drivescope_scenarios::drives::built_in;
 use drivescope_scenarios::experiment::{Experiment, Stream};
 use drivescope_scenarios::native::closed_loop;

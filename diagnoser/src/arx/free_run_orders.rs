@@ -50,6 +50,18 @@ pub(crate) fn leaves_half(data: &Data, run_up: usize) -> bool {
     2 * left_after(data, run_up) >= left_after(data, 0).max(4)
 }
 
+/// The longest run-up that leaves half of each of some recordings.
+pub(crate) fn longest_run_up(of: &[&Data]) -> usize {
+    let leaves = |run_up: usize| of.iter().all(|data| leaves_half(data, run_up));
+    let most = of.iter().map(|data| data.len()).max().unwrap_or(0);
+    let (mut leaving, mut too_long) = (0, most + 1);
+    while too_long - leaving > 1 {
+        let middle = leaving.midpoint(too_long);
+        if leaves(middle) { leaving = middle } else { too_long = middle }
+    }
+    leaving
+}
+
 impl Arx {
     /// Fits orders up to `widest` on `fitted` data, two thirds of `healthy`, and takes the smallest of
     /// those whose free-run error on the last third is within a twentieth of the best.
@@ -151,5 +163,6 @@ mod tests {
         let data = data.in_segments((0..37).map(|k| 80 * k..80 * (k + 1)).collect());
         let found = Arx::select_by_free_run(&data, WIDEST, Start::Steady).expect("it is one");
         assert!(found.rows.iter().all(|row| row.run_up <= 40), "{:?}", found.rows);
+        assert_eq!(longest_run_up(&[&data]), 40);
     }
 }

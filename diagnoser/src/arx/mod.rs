@@ -15,8 +15,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use self::fit::{ArxError, ArxFit, Orders};
-pub(crate) use self::free_run_orders::leaves_half;
 pub use self::free_run_orders::{FreeRunOrders, FreeRunRow};
+pub(crate) use self::free_run_orders::{leaves_half, longest_run_up};
 pub use self::orders::{OrderRow, OrderTable};
 use crate::data::Data;
 use crate::history::{History, dot};

@@ -11,8 +11,8 @@ use crate::experiment::Experiment;
 use crate::faults::{Fault, SPAN};
 use crate::results::{
     ByMethod, DetectionRow, DriveSummary, FaultName, FaultSpan, FmuSummary, FurtherRun,
-    HealthySummary, IdentificationRow, LevelRows, Method, NoiseSummary, ReadingRows,
-    StudyResults, TheoremSummary, TorqueReading,
+    HealthySummary, IdentificationRow, LevelRows, Method, NoiseSummary, ReadingRows, StudyResults,
+    TheoremSummary, TorqueReading,
 };
 
 /// Significance levels of the tables, beside the one that was asked for.

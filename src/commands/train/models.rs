@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use drivescope_diagnoser::{
-    BoundOptions, Data, Design, ErrorModel, Limits, Method, Orders, Orthants, Recipe, Structure,
+    BoundOptions, Design, ErrorModel, Limits, Method, Orders, Orthants, Recipe, Sets, Structure,
     StructureRow, Training, Uncertain, select_structure,
 };
 
@@ -134,7 +134,7 @@ impl Models {
     pub(super) fn recipe(
         &self,
         (design, seed): (Design, u64),
-        excited: &[Data; 2],
+        sets: &Sets,
         (recurrent, gmdh): (bool, bool),
     ) -> miette::Result<(Recipe, Option<Compared>)> {
         let orders = |[n_a, n_b]: [usize; 2]| Orders { n_a, n_b, constant: true };
@@ -143,8 +143,9 @@ impl Models {
             ErrorOrders::Aic => ErrorModel::ArxUpTo(orders([20, 20])),
             ErrorOrders::Given(given) => ErrorModel::Arx(orders(given)),
         };
-        let inputs = excited[0].inputs().len();
-        let mut recipe = Recipe::paper(inputs, Design { error_model, ..design }, seed);
+        let inputs = sets.excited[0].inputs().len();
+        let recipe = Recipe::paper(inputs, Design { error_model, ..design }, seed);
+        let mut recipe = recipe.settling_within(sets);
         if self.search == Search::Ars {
             let searched = |training: Training| Training {
                 method: Method::AdaptiveRandomSearch { outer: OUTER },
@@ -163,8 +164,10 @@ impl Models {
                 let limits = Limits { steps: STEPS, relative_decrease: 1e-6 };
                 let method = Method::LevenbergMarquardt(limits);
                 let training = Training { method, starts: STARTS, ..recipe.training };
-                let grid = Structure::grid(inputs, 1);
-                let [estimation, validation] = excited;
+                let memory = recipe.structure.memory;
+                let grid = Structure::grid(inputs, 1).into_iter();
+                let grid: Vec<_> = grid.map(|sizes| Structure { memory, ..sizes }).collect();
+                let [estimation, validation] = &sets.excited;
                 let found = select_structure(&grid, estimation, validation, &training);
                 let (rows, best) = found.map_err(told)?;
                 let structure = rows[best].structure;

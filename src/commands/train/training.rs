@@ -161,9 +161,9 @@ pub(crate) fn train(
     let design = Design { run_up, window, ..Design::steady(confidence) };
     let spinner = session.spinner();
     let parts = (plan.recurrent, plan.gmdh);
-    let recipe = plan.models.recipe((design, session.seed), &excited, parts);
-    let (recipe, compared) = recipe.inspect_err(|_| spinner.finish_and_clear())?;
     let sets = Sets { excited, healthy };
+    let recipe = plan.models.recipe((design, session.seed), &sets, parts);
+    let (recipe, compared) = recipe.inspect_err(|_| spinner.finish_and_clear())?;
     let learned = Diagnoser::learn(interface.clone(), &sets, &recipe);
     spinner.finish_and_clear();
     interrupt::check()?;

@@ -57,8 +57,8 @@ pub struct ClassifierRow {
     pub classes: &'static str,
     /// Share of samples answered right, over the draws.
     pub samples: Spread,
-    /// The same of the fault that it does worst on, of all draws together.
-    pub worst: f64,
+    /// The same of the fault that it does worst on.
+    pub worst: Spread,
     /// That fault.
     pub worst_fault: FaultName,
     /// Runs of which most samples were answered right.
@@ -185,7 +185,7 @@ fn rows(trained: &[Trained], faults: &[Fault], draws: &[Symptoms]) -> Vec<Classi
             classifier: trained.names.0,
             classes: trained.names.1,
             samples: Spread::of(judged.iter().map(of_draw)),
-            worst: mean(worst),
+            worst: Spread::of(judged.iter().map(|draw| draw[worst].0)),
             worst_fault: faults[worst].name.clone(),
             runs: count(|it| it.1),
             shuffled: count(|it| it.2),

@@ -7,6 +7,7 @@ use clap::Args;
 use drivescope_fmu::description::Version;
 use drivescope_fmu::import::Fmu;
 use drivescope_scenarios::experiment::Experiment;
+use drivescope_scenarios::parity::Spread;
 use drivescope_scenarios::study::design;
 use drivescope_scenarios::trials::{
     ClassTable, ClassifierRow, IsolationOptions, IsolationTrials, isolation,
@@ -115,18 +116,22 @@ fn bars(found: &IsolationTrials) -> Vec<Bar> {
 }
 
 fn row(text: &mut String, row: &ClassifierRow) {
+    let interval = |of: &Spread| {
+        let [low, high] = of.interval;
+        format!("{:>5} % [{}, {}]", percent(of.mean, 1), percent(low, 1), percent(high, 1))
+    };
     let [low, high] = row.samples.range;
     let _ = writeln!(
         text,
-        "  {:<13} {:<7} samples {:>5} % ({} to {} %), worst fault {} {:>5} %; runs by majority {}; \
+        "  {:<13} {:<7} samples {} ({} to {} %), worst fault {} {}; runs by majority {}; \
          next fault {}",
         row.classifier,
         row.classes,
-        percent(row.samples.mean, 1),
+        interval(&row.samples),
         percent(low, 1),
         percent(high, 1),
         fault(&row.worst_fault),
-        percent(row.worst, 1),
+        interval(&row.worst),
         share(&row.runs),
         share(&row.shuffled)
     );
@@ -135,7 +140,8 @@ fn row(text: &mut String, row: &ClassifierRow) {
 fn text(found: &IsolationTrials, bars: &[Bar]) -> String {
     let mut text = format!(
         "symptoms (C_m, r) as in the paper; {} starts of each perceptron; {} draws of the noise for each \
-         design, 5 to 95 % of the draws in brackets; intervals of counts: 95 %, Wilson\n",
+         design, 5 to 95 % of the draws in round brackets; intervals: 95 %, of means from the scatter of the draws, of \
+         counts Wilson\n",
         found.starts, found.draws
     );
     for design in &found.designs {
@@ -150,7 +156,7 @@ fn text(found: &IsolationTrials, bars: &[Bar]) -> String {
     ] {
         let of = found.designs.iter().flat_map(|design| &design.classifiers);
         let of = of.filter(|it| it.classifier == classifier && it.classes == classes);
-        let worst = of.map(|it| it.worst).collect::<Vec<f64>>();
+        let worst = of.map(|it| it.worst.mean).collect::<Vec<f64>>();
         let least = worst.iter().copied().fold(f64::INFINITY, f64::min);
         let most = worst.iter().copied().fold(0.0, f64::max);
         let _ = writeln!(

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use drivescope_scenarios::parity::Spread;
 use drivescope_scenarios::trials::{Curves, DetectorRow, FaultDelays};
 
 use super::super::bar::{Bar, share};
@@ -32,14 +33,21 @@ pub(super) fn bars(curves: &Curves) -> Vec<Bar> {
     bars
 }
 
-/// `12.3 (87 %)`: mean delay, and the share that was detected where it is not all.
+/// `12.3±0.4 (87 %)`: mean delay with the half of its 95 % interval, and the share that was detected
+/// where it is not all.
 fn delay(row: &FaultDelays, k: usize) -> String {
-    let (found, mean) = (&row.detected[k], row.delay[k].mean);
+    let (found, mean) = (&row.detected[k], mean(&row.delay[k]));
     match found.hits {
         0 => "never".to_owned(),
-        hits if hits == found.of => format!("{mean:.1}"),
-        _ => format!("{mean:.1} ({:.0} %)", 100.0 * found.share),
+        hits if hits == found.of => mean,
+        _ => format!("{mean} ({:.0} %)", 100.0 * found.share),
     }
+}
+
+/// A mean with the half of its 95 % interval, where there are several values.
+fn mean(of: &Spread) -> String {
+    let half = of.interval[1] - of.mean;
+    if half.is_nan() { format!("{:.1}", of.mean) } else { format!("{:.1}\u{b1}{half:.1}", of.mean) }
 }
 
 fn detector(text: &mut String, row: &DetectorRow) {
@@ -68,7 +76,7 @@ fn detector(text: &mut String, row: &DetectorRow) {
 /// The table.
 pub(super) fn text(curves: &Curves) -> String {
     let mut text = format!(
-        "\nmean delays, samples, on {} machines drawn anew, each with a baseline; detected within {} (share \
+        "\nmean delays, samples, with the half of their 95 % intervals, on {} machines drawn anew, each with a baseline; detected within {} (share \
          where not all are); limits designed for these mean samples between false alarms: {}\n",
         curves.machines,
         curves.watched,
@@ -79,7 +87,7 @@ pub(super) fn text(curves: &Curves) -> String {
     for row in &curves.known {
         let _ = write!(text, "  {:<11} {:>4} %", row.mechanism, number(100.0 * row.size));
         for delay in &row.delays {
-            let _ = write!(text, " {:>15}", format!("{:.1}", delay.known.mean));
+            let _ = write!(text, " {:>15}", mean(&delay.known));
         }
         text.push('\n');
     }

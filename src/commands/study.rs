@@ -127,15 +127,6 @@ impl From<Reading> for TorqueReading {
 impl Run for Study {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let drive = drive_source::drive(&self.drive)?;
-        let folder = RunFolder::take(&self.out)?;
-        session.check_writable(&[])?;
-        let at = |name: &str| folder.work().join(name);
-        let closed = at("closed_loop_fmi2.fmu");
-        let open = at("open_loop_fmi2.fmu");
-        fmu_file::write(&drive, false, Version::Two, &closed)?;
-        fmu_file::write(&drive, false, Version::Three, &at("closed_loop_fmi3.fmu"))?;
-        fmu_file::write(&drive, true, Version::Two, &open)?;
-
         if let Some(effect) = &self.hidden
             && !drive.effects.iter().any(|it| it.kind == *effect)
         {
@@ -153,6 +144,15 @@ impl Run for Study {
             }
             .into());
         }
+        let folder = RunFolder::take(&self.out)?;
+        session.check_writable(&[])?;
+        let at = |name: &str| folder.work().join(name);
+        let closed = at("closed_loop_fmi2.fmu");
+        let open = at("open_loop_fmi2.fmu");
+        fmu_file::write(&drive, false, Version::Two, &closed)?;
+        fmu_file::write(&drive, false, Version::Three, &at("closed_loop_fmi3.fmu"))?;
+        fmu_file::write(&drive, true, Version::Two, &open)?;
+
         let model = self.hidden.as_ref().map(|_| drive.clone());
         let torque = self.torque.into();
         let Self { beta, profile, .. } = self;

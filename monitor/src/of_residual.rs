@@ -16,8 +16,6 @@ pub(crate) struct OfResidual {
     pub(crate) rule: RunRule,
     /// Its error model explains nothing: it is not used.
     pub(crate) refused: bool,
-    /// Samples at the start of a segment in which its models settle.
-    pub(crate) settling: usize,
     /// What the residual of this machine and day is off by.
     pub(crate) offset: f64,
     /// Time of the last sample outside.
@@ -35,19 +33,18 @@ impl OfResidual {
         self.found.end(self.last_outside, &mut self.standing);
     }
 
-    /// Takes the sample of that number of its segment; whether a fault stands declared, and the
-    /// verdict.
+    /// Takes a sample; whether a fault stands declared, and the verdict.
     pub(crate) fn step(
         &mut self,
         (u, y, time): (&[f64], f64, f64),
-        (sample, beyond): (usize, bool),
+        (first, settled, beyond): (bool, bool, bool),
     ) -> Result<(bool, Verdict), DetectorError> {
-        if sample == 0 {
+        if first {
             self.detector.settle(u)?;
         }
         let verdict = self.detector.step(u, y - self.offset)?;
         let exceeds = verdict.exceeds && !beyond;
-        if sample >= self.settling && !beyond {
+        if settled && !beyond {
             self.counted.step(1, usize::from(exceeds));
         }
         if exceeds {

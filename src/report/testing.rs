@@ -91,7 +91,6 @@ pub(crate) fn study() -> StudyResults {
         })
     });
     StudyResults {
-        hidden_effect: None,
         seed: 7,
         drive: DriveSummary {
             name: HOSTILE.into(),

@@ -124,9 +124,9 @@ impl Diagnose {
             (Method::MemRecurrent, ThresholdKind::RecurrentModelError),
         ] {
             let there = method == Method::Mem || diagnoser.recurrent_error.is_some();
-            if let Some(refusal) = diagnoser.refusal(kind).filter(|_| there) {
+            if there && !diagnoser.explains(kind) {
                 session.remark(format_args!(
-                    "{}: {refusal}: not used{}",
+                    "{}: its bands are wider than those of the plain residual: not used{}",
                     method.label(),
                     if self.method == Some(method) { " unless asked for, as now" } else { "" }
                 ));

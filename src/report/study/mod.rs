@@ -3,7 +3,6 @@
 mod detection;
 mod figures;
 mod fmu;
-mod hidden;
 mod identification;
 mod isolation;
 mod models;
@@ -49,10 +48,7 @@ sections! {
     "residual", "Residual and false alarms", |study, _| residual::section(study);
     "models", "Models", |study, _| models::section(study);
     "isolation", "Isolation", |study, _| isolation::section(study);
-    "identification", "Sizes", |study, _| html! {
-        (identification::section(study))
-        (hidden::section(study))
-    };
+    "identification", "Sizes", |study, _| identification::section(study);
     "levels", "Levels", |study, _| detection::levels(study);
     "readings", "Other readings", |study, _| detection::readings(study);
     "fmu", "FMU", |study, _| fmu::section(study);

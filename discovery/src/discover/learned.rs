@@ -52,16 +52,11 @@ impl LearnedCurve {
         formulas: &[Formula],
     ) -> Self {
         let (curve, values) = (&weight.curve, driving(weight));
-        let times = match curve.factor {
-            Factor::One => None,
-            Factor::Direction => Some("sign(omega)"),
-            Factor::Current => Some("i"),
-        };
         let alike = |it: &&Formula| it.law.parts().0 == target(curve.balance);
         Self {
             balance: curve.balance,
             over: name(curve.over),
-            times,
+            times: times(curve.factor).map(factor_name),
             knots: curve.knots.clone(),
             over_unit: unit(curve.over, drive),
             unit: balance_unit(curve.balance, drive),
@@ -120,12 +115,7 @@ impl Curve {
             Over::Time => Variable::Time,
             Over::Acceleration => return None,
         };
-        let times = match self.factor {
-            Factor::One => None,
-            Factor::Direction => Some(Times::Direction),
-            Factor::Current => Some(Times::Current),
-        };
-        Some((over, times))
+        Some((over, times(self.factor)))
     }
 
     /// Whether the effect `learned` can hold it.
@@ -148,6 +138,19 @@ pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData,
     Some((EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) }, kept))
 }
 
+fn times(factor: Factor) -> Option<Times> {
+    match factor {
+        Factor::One => None,
+        Factor::Direction => Some(Times::Direction),
+        Factor::Current => Some(Times::Current),
+    }
+}
+
+/// Its name in the drive file of a rotary drive.
+fn factor_name(times: Times) -> &'static str {
+    Times::ALL.iter().find(|(_, other)| *other == times).map_or("", |(name, _)| name)
+}
+
 fn target(balance: Balance) -> Target {
     match balance {
         Balance::Torque => Target::Torque,
@@ -162,8 +165,8 @@ fn driving(weight: &CurveWeight) -> Vec<f64> {
 }
 
 /// Values of a curve less what parameters of the base do over its variable: a resistance, viscous and
-/// dry friction, the nominal flux. How much of that stands in the curve no recording tells. What was not visited goes on
-/// as the nearest value that was.
+/// dry friction, the nominal flux. How much of that stands in the curve no recording tells. What was
+/// not visited goes on as the nearest value that was.
 fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
     let CurveWeight { curve, values, visited, .. } = weight;
     // What is in proportion to the variable, and what is the same on either side of 0.

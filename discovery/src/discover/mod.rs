@@ -15,6 +15,7 @@ mod columns;
 mod curves;
 mod decision;
 mod experiment;
+mod form;
 mod free_run;
 mod ground;
 mod judged;

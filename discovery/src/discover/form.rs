@@ -1,0 +1,89 @@
+//! Whether the formula of a named law is the right one: another one in its place may explain far more,
+//! and then the library has no law for what is missing, or only one of its kind.
+
+use drivescope_plant::effects::registry::Entry;
+
+use super::learned::LearnedCurve;
+use super::needless::{Added, without};
+use super::refit::{Model, fit_near};
+use super::round::Round;
+use super::scales::Scales;
+use crate::formula::Formula;
+
+/// Formulas that explain more than a named law in its place.
+pub(super) struct Instead {
+    /// The number of the law among those that were added.
+    pub(super) place: usize,
+    /// The most probable first.
+    pub(super) formulas: Vec<Formula>,
+    /// What becomes of the name, where the law is not even of the right kind.
+    pub(super) refused: Option<Refused>,
+}
+
+/// A name that is taken back.
+pub(super) struct Refused {
+    /// The drive without the law, fitted.
+    pub(super) model: Model,
+    /// What is missing of it as a curve, where one shows it.
+    pub(super) learned: Option<LearnedCurve>,
+    /// Why, for a person.
+    pub(super) why: String,
+    /// Probability of the law beside that of the best formula.
+    pub(super) probability: f64,
+}
+
+impl Round<'_> {
+    /// The last of the laws that were added, to the drive of the round, in whose place formulas have
+    /// the evidence that a name needs over it. Laws with states of their own are no formulas, and what
+    /// was named by the torque alone has no error of a motion to compare.
+    pub(super) fn formulas_instead(&self, added: &[Added]) -> Option<Instead> {
+        let has_states =
+            |it: &Added| Entry::find(&it.kind).is_some_and(|entry| !entry.states.is_empty());
+        let asked = added.iter().enumerate().rev().filter(|(_, it)| it.by_error && !has_states(it));
+        asked.filter(|_| !self.watch.stopped()).find_map(|it| self.formulas_instead_of(it))
+    }
+
+    fn formulas_instead_of(&self, (place, it): (usize, &Added)) -> Option<Instead> {
+        let (estimation, validation) = (self.estimation, self.validation);
+        let seen = |_| self.watch.stopped();
+        let drive = &self.model.fitted.drive;
+        let law = drive.effects.iter().find(|effect| effect.id == it.id)?;
+        let model =
+            fit_near(self.model, &without(drive, &it.id), estimation, validation, &seen).ok()?;
+        let scales = Scales::of(&model.fitted.drive, estimation);
+        let named: Vec<String> =
+            self.named.iter().filter(|kind| **kind != it.kind).cloned().collect();
+        let turn = Round {
+            model: &model,
+            all: &[],
+            scales: &scales,
+            named: &named,
+            formulas: &[],
+            ..*self
+        };
+        let ground = turn.ground()?;
+        let (_, own) = ground.with(&[law.clone()], &it.estimated, &it.coefficients)?;
+        let [_, evidence, _] = own.over(ground.base());
+        // Both as probable beforehand as the rule of naming has it.
+        let ln_odds = self.rule.law_odds.ln() - self.rule.curve_odds.ln();
+        let formulas = turn.formulas_beyond(&ground, evidence + ln_odds + self.rule.evidence);
+        let best = formulas.first()?;
+        let mut with = model.fitted.drive.clone();
+        with.effects.push(best.effect(&with));
+        let with = fit_near(&model, &with, estimation, validation, &seen).ok()?;
+        let removed = [self.model, &with].map(|it| turn.removed_of_validation(it));
+        let of_kind = removed[0] >= (1.0 - self.rule.formula) * removed[1];
+        let refused = (!of_kind).then(|| {
+            let curve = turn.weights(&ground).and_then(|weights| turn.unknown(&weights));
+            let learned = curve.map(|curve| turn.drawn(&curve, &formulas));
+            let [own, others] = removed.map(|it| 100.0 * it.max(0.0));
+            let why = format!(
+                "a formula removes {others:.0} % of the excess error on the validation data where it \
+                 removes {own:.0} %"
+            );
+            let probability = 1.0 / (1.0 + (best.worth() - evidence - ln_odds).exp());
+            Refused { model: model.clone(), learned, why, probability }
+        });
+        Some(Instead { place, formulas, refused })
+    }
+}

@@ -6,7 +6,6 @@ use drivescope_plant::effects::registry::Entry;
 use super::candidates::{Candidate, NotJudged, candidate, candidates};
 use super::decision::{self, Rule};
 use super::experiment;
-use super::form::{Instead, Refused};
 use super::judged::Judged;
 use super::learned::LearnedCurve;
 use super::needless::{Added, needless};
@@ -109,18 +108,17 @@ pub fn discover_by(
         randomness = outcome.randomness;
         let passed = outcome.judged.iter().position(|one| one.refused.is_none());
         note(&turn, &outcome, passed, &mut found);
-        let Outcome { mut judged, unknown, proposed, formulas_fail, .. } = outcome;
+        let Outcome { mut judged, unknown, proposed, .. } = outcome;
         let Some(best) = passed else {
             let missing = unknown.is_some();
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
-            found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
-            // What is left beside a law would be taken for what its formula leaves.
-            let alone = formulas_fail && !missing;
-            let instead = alone.then(|| turn.formulas_instead(&added)).flatten();
-            if let Some(it) = instead {
-                model = found.put(it, &mut added, model, (estimation, validation), watch);
-            }
+            found.learned = unknown.map(|curve| {
+                watch.step(&Step::Doing("drawing what nobody knows"));
+                let with = turn.with_curve(&curve);
+                let removed = with.map_or(0.0, |with| turn.removed(&with));
+                LearnedCurve::of(&curve, removed, &model.fitted.drive, &found.formulas)
+            });
             break;
         };
         let kind = all[judged[best].candidate].name.clone();
@@ -131,8 +129,6 @@ pub fn discover_by(
         added.push(Added {
             kind: kind.clone(),
             id: all[candidate].id.clone(),
-            estimated: all[candidate].estimated(),
-            coefficients: all[candidate].coefficients.clone(),
             by_error: !weighed.by_balance,
             formula: Formula::of(&all[candidate], weighed.size),
         });
@@ -382,59 +378,16 @@ impl Discovery {
         self.ladder.pop();
         let place = self.ladder.iter().rposition(|rung| rung.added.as_deref() == Some(kind));
         place.map(|place| self.ladder.remove(place));
-        self.unname(left);
-        let beside = self.named.join(" and ");
-        self.refuse(kind, left, &format!("not needed beside {beside}"));
-    }
-
-    /// Tells of formulas in the place of a law, or beside it where it is of the right kind; the drive
-    /// that is left.
-    fn put(
-        &mut self,
-        it: Instead,
-        added: &mut Vec<Added>,
-        model: Model,
-        evidence: (&Evidence, &Evidence),
-        watch: &dyn Watch,
-    ) -> Model {
-        let Instead { place, formulas, refused } = it;
-        let kind = added[place].kind.clone();
-        self.formulas = formulas;
-        let Some(Refused { model: without, learned, why, probability }) = refused else {
-            self.closer_than = Some(kind);
-            return model;
-        };
-        added.remove(place);
-        for one in self.ranking.iter_mut().filter(|it| it.effect == kind) {
-            one.probability = probability;
-        }
-        self.refuse(&kind, added, &why);
-        self.unname(added);
-        self.ladder.pop();
-        if place < added.len() {
-            let of_it = self.ladder.iter().rposition(|it| it.added.as_deref() == Some(&*kind));
-            of_it.map(|of_it| self.ladder.remove(of_it));
-            self.climb(added.last().map(|it| it.kind.clone()), &without, evidence, watch);
-        }
-        (self.remaining, self.learned) = (Verdict::Unknown, learned);
-        without
-    }
-
-    /// Names what is left alone.
-    fn unname(&mut self, left: &[Added]) {
         self.named.retain(|name| left.iter().any(|it| it.kind == *name));
         // One that refined what was named stands for it now.
         let of_last = left.last().map(|it| &it.kind).filter(|it| !self.named.contains(it));
         self.named.extend(of_last.cloned());
-    }
-
-    /// Says why an effect is not named of which nothing is left.
-    fn refuse(&mut self, kind: &str, left: &[Added], why: &str) {
         if left.iter().any(|it| it.kind == kind) {
             return;
         }
+        let beside = self.named.join(" and ");
         for one in self.ranking.iter_mut().filter(|it| it.effect == kind && it.refused.is_none()) {
-            one.refused = Some(why.to_owned());
+            one.refused = Some(format!("not needed beside {beside}"));
         }
     }
 

@@ -15,7 +15,6 @@ mod columns;
 mod curves;
 mod decision;
 mod experiment;
-mod form;
 mod free_run;
 mod ground;
 mod judged;

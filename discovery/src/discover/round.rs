@@ -8,7 +8,6 @@ use super::curves::Curve;
 use super::decision::{self, Rule};
 use super::ground::Ground;
 use super::judged::Judged;
-use super::learned::LearnedCurve;
 use super::probability;
 use super::refit::Model;
 use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
@@ -75,8 +74,6 @@ pub(crate) struct Outcome {
     pub(crate) unknown: Option<CurveWeight>,
     /// Formulas for it.
     pub(crate) proposed: Vec<formula::Formula>,
-    /// Whether a curve shows more beside the named laws than their formulas may leave.
-    pub(crate) formulas_fail: bool,
 }
 
 impl Round<'_> {
@@ -115,22 +112,8 @@ impl Round<'_> {
         let untold = (0..self.all.len()).filter(|it| !ground.tells(&self.all[*it])).collect();
         let load = Some(ground.load());
         let randomness = ground.randomness();
-        let proposed = match unknown {
-            Some(_) => self.formulas_beyond(&ground, self.rule.evidence),
-            None => Vec::new(),
-        };
-        let left = weights.left_by_formulas + self.rule.curve_odds.ln();
-        Outcome {
-            judged,
-            imitated,
-            overflowing,
-            untold,
-            load,
-            randomness,
-            unknown,
-            proposed,
-            formulas_fail: left > self.rule.evidence,
-        }
+        let proposed = unknown.as_ref().map_or_else(Vec::new, |_| self.proposed(&ground));
+        Outcome { judged, imitated, overflowing, untold, load, randomness, unknown, proposed }
     }
 
     /// The drive of the round at its own best; nothing where it overflows.
@@ -175,7 +158,7 @@ impl Round<'_> {
 
     /// The curve that shows that something is missing; one that can be added stands before one that
     /// cannot and has little more evidence.
-    pub(super) fn unknown(&self, weights: &Weights) -> Option<CurveWeight> {
+    fn unknown(&self, weights: &Weights) -> Option<CurveWeight> {
         let mut some = weights.repeating().peekable();
         let best = *some.peek().filter(|curve| self.stands(curve))?;
         let addable = |it: &&CurveWeight| {
@@ -184,17 +167,10 @@ impl Round<'_> {
         some.find(addable).or(Some(best)).cloned()
     }
 
-    /// Formulas that have more than that evidence, less what choosing one costs.
-    pub(super) fn formulas_beyond(&self, ground: &Ground, evidence: f64) -> Vec<formula::Formula> {
+    /// Formulas for what nobody knows.
+    fn proposed(&self, ground: &Ground) -> Vec<formula::Formula> {
         self.watch.step(&Step::Doing("trying formulas"));
-        ground.formulas(evidence, &|| self.watch.stopped())
-    }
-
-    /// What nobody knows as a curve, in the drive and fitted.
-    pub(super) fn drawn(&self, curve: &CurveWeight, formulas: &[formula::Formula]) -> LearnedCurve {
-        self.watch.step(&Step::Doing("drawing what nobody knows"));
-        let removed = self.with_curve(curve).map_or(0.0, |with| self.removed(&with));
-        LearnedCurve::of(curve, removed, &self.model.fitted.drive, formulas)
+        ground.formulas(self.rule.evidence, &|| self.watch.stopped())
     }
 
     /// The line of a candidate in the ranking.

@@ -273,4 +273,34 @@ mod tests {
         let value = law.expect("it is right").at(&[2.0, 10.0], [0.5, -3.0, 0.25, 0.0, 0.0]);
         assert_eq!(value, 18.0 + 5.0 + 0.25);
     }
+
+    #[test]
+    fn roots_and_powers_have_a_finite_slope_at_rest() {
+        use drivescope_numerics::Dual;
+        let zero = Dual::<1>::constant(0.0);
+        let motor =
+            Motor { r: zero, l: zero, k_e: zero, k_m: zero, j: zero, b_m: zero, friction: zero };
+        let slope = |text: &str, omega: f64| {
+            let law = Law::parse(Target::Torque, text, &[]).expect("right");
+            let at = Views {
+                motors: &Motors::splat(motor),
+                i: &[zero],
+                omega: &[Dual::parameter(omega, 0)],
+                theta: &[zero],
+                direction: &[0.0],
+                u: &[zero],
+                load: &[zero],
+                time: 0.0,
+            };
+            law.form.run(&[], &at)[0]
+        };
+        for text in ["omega * abs(omega)^0.5", "omega * sqrt(abs(omega))", "abs(omega)^1.5"] {
+            let at_rest = slope(text, 0.0);
+            assert_eq!((at_rest.v, at_rest.d), (0.0, [0.0]), "{text}");
+            let moving = slope(text, 4.0);
+            assert!((moving.v - 8.0).abs() < 1e-12 && (moving.d[0] - 3.0).abs() < 1e-12, "{text}");
+        }
+        assert_eq!(slope("abs(omega)^0", 0.0).v, 1.0);
+        assert_eq!(slope("abs(omega)^(-1)", 0.0).v, f64::INFINITY);
+    }
 }

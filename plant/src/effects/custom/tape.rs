@@ -55,7 +55,7 @@ impl Function {
             Self::Sign => map(x, sign),
             Self::Exp => map(x, R::exp),
             Self::Ln => map(x, R::ln),
-            Self::Sqrt => map(x, R::sqrt),
+            Self::Sqrt => map(x, |x| flat_at_zero(x, 0.0, R::sqrt)),
             Self::Sin => map(x, R::sin),
             Self::Cos => map(x, R::cos),
             Self::Tan => map(x, tan),
@@ -68,6 +68,13 @@ impl Function {
 fn sign<R: Real>(x: R) -> R {
     let below = R::select(x.value() < 0.0, R::constant(-1.0), R::zero());
     R::select(x.value() > 0.0, R::one(), below)
+}
+
+/// A root or a power of 0 is taken as flat, as |x| is: its slope there, where it has none or an
+/// infinite one, would make everything that is differentiated through a standing shaft no number.
+#[inline(always)]
+fn flat_at_zero<R: Real>(x: R, at_zero: f64, f: impl Fn(R) -> R) -> R {
+    R::select(x.value() == 0.0, R::constant(at_zero), f(x))
 }
 
 #[inline(always)]
@@ -182,7 +189,10 @@ impl Tape {
                         Operation::Subtract => merge(a, b, |x, y| x - y),
                         Operation::Multiply => merge(a, b, |x, y| x * y),
                         Operation::Divide => merge(a, b, |x, y| x / y),
-                        Operation::Power => merge(a, b, |x, y| (y * x.ln()).exp()),
+                        Operation::Power => merge(a, b, |x, y| {
+                            let at_zero = 0.0_f64.powf(y.value());
+                            flat_at_zero(x, at_zero, |x| (y * x.ln()).exp())
+                        }),
                         Operation::Least => {
                             merge(a, b, |x, y| R::select(y.value() < x.value(), y, x));
                         }

@@ -187,7 +187,7 @@ impl Round<'_> {
     }
 
     /// The same on the validation data, negative where the error rises; all where there was none.
-    fn removed_of_validation(&self, with: &Model) -> f64 {
+    pub(super) fn removed_of_validation(&self, with: &Model) -> f64 {
         let (was, is) = (self.model.validation.squares.sum, with.validation.squares.sum);
         let excess = was - self.floor(self.validation);
         if excess > 0.0 { (was - is) / excess } else { 1.0 }

@@ -5,22 +5,20 @@ use drivescope_plant::effects::registry::Entry;
 
 use super::candidates::{Candidate, NotJudged, candidate, candidates};
 use super::decision::{self, Rule};
-use super::experiment;
 use super::judged::Judged;
 use super::learned::LearnedCurve;
 use super::needless::{Added, needless};
 use super::other_machine;
 use super::refit::Model;
-use super::report::{Discovery, Rung, Step, Unwatched, Verdict, Watch};
+use super::report::{Discovery, Step, Unwatched, Verdict, Watch};
 use super::round::{Formula, Outcome, Round};
 use super::scales::Scales;
 use super::typed;
 use super::unusable;
-use crate::balances::unexplained;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
-use crate::estimate::{Evidence, Options, output_fits};
+use crate::estimate::{Evidence, Options};
 use crate::signals::SignalFinding;
 
 /// Why no curve is added.
@@ -107,18 +105,24 @@ pub fn discover_by(
         found.load = outcome.load.or(found.load);
         randomness = outcome.randomness;
         let passed = outcome.judged.iter().position(|one| one.refused.is_none());
-        note(&turn, &outcome, passed, &mut found);
-        let Outcome { mut judged, unknown, proposed, .. } = outcome;
+        found.note(&turn, &outcome, passed);
+        let Outcome { mut judged, unknown, proposed, formulas_fail, .. } = outcome;
         let Some(best) = passed else {
-            let missing = unknown.is_some();
+            let missing = unknown.is_some() || !proposed.is_empty();
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
-            found.learned = unknown.map(|curve| {
-                watch.step(&Step::Doing("drawing what nobody knows"));
-                let with = turn.with_curve(&curve);
-                let removed = with.map_or(0.0, |with| turn.removed(&with));
-                LearnedCurve::of(&curve, removed, &model.fitted.drive, &found.formulas)
-            });
+            found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
+            if formulas_fail || missing {
+                let mut left = model.clone();
+                while let Some(it) = (Round { model: &left, ..turn }).formulas_instead(&added) {
+                    let of_kind = it.refused.is_none();
+                    left = found.put(it, &mut added, left, (estimation, validation), watch);
+                    if of_kind {
+                        break;
+                    }
+                }
+                model = left;
+            }
             break;
         };
         let kind = all[judged[best].candidate].name.clone();
@@ -129,6 +133,8 @@ pub fn discover_by(
         added.push(Added {
             kind: kind.clone(),
             id: all[candidate].id.clone(),
+            estimated: all[candidate].estimated(),
+            coefficients: all[candidate].coefficients.clone(),
             by_error: !weighed.by_balance,
             formula: Formula::of(&all[candidate], weighed.size),
         });
@@ -302,40 +308,6 @@ fn fails(model: &Model, estimation: &Evidence) -> Vec<Finding> {
     compared.map_or_else(|_| Vec::new(), |compared| compared.findings)
 }
 
-/// Writes the round into what was found.
-fn note(turn: &Round<'_>, outcome: &Outcome, passed: Option<usize>, found: &mut Discovery) {
-    let ranked = |one: &Judged| turn.ranked(one, outcome);
-    let first = found.ladder.len() == 1;
-    if first {
-        found.ranking = outcome.judged.iter().map(ranked).collect();
-    } else {
-        found.ranking.extend(passed.map(|best| ranked(&outcome.judged[best])));
-    }
-    let Some(best) = passed else { return };
-    let set = turn.confusion_set(&outcome.judged[best], outcome);
-    if first {
-        let named = &turn.all[outcome.judged[best].candidate].name;
-        let rivals = found.ranking.iter_mut().filter(|it| it.effect != *named);
-        for one in rivals.filter(|it| it.refused.is_none()) {
-            one.refused = Some(if set.contains(&one.effect) {
-                format!("not told from {named} here")
-            } else {
-                format!("{named} explains more")
-            });
-        }
-    }
-    if found.next_experiment.is_some() {
-        return;
-    }
-    let id = |one: &Judged| turn.all[one.candidate].name.clone();
-    let is_in = |one: &&Judged| set.contains(&id(one));
-    let models: Vec<(String, &Model)> = std::iter::once(&outcome.judged[best])
-        .chain(outcome.judged.iter().filter(is_in))
-        .map(|one| (id(one), &one.model))
-        .collect();
-    found.next_experiment = experiment::next(turn.model, &models, turn.estimation, turn.scales);
-}
-
 fn imitated(candidate: &Candidate) -> NotJudged {
     NotJudged {
         effect: candidate.name.clone(),
@@ -359,58 +331,5 @@ fn overflowing(candidate: &Candidate) -> NotJudged {
         effect: candidate.name.clone(),
         reason: "it or its derivative divides by zero or overflows on these recordings".to_owned(),
         worth_saying: true,
-    }
-}
-
-impl Discovery {
-    /// The drive at the end, and its parameters beside the values of the user's file.
-    fn end(&mut self, drive: Drive, of_user: &Drive) {
-        self.drive = typed::restored(drive, of_user);
-        let given = of_user.parameters();
-        for it in &mut self.parameters {
-            let before = given.iter().find(|other| other.name == it.name);
-            it.before = before.map_or(f64::NAN, |other| other.value);
-        }
-    }
-
-    /// Tells of an effect no more, nor of the last one, which is told without it.
-    fn take_back(&mut self, kind: &str, left: &[Added]) {
-        self.ladder.pop();
-        let place = self.ladder.iter().rposition(|rung| rung.added.as_deref() == Some(kind));
-        place.map(|place| self.ladder.remove(place));
-        self.named.retain(|name| left.iter().any(|it| it.kind == *name));
-        // One that refined what was named stands for it now.
-        let of_last = left.last().map(|it| &it.kind).filter(|it| !self.named.contains(it));
-        self.named.extend(of_last.cloned());
-        if left.iter().any(|it| it.kind == kind) {
-            return;
-        }
-        let beside = self.named.join(" and ");
-        for one in self.ranking.iter_mut().filter(|it| it.effect == kind && it.refused.is_none()) {
-            one.refused = Some(format!("not needed beside {beside}"));
-        }
-    }
-
-    fn climb(
-        &mut self,
-        added: Option<String>,
-        model: &Model,
-        (estimation, validation): (&Evidence, &Evidence),
-        watch: &dyn Watch,
-    ) {
-        let drive = &model.fitted.drive;
-        let (setting, validated) = (&model.setting, &model.validation.recordings);
-        let rung = Rung {
-            fit_percent: output_fits(drive, estimation, setting, &model.fitted.recordings),
-            validation_fit_percent: output_fits(drive, validation, setting, validated),
-            added,
-            unexplained: unexplained(drive, estimation).into(),
-            validation_unexplained: unexplained(drive, validation).into(),
-            error: model.fitted.squares.error(),
-            validation_error: model.validation.squares.error(),
-        };
-        watch.step(&Step::Rung(&rung));
-        self.ladder.push(rung);
-        self.parameters = model.fitted.parameters.clone();
     }
 }

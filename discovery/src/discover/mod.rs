@@ -9,12 +9,14 @@
 //!
 //! Evidence is that of one model of what is missing, a random load in it ([`crate::likelihood`]).
 
+mod account;
 mod at_best;
 mod candidates;
 mod columns;
 mod curves;
 mod decision;
 mod experiment;
+mod form;
 mod free_run;
 mod ground;
 mod judged;

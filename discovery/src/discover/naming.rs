@@ -71,9 +71,13 @@ impl Round<'_> {
         }
     }
 
-    /// Whether a curve explains something else, so that the evidence of the law stays beside it.
+    /// Whether a curve explains something else, over other variables, so that the evidence of the law
+    /// stays beside it: over the same ones the law takes what a curve of few values leaves.
     fn is_apart(&self, ground: &Ground, one: &Judged, curve: &CurveWeight) -> bool {
         let it = &self.all[one.candidate];
+        if curve.curve.variables().iter().any(|variable| it.fails_over.contains(variable)) {
+            return false;
+        }
         let law = Law { id: &it.id, coefficients: &it.coefficients };
         let stays = ground.beside_curve(&one.model.fitted.drive, &law, &it.estimated(), curve);
         stays.is_some_and(|stays| stays >= self.rule.share * one.weighed.evidence)

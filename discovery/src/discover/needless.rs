@@ -16,6 +16,9 @@ pub(super) struct Added {
     pub(super) kind: String,
     /// Its name in the drive.
     pub(super) id: String,
+    /// Its parameters that are estimated, and those of them that are 0 where it vanishes.
+    pub(super) estimated: Vec<String>,
+    pub(super) coefficients: Vec<String>,
     /// Whether the error of the motion spoke for it, which is asked again.
     pub(super) by_error: bool,
     /// What its formula may leave.
@@ -41,7 +44,8 @@ pub(super) fn needless(
     earlier.filter(|(_, it)| it.by_error).find_map(without)
 }
 
-fn without(drive: &Drive, id: &str) -> Drive {
+/// The drive without one of its effects.
+pub(super) fn without(drive: &Drive, id: &str) -> Drive {
     let mut without = drive.clone();
     without.effects.retain(|effect| effect.id != id);
     without.fixed.retain(|name| name.split_once('.').is_none_or(|(of, _)| of != id));
@@ -90,6 +94,8 @@ mod tests {
             .map(|it| Added {
                 kind: it.kind.clone(),
                 id: it.id.clone(),
+                estimated: Vec::new(),
+                coefficients: Vec::new(),
                 by_error: true,
                 formula: Formula::over(&[Variable::Omega]),
             })

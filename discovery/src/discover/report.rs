@@ -172,8 +172,11 @@ pub struct Discovery {
     pub load: Option<RandomLoad>,
     /// The curve that describes what nobody knows.
     pub learned: Option<LearnedCurve>,
-    /// Formulas for what nobody knows, the most probable first.
+    /// Formulas for what nobody knows, the most probable first; or for what was named, where they
+    /// describe it closer.
     pub formulas: Vec<Formula>,
+    /// The named effect in whose place the formulas stand.
+    pub closer_than: Option<String>,
     /// What to record to tell apart what these recordings do not.
     pub next_experiment: Option<NextExperiment>,
     /// What is wrong with the signals of the recordings, the gravest first.
@@ -201,6 +204,7 @@ impl Discovery {
             load: None,
             learned: None,
             formulas: Vec::new(),
+            closer_than: None,
             next_experiment: None,
             signals: Vec::new(),
             doubts: Vec::new(),

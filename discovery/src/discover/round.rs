@@ -8,6 +8,7 @@ use super::curves::Curve;
 use super::decision::{self, Rule};
 use super::ground::Ground;
 use super::judged::Judged;
+use super::learned::LearnedCurve;
 use super::probability;
 use super::refit::Model;
 use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
@@ -72,8 +73,10 @@ pub(crate) struct Outcome {
     pub(crate) randomness: Option<Randomness>,
     /// What nobody knows, where nothing is named and a curve shows that something is missing.
     pub(crate) unknown: Option<CurveWeight>,
-    /// Formulas for it.
+    /// Formulas for it; alone, where they show what no curve does.
     pub(crate) proposed: Vec<formula::Formula>,
+    /// Whether a curve shows more beside the named laws than their formulas may leave.
+    pub(crate) formulas_fail: bool,
 }
 
 impl Round<'_> {
@@ -107,13 +110,31 @@ impl Round<'_> {
         judged.extend(disturbances);
         let nothing = judged.iter().all(|one| one.refused.is_some());
         // Where the noise alone is left, what a curve takes of it is nothing.
-        let unknown = if nothing && !self.is_at_floor() { self.unknown(&weights) } else { None };
-        probability::tell(&mut judged, self.rule, unknown.as_ref().map(|it| it.evidence));
+        let open = nothing && !self.is_at_floor();
+        let unknown = if open { self.unknown(&weights) } else { None };
+        let proposed = match unknown {
+            Some(_) => self.formulas_beyond(&ground, self.rule.evidence),
+            None if open && self.named.is_empty() => self.formulas_alone(&ground),
+            None => Vec::new(),
+        };
+        let evidence = || proposed.first().map(formula::Formula::worth);
+        let unknown_by = unknown.as_ref().map(|it| it.evidence).or_else(evidence);
+        probability::tell(&mut judged, self.rule, unknown_by);
         let untold = (0..self.all.len()).filter(|it| !ground.tells(&self.all[*it])).collect();
         let load = Some(ground.load());
         let randomness = ground.randomness();
-        let proposed = unknown.as_ref().map_or_else(Vec::new, |_| self.proposed(&ground));
-        Outcome { judged, imitated, overflowing, untold, load, randomness, unknown, proposed }
+        let left = weights.left_by_formulas + self.rule.curve_odds.ln();
+        Outcome {
+            judged,
+            imitated,
+            overflowing,
+            untold,
+            load,
+            randomness,
+            unknown,
+            proposed,
+            formulas_fail: left > self.rule.evidence,
+        }
     }
 
     /// The drive of the round at its own best; nothing where it overflows.
@@ -158,7 +179,7 @@ impl Round<'_> {
 
     /// The curve that shows that something is missing; one that can be added stands before one that
     /// cannot and has little more evidence.
-    fn unknown(&self, weights: &Weights) -> Option<CurveWeight> {
+    pub(super) fn unknown(&self, weights: &Weights) -> Option<CurveWeight> {
         let mut some = weights.repeating().peekable();
         let best = *some.peek().filter(|curve| self.stands(curve))?;
         let addable = |it: &&CurveWeight| {
@@ -167,10 +188,17 @@ impl Round<'_> {
         some.find(addable).or(Some(best)).cloned()
     }
 
-    /// Formulas for what nobody knows.
-    fn proposed(&self, ground: &Ground) -> Vec<formula::Formula> {
+    /// Formulas that have more than that evidence, less what choosing one costs.
+    pub(super) fn formulas_beyond(&self, ground: &Ground, evidence: f64) -> Vec<formula::Formula> {
         self.watch.step(&Step::Doing("trying formulas"));
-        ground.formulas(self.rule.evidence, &|| self.watch.stopped())
+        ground.formulas(evidence, &|| self.watch.stopped())
+    }
+
+    /// What nobody knows as a curve, in the drive and fitted.
+    pub(super) fn drawn(&self, curve: &CurveWeight, formulas: &[formula::Formula]) -> LearnedCurve {
+        self.watch.step(&Step::Doing("drawing what nobody knows"));
+        let removed = self.with_curve(curve).map_or(0.0, |with| self.removed(&with));
+        LearnedCurve::of(curve, removed, &self.model.fitted.drive, formulas)
     }
 
     /// The line of a candidate in the ranking.

@@ -17,13 +17,6 @@ const WORTH: f64 = 0.8;
 /// Their name in the drive.
 const ID: &str = "formula";
 
-/// A formula at its best.
-struct Judged {
-    formula: Formula,
-    /// Evidence less price.
-    worth: f64,
-}
-
 /// Formulas for what the drive of the ground lacks, the most probable first; each has evidence, less
 /// what choosing it costs, of more than `asked`, and what was held out speaks for it. Nothing where
 /// it is stopped.
@@ -43,21 +36,21 @@ pub(crate) fn formulas(
         let at_best = |it: &Weighed| {
             if stopped() { None } else { judged(ground, drive, it, &visited) }
         };
-        let judged: Vec<Judged> = some.par_iter().filter_map(at_best).collect();
+        let judged: Vec<Formula> = some.par_iter().filter_map(at_best).collect();
         (!stopped()).then_some(judged)
     };
     let mut judged = found().unwrap_or_default();
-    judged.retain(|it| it.worth > asked);
-    judged.sort_by(|a, b| b.worth.total_cmp(&a.worth));
-    let most = judged.first().map_or(0.0, |it| it.worth);
-    let all: f64 = judged.iter().map(|it| (it.worth - most).exp()).sum();
+    judged.retain(|it| it.worth() > asked);
+    judged.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
+    let most = judged.first().map_or(0.0, Formula::worth);
+    let all: f64 = judged.iter().map(|it| (it.worth() - most).exp()).sum();
     for it in &mut judged {
-        it.formula.probability = (it.worth - most).exp() / all;
+        it.probability = (it.worth() - most).exp() / all;
     }
-    judged.into_iter().map(|it| it.formula).collect()
+    judged
 }
 
-fn judged(ground: &Filtered, drive: &Drive, it: &Weighed, visited: &Visited) -> Option<Judged> {
+fn judged(ground: &Filtered, drive: &Drive, it: &Weighed, visited: &Visited) -> Option<Formula> {
     let written = it.form.written(&visited.names);
     let coefficients = it.form.coefficients();
     let start = coefficients.iter().zip(&it.coefficients).map(|(name, value)| (*name, *value));
@@ -75,12 +68,30 @@ fn judged(ground: &Filtered, drive: &Drive, it: &Weighed, visited: &Visited) -> 
     }
     let fitted = scene.drive.effects.iter().find(|effect| effect.id == id)?;
     let parameters: BTreeMap<String, f64> = fitted.parameters.iter().cloned().collect();
-    let formula = Formula {
+    Some(Formula {
         law: FormulaLaw::of(it.form.target, written.text),
         parameters,
         evidence,
         probability: 0.0,
         complexity: it.complexity,
-    };
-    Some(Judged { formula, worth: evidence - it.price })
+        price: it.price,
+        size: optimum.size,
+    })
+}
+
+impl Formula {
+    /// As an effect that the drive can be given.
+    pub(crate) fn effect(&self, drive: &Drive) -> EffectData {
+        let (target, text) = self.law.parts();
+        EffectData {
+            kind: CUSTOM.to_owned(),
+            id: drive.free_id(ID),
+            parameters: self
+                .parameters
+                .iter()
+                .map(|(name, value)| (name.clone(), *value))
+                .collect(),
+            law: Some(LawData::Typed { target, text: text.to_owned() }),
+        }
+    }
 }

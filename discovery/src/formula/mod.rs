@@ -40,9 +40,20 @@ pub struct Formula {
     pub probability: f64,
     /// Names and numbers in it.
     pub complexity: usize,
+    /// ln of the number of formulas that are no more complex: what choosing it costs.
+    #[serde(skip)]
+    pub(crate) price: f64,
+    /// Root of the mean square of what it does, of what the balance holds.
+    #[serde(skip)]
+    pub(crate) size: f64,
 }
 
 impl Formula {
+    /// Evidence less price.
+    pub(crate) fn worth(&self) -> f64 {
+        self.evidence - self.price
+    }
+
     /// The constants of its shape: those of its parameters that are no coefficients.
     pub fn shape(&self) -> impl Iterator<Item = (&str, f64)> {
         let constant = |(name, _): &(&String, &f64)| !COEFFICIENTS.contains(&name.as_str());

@@ -129,8 +129,12 @@ fn weigh_along(
         next += count;
         (next - count..next).collect::<Vec<usize>>()
     };
+    let plain = background.clone();
+    let mut left_by_formulas = Vec::new();
     for (number, sd) in &known {
-        background = background.with(&take(families[*number].knots.len()), sd * sd);
+        let columns = take(families[*number].knots.len());
+        background = background.with(&columns, sd * sd);
+        left_by_formulas.push(columns);
     }
     for (candidate, variant) in shared.seats.iter().flatten() {
         let columns = take(candidates[*candidate].coefficients.len());
@@ -203,6 +207,8 @@ fn weigh_along(
         Weights {
             base: likelihood + log_evidence(&weighing.fitted, &weighing.background),
             base_of_all: all + log_evidence(&weighing.all, &weighing.background),
+            plain: all + log_evidence(&weighing.all, &plain),
+            left_by_formulas: weighing.best_beside(&plain, &left_by_formulas),
             laws: weighing.laws(candidates, &seats),
             curves: weighing.curves(curves.clone()),
         }

@@ -82,6 +82,17 @@ impl Weighing<'_> {
         ln_mean_exp(sizes.iter().map(with))
     }
 
+    /// ln of the evidence of the best of those curves over those terms, in all recordings; of none, that
+    /// there is nothing.
+    pub(super) fn best_beside(&self, terms: &Terms, curves: &[Vec<usize>]) -> f64 {
+        let without = log_evidence(&self.all, terms);
+        let over = |columns: &Vec<usize>| {
+            let with = |size: &f64| log_evidence(&self.all, &terms.with(columns, size * size));
+            ln_mean_exp(CURVE_SIZES.iter().map(with)) - without
+        };
+        curves.iter().map(over).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// What each candidate explains, most probable first.
     pub(super) fn laws(&self, candidates: &[Candidate], seats: &[Seat]) -> Vec<LawWeight> {
         let base = log_evidence(&self.fitted, &self.background);

@@ -41,6 +41,10 @@ pub(crate) struct Weights {
     /// ln of the evidence of the base, in the recordings of the fit and in all.
     pub(super) base: f64,
     pub(super) base_of_all: f64,
+    /// ln of the evidence of the base in all recordings without what the formulas of named laws may
+    /// leave, and of the best curve of that over it.
+    pub(super) plain: f64,
+    pub(crate) left_by_formulas: f64,
     /// Most probable first.
     pub(crate) laws: Vec<LawWeight>,
     /// Most probable first.
@@ -63,6 +67,9 @@ impl Weights {
     pub(super) fn best_of(self, other: Self) -> Self {
         let base = self.base.max(other.base);
         let base_of_all = self.base_of_all.max(other.base_of_all);
+        let plain = self.plain.max(other.plain);
+        let left = |it: &Self| it.left_by_formulas + it.plain - plain;
+        let left_by_formulas = left(&self).max(left(&other));
         let (mine, others) = (self.base - base, other.base - base);
         let [my_rest, their_rest] = [(&self, mine), (&other, others)]
             .map(|(it, fitted)| it.base_of_all - base_of_all - fitted);
@@ -86,6 +93,6 @@ impl Weights {
             ..it
         }));
         curves.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-        Self { base, base_of_all, laws, curves }
+        Self { base, base_of_all, plain, left_by_formulas, laws, curves }
     }
 }

@@ -78,6 +78,8 @@ pub(super) struct Answer {
     load: Option<RandomLoad>,
     learned: Option<LearnedCurve>,
     formulas: Vec<Formula>,
+    /// The named effect in whose place the formulas stand.
+    closer_than: Option<String>,
     next_experiment: Option<NextExperiment>,
     observer_hz: f64,
     split: String,
@@ -130,6 +132,7 @@ impl Answer {
             load: found.load,
             learned: found.learned.clone(),
             formulas: found.formulas.clone(),
+            closer_than: found.closer_than.clone(),
             next_experiment: found.next_experiment.clone(),
             observer_hz: found.observer.hz,
             split: gathered.split.clone(),
@@ -186,7 +189,7 @@ impl Answer {
         if let Some(learned) = &self.learned {
             text += &curve(learned);
         }
-        text += &proposals(&self.formulas);
+        text += &proposals(&self.formulas, self.closer_than.as_deref());
         if let Some(it) = self.load.and_then(|load| load.oscillation) {
             let sd = significant(it.sd, 3);
             let unit = for_motion(self.motion, "N m");
@@ -257,9 +260,13 @@ fn curve(learned: &LearnedCurve) -> String {
 }
 
 /// Formulas in words, and how one is added.
-fn proposals(formulas: &[Formula]) -> String {
+fn proposals(formulas: &[Formula], closer_than: Option<&str>) -> String {
     let Some(best) = formulas.first() else { return String::new() };
-    let mut text = "formulas for it, the most probable first:\n".to_owned();
+    let for_what = closer_than.map_or_else(
+        || "formulas for it".to_owned(),
+        |named| format!("formulas in the place of {named}, which describe it closer"),
+    );
+    let mut text = format!("{for_what}, the most probable first:\n");
     for it in formulas.iter().take(SHOWN) {
         let values: Vec<String> = it
             .parameters

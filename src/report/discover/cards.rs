@@ -31,7 +31,8 @@ pub(crate) fn cards(
         div.cards {
             @if missing.verdict == Verdict::None { (nothing()) }
             @if let Some(learned) = &missing.learned { (unknown(learned, &missing.formulas, action)) }
-            @else if missing.verdict == Verdict::Unknown { (without_curve()) }
+            @else if missing.verdict == Verdict::Unknown { (without_curve(&missing.formulas)) }
+            @else if let Some(named) = &missing.closer_than { (closer(named, &missing.formulas)) }
             @for (place, one) in missing.ranking.iter().enumerate() {
                 (card(missing, one, place, curves, action))
             }
@@ -72,11 +73,26 @@ fn nothing() -> Markup {
     }
 }
 
-fn without_curve() -> Markup {
+fn without_curve(formulas: &[Formula]) -> Markup {
     html! {
         article.card.honest aria-label="something unknown" {
             h3 { "Unknown" }
             p { "No curve over a single variable describes what is missing." }
+            (proposals(formulas))
+        }
+    }
+}
+
+/// Formulas in the place of what was named.
+fn closer(named: &str, formulas: &[Formula]) -> Markup {
+    html! {
+        article.card.honest aria-label={ "formulas in the place of " (name(named)) } {
+            h3 { "Closer than " (name(named)) }
+            p {
+                "What is missing is of its kind, and another formula in its place describes these \
+                 recordings closer."
+            }
+            (proposals(formulas))
         }
     }
 }

@@ -34,6 +34,8 @@ pub(crate) struct Missing {
     pub(crate) learned: Option<LearnedCurve>,
     /// Formulas for it, the most probable first.
     pub(crate) formulas: Vec<Formula>,
+    /// The named effect in whose place they stand.
+    pub(crate) closer_than: Option<String>,
     /// What to record to tell apart what these recordings do not.
     pub(crate) next: Option<NextExperiment>,
     /// The laws that the user typed.
@@ -79,6 +81,7 @@ impl Missing {
             ranking,
             learned: found.learned.clone(),
             formulas: found.formulas.clone(),
+            closer_than: found.closer_than.clone(),
             next: found.next_experiment.clone(),
             typed: effects.filter_map(|effect| OwnLaw::of(effect, found.drive.motion)).collect(),
             not_shown: unusable.chain(found.not_shown().into_iter().map(not_shown)).collect(),

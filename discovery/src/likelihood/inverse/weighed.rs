@@ -162,7 +162,9 @@ impl Inverse {
             let mut laws = weighing.laws(&told, &seats);
             laws.iter_mut().for_each(|law| law.candidate = number[law.candidate]);
             let curves = weighing.curves(free.clone());
-            Some(Weights { base, base_of_all, laws, curves })
+            // No formulas are sought along a motion that is known.
+            let (plain, left_by_formulas) = (base_of_all, f64::NEG_INFINITY);
+            Some(Weights { base, base_of_all, plain, left_by_formulas, laws, curves })
         };
         let each = [self.noise, self.noise.with_load(SMALLER)].into_iter().filter_map(of);
         each.reduce(Weights::best_of)

@@ -79,8 +79,8 @@ pub(super) const LAWS: [Law; 16] = [
         let a = r.random_range(0.08..0.15) * m.top();
         vec![("c", 3.0 * torque(m, a)), ("a", a)]
     }),
-    ("pull at speed", Target::Torque, "c * abs(omega)", |m, r| {
-        vec![("c", sign(r) * torque(m, speed(m)))]
+    ("pull by the square of the speed", Target::Torque, "c * omega^2", |m, r| {
+        vec![("c", sign(r) * torque(m, speed(m).powi(2)))]
     }),
     ("voltage by the root of the current", Target::Voltage, "c * sign(i) * abs(i)^0.5", |m, _| {
         vec![("c", 2.0 * voltage(m, current(m).sqrt()))]

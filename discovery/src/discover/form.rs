@@ -1,0 +1,110 @@
+//! Whether the formula of a named law is the right one: another one in its place may explain far more,
+//! and then the library has no law for what is missing, or only one of its kind.
+
+use drivescope_plant::drive::Drive;
+
+use super::ground::Ground;
+use super::learned::LearnedCurve;
+use super::needless::{Added, without};
+use super::refit::{Model, fit_near};
+use super::round::Round;
+use super::scales::Scales;
+use crate::formula::Formula;
+
+/// Formulas that explain more than a named law in its place.
+pub(super) struct Instead {
+    /// The number of the law among those that were added.
+    pub(super) place: usize,
+    /// The most probable first.
+    pub(super) formulas: Vec<Formula>,
+    /// What becomes of the name, where the law is not even of the right kind.
+    pub(super) refused: Option<Refused>,
+}
+
+/// A name that is taken back.
+pub(super) struct Refused {
+    /// The drive without the law, fitted.
+    pub(super) model: Model,
+    /// What is missing of it as a curve, where one shows it.
+    pub(super) learned: Option<LearnedCurve>,
+    /// Why, for a person.
+    pub(super) why: String,
+    /// Probability of the law beside that of the best formula.
+    pub(super) probability: f64,
+}
+
+impl Round<'_> {
+    /// The last of the laws that were added, to the drive of the round, in whose place formulas have
+    /// the evidence that a name needs over it, and which has not that evidence itself beside the best of
+    /// them. What was named by the torque alone has no error of a motion to compare.
+    pub(super) fn formulas_instead(&self, added: &[Added]) -> Option<Instead> {
+        let asked = added.iter().enumerate().rev().filter(|(_, it)| it.by_error);
+        asked.filter(|_| !self.watch.stopped()).find_map(|it| self.formulas_instead_of(it))
+    }
+
+    fn formulas_instead_of(&self, (place, it): (usize, &Added)) -> Option<Instead> {
+        let drive = &self.model.fitted.drive;
+        let law = drive.effects.iter().find(|effect| effect.id == it.id)?;
+        let model = self.fitted(&without(drive, &it.id))?;
+        let scales = Scales::of(&model.fitted.drive, self.estimation);
+        let named: Vec<String> =
+            self.named.iter().filter(|kind| **kind != it.kind).cloned().collect();
+        let beside = Round { all: &[], scales: &scales, named: &named, formulas: &[], ..*self };
+        let turn = Round { model: &model, ..beside };
+        let ground = turn.ground()?;
+        let of_law = |ground: &Ground| {
+            let own = ground.with(std::slice::from_ref(law), &it.estimated, &it.coefficients);
+            // Where the drive is more probable without it, nothing speaks for it.
+            own.map_or(0.0, |(_, own)| own.over(ground.base())[1])
+        };
+        let evidence = of_law(&ground);
+        // Both as probable beforehand as the rule of naming has it.
+        let ln_odds = self.rule.law_odds.ln() - self.rule.curve_odds.ln();
+        let formulas = turn.formulas_beyond(&ground, evidence + ln_odds + self.rule.evidence);
+        let best = formulas.first()?;
+        let mut with = model.fitted.drive.clone();
+        with.effects.push(best.effect(&with));
+        let with = self.fitted(&with)?;
+        let needed = Round { model: &with, ..beside }.ground().map(|it| of_law(&it))?;
+        if needed + self.rule.law_odds.ln() > self.rule.evidence {
+            return None;
+        }
+        let removed = [self.model, &with].map(|it| turn.removed_of_validation(it));
+        let of_kind = removed[0] >= (1.0 - self.rule.formula) * removed[1];
+        let refused = (!of_kind).then(|| {
+            let curve = turn.weights(&ground).and_then(|weights| turn.unknown(&weights));
+            let learned = curve.map(|curve| turn.drawn(&curve, &formulas));
+            let [own, more] = removed.map(|it| 100.0 * it.max(0.0));
+            let why = format!(
+                "a formula removes {more:.0} % of the excess error on the validation data where it \
+                 removes {own:.0} %"
+            );
+            let probability = 1.0 / (1.0 + (best.worth() - evidence - ln_odds).exp());
+            Refused { model: model.clone(), learned, why, probability }
+        });
+        Some(Instead { place, formulas, refused })
+    }
+
+    /// Formulas that show that something is missing where no curve does: a form with few values takes
+    /// less evidence to see than a curve. As much is asked of the best of them as of a curve, that it
+    /// is no smaller than what counts, and that the error on the validation data falls by as much with
+    /// it.
+    pub(super) fn formulas_alone(&self, ground: &Ground) -> Vec<Formula> {
+        let asked = self.rule.evidence - self.rule.curve_odds.ln();
+        let formulas = self.formulas_beyond(ground, asked);
+        let shows = |best: &Formula| {
+            let mut with = self.model.fitted.drive.clone();
+            with.effects.push(best.effect(&with));
+            let with = self.fitted(&with)?;
+            Some(self.removed_of_validation(&with) >= self.rule.size)
+        };
+        let best = formulas.first().filter(|it| it.size >= self.rule.size);
+        if best.and_then(shows) == Some(true) { formulas } else { Vec::new() }
+    }
+
+    /// That drive, fitted from the values of the round on.
+    fn fitted(&self, drive: &Drive) -> Option<Model> {
+        let stopped = |_| self.watch.stopped();
+        fit_near(self.model, drive, self.estimation, self.validation, &stopped).ok()
+    }
+}

@@ -4,6 +4,7 @@
 
 use comfy_table::{Cell, CellAlignment, ContentLineStyle, LineStyle, Table, TableStyle};
 use drivescope_scenarios::results::{Method, StudyResults};
+use drivescope_scenarios::trials::{Detectable, HiddenEffect};
 
 use crate::report::words::{
     count, difference, fault, given, greatest, number, p_value, paper_delay, paper_row, percent,
@@ -36,6 +37,10 @@ pub fn study(study: &StudyResults) -> String {
         &isolation(study),
     );
     text += &section("Size of the symptom, S of (27)", &identification(study));
+    if let Some(hidden) = &study.hidden_effect {
+        let title = format!("Smallest detectable size, %, {} hidden and added", hidden.effect);
+        text += &section(&title, &hidden_effect(hidden));
+    }
     text += &section("FMU against other runs, greatest relative difference", &fmu(study));
     if study.fmu.fmpy.is_empty() {
         text += "fmpy was not run: tools/compare_fmpy adds its rows\n";
@@ -46,6 +51,15 @@ pub fn study(study: &StudyResults) -> String {
         text.push('\n');
     }
     text
+}
+
+fn hidden_effect(hidden: &HiddenEffect) -> Table {
+    let mut table = table(["mechanism", "before", "after"], 1);
+    let size = |of: &Detectable| of.size.map_or("none".to_owned(), |size| percent(size, 2));
+    for (before, after) in hidden.before.mechanisms.iter().zip(&hidden.after.mechanisms) {
+        table.add_row([before.mechanism.replace('_', " "), size(before), size(after)]);
+    }
+    table
 }
 
 fn setting(study: &StudyResults) -> String {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::arx::{Arx, ArxError, Orders};
+use crate::arx::{Arx, ArxError, Orders, leaves_half};
 use crate::data::{Data, DataError};
 use crate::diagnoser::{Diagnoser, ModelError};
 use crate::file::SCHEMA;
@@ -11,7 +11,7 @@ use crate::interface::Interface;
 use crate::model::Model;
 use crate::model_error::BandDesign;
 use crate::network::{Structure, Training, TrainingError, train};
-use crate::signal_model::residual;
+use crate::signal_model::{Start, residual};
 use crate::threshold::{Confidence, ConstantThreshold};
 
 /// What the residual is modelled with.
@@ -21,6 +21,8 @@ pub enum ErrorModel {
     Arx(Orders),
     /// ARX, orders by AIC up to these.
     ArxUpTo(Orders),
+    /// ARX, orders up to these by the free-run error on data that were not fitted.
+    ArxByFreeRun(Orders),
     /// A recurrent network; its starts are judged on the design data.
     Network(Structure, Training),
 }
@@ -32,6 +34,8 @@ pub struct Design {
     pub error_model: ErrorModel,
     /// Samples at the start of a run during which the models settle.
     pub run_up: usize,
+    /// Where models begin a run.
+    pub start: Start,
     /// Exceedances in a row that declare a fault.
     pub window: usize,
     /// Share of healthy samples expected outside the bands.
@@ -39,10 +43,25 @@ pub struct Design {
 }
 
 impl Design {
-    /// The paper's: ARX with n_a = n_b = 20 and a constant, 50 exceedances; 500 samples of run-up.
+    /// The paper's: ARX with n_a = n_b = 20 and a constant, 50 exceedances; 500 samples of run-up from
+    /// rest.
     pub fn paper(confidence: Confidence) -> Self {
         let orders = Orders { n_a: 20, n_b: 20, constant: true };
-        Self { error_model: ErrorModel::Arx(orders), run_up: 500, window: 50, confidence }
+        Self {
+            error_model: ErrorModel::Arx(orders),
+            run_up: 500,
+            start: Start::Rest,
+            window: 50,
+            confidence,
+        }
+    }
+
+    /// For recordings of machines that run: models begin in the steady state, and the orders are those
+    /// of the least free-run error, up to the paper's.
+    pub fn steady(confidence: Confidence) -> Self {
+        let widest = Orders { n_a: 20, n_b: 20, constant: true };
+        let error_model = ErrorModel::ArxByFreeRun(widest);
+        Self { error_model, start: Start::Steady, ..Self::paper(confidence) }
     }
 }
 
@@ -82,6 +101,27 @@ pub enum DesignError {
     Network(#[from] TrainingError),
 }
 
+/// What the models need to settle, as far as the recordings are long enough for it: five time
+/// constants of the process model, and at least what is asked for.
+fn own_run_up(model: &Model, healthy: &Data, design: &Data, asked: usize) -> usize {
+    let own = model.run_up();
+    let leaves = |data: &Data| leaves_half(data, own);
+    if own > asked && leaves(healthy) && leaves(design) { own } else { asked }
+}
+
+/// Bands of an error model, after its own run-up where that leaves half of the data; and whether it
+/// does not.
+fn measured(
+    error_model: &Model,
+    design: &Data,
+    (run_up, start): (usize, Start),
+) -> Result<(BandDesign, bool), DataError> {
+    let own = error_model.run_up().max(run_up);
+    let outlasts = own > run_up && !leaves_half(design, own);
+    let begun = (if outlasts { run_up } else { own }, start);
+    Ok((BandDesign::measure(&mut error_model.run(), design, begun)?, outlasts))
+}
+
 impl Diagnoser {
     /// Fits the error model on the residual of `healthy` data, and measures the middle and the width of
     /// the bands and the constant thresholds on `design` data: another healthy run, or the same one (the
@@ -102,12 +142,16 @@ impl Diagnoser {
         if !model.is_stable() {
             return Err(DesignError::Unstable);
         }
-        let Design { ref error_model, run_up, window, confidence } = *how;
+        let Design { ref error_model, run_up, start, window, confidence } = *how;
         for data in [healthy, design] {
             data.require_samples(run_up + 2, "a design after its run-up")?;
         }
+        let run_up = match start {
+            Start::Rest => run_up,
+            Start::Steady => own_run_up(&model, healthy, design, run_up),
+        };
         let mut run = model.run();
-        let (r, r_design) = (residual(&mut run, healthy), residual(&mut run, design));
+        let (r, r_design) = (residual(&mut run, healthy, start), residual(&mut run, design, start));
         let healthy = healthy.with_output("residual", &r)?;
         let design = design.with_output("residual", &r_design)?;
         let settled = healthy.settled(run_up);
@@ -120,15 +164,19 @@ impl Diagnoser {
                 let table = Arx::select(&settled, widest)?;
                 (Model::Arx(table.fit.model), Some(table.best), Some(table.fit.sse))
             }
+            ErrorModel::ArxByFreeRun(widest) => {
+                let found = Arx::select_by_free_run(&settled, widest, start)?;
+                (Model::Arx(found.model), Some(found.best.orders), None)
+            }
             ErrorModel::Network(structure, ref training) => {
                 let judge = design.settled(run_up);
                 let trained = train(structure, &settled, &judge, training)?;
                 (Model::Network(trained.network), None, None)
             }
         };
-        let bands = BandDesign::measure(&mut error_model.run(), &design, run_up)?;
+        let (bands, outlasts) = measured(&error_model, &design, (run_up, start))?;
         let constant = ConstantThreshold::design(&design, run_up)?;
-        let model_error = ModelError::centred(&error_model, &bands);
+        let model_error = ModelError::centred(&error_model, &bands, outlasts);
         let diagnoser = Self {
             schema: SCHEMA,
             run_up,
@@ -155,7 +203,7 @@ impl Diagnoser {
         healthy: &Data,
         design: &Data,
         structure: Structure,
-        training: &Training,
+        (training, start): (&Training, Start),
     ) -> Result<(Self, BandDesign), DesignError> {
         let run_up = self.run_up;
         let inputs = self.interface.inputs.len();
@@ -166,13 +214,13 @@ impl Diagnoser {
             data.require_samples(run_up + 2, "a design after its run-up")?;
         }
         let mut run = self.model.run();
-        let (r, r_design) = (residual(&mut run, healthy), residual(&mut run, design));
+        let (r, r_design) = (residual(&mut run, healthy, start), residual(&mut run, design, start));
         let healthy = healthy.with_output("residual", &r)?.settled(run_up);
         let design = design.with_output("residual", &r_design)?;
         let judge = design.settled(run_up);
         let model = Model::Network(train(structure, &healthy, &judge, training)?.network);
-        let bands = BandDesign::measure(&mut model.run(), &design, run_up)?;
-        self.recurrent_error = Some(ModelError::centred(&model, &bands));
+        let (bands, outlasts) = measured(&model, &design, (run_up, start))?;
+        self.recurrent_error = Some(ModelError::centred(&model, &bands, outlasts));
         Ok((self, bands))
     }
 
@@ -230,8 +278,9 @@ mod tests {
         }
         let small = Structure { v1: 1, v2: 1, ..Structure::PAPER };
         let training = Training { starts: 1, seed: 3, ..Training::default() };
-        let (diagnoser, report) =
-            diagnoser.with_recurrent_error(&closed, &closed, small, &training).unwrap();
+        let (diagnoser, report) = diagnoser
+            .with_recurrent_error(&closed, &closed, small, (&training, Start::Rest))
+            .unwrap();
         assert!(report.normality.is_some() && report.whiteness.is_some());
         let options =
             GmdhOptions { delays: 2, survivors: 2, most_layers: 2, ..GmdhOptions::default() };

@@ -99,7 +99,7 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
         self.sample = 0;
     }
 
-    /// Starts in the steady state of the inputs `u`: the models settle on them for a run-up.
+    /// Starts in the steady state of the inputs `u`, where a machine that runs is found.
     ///
     /// # Errors
     /// Inputs that are not those of the model.
@@ -112,10 +112,8 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
         if !u.iter().all(|u| u.is_finite()) {
             return Err(DetectorError::NotFinite { sample: 0 });
         }
-        for _ in 0..self.run_up {
-            self.model.step(u);
-            self.threshold.band(u);
-        }
+        self.model.settle(u);
+        self.threshold.settle(u);
         Ok(())
     }
 

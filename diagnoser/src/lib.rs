@@ -51,13 +51,15 @@ mod testing;
 mod threshold;
 mod windows;
 
-pub use arx::{Arx, ArxError, ArxFit, ArxRun, OrderRow, OrderTable, Orders};
+pub use arx::{
+    Arx, ArxError, ArxFit, ArxRun, FreeRunOrders, FreeRunRow, OrderRow, OrderTable, Orders,
+};
 pub use cusum::{Cusum, CusumError, CusumLanes, CusumStep, Whitening, threshold_for};
 pub use data::{Column, Data, DataError};
 pub use decision::{Detection, RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
 pub use detector::{Detector, DetectorError, Verdict};
-pub use diagnoser::{Diagnoser, DiagnosisError, ModelError, ThresholdKind, ThresholdRun};
+pub use diagnoser::{Diagnoser, DiagnosisError, ModelError, Refusal, ThresholdKind, ThresholdRun};
 /// When a Levenberg-Marquardt search stops.
 pub use drivescope_numerics::Limits;
 pub use file::{FileError, SCHEMA};
@@ -69,9 +71,10 @@ pub use gmdh::{
 pub use identification::{Size, fault_size, size_groups};
 pub use interface::{Channel, Interface, InterfaceError};
 pub use isolation::{
-    Answer, Cloud, FaultSymptoms, FaultsError, FaultsReport, FaultyRun, IsolationError,
-    IsolationMatrix, IsolationReport, Isolator, IsolatorOptions, KnownFaults, Mlp, MlpSize, Named,
-    Naming, Partition, Separability, SymptomError, Symptoms, discriminant, symptoms_of,
+    Answer, Cloud, Discriminant, FaultSymptoms, FaultsError, FaultsReport, FaultyRun,
+    IsolationError, IsolationMatrix, IsolationReport, Isolator, IsolatorOptions, KnownFaults, Mlp,
+    MlpSize, Named, Naming, Partition, Separability, SymptomError, Symptoms, discriminant,
+    symptoms_of,
 };
 pub use lanes::ModelLanes;
 pub use memory::{Memory, MemoryError, Walk, recall, remember};
@@ -85,7 +88,7 @@ pub use network::{
 pub use range::{OperatingRange, RangeWatch};
 pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
-pub use signal_model::{SignalModel, free_run, residual};
+pub use signal_model::{SignalModel, Start, free_run, residual};
 pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};
 pub use windows::{
     Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, Rest, WindowError, WindowWatch, Windows,

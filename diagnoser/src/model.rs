@@ -9,6 +9,10 @@ use crate::gmdh::{Gmdh, GmdhRun};
 use crate::memory::{Memory, MemoryError, Walk};
 use crate::network::{Network, NetworkRun};
 use crate::signal_model::SignalModel;
+use crate::stability::{largest_root, time_constant};
+
+/// Time constants in which a model settles; e^-5 is less than a hundredth.
+pub(crate) const SETTLED_AFTER: f64 = 5.0;
 
 /// A model as it is stored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +45,17 @@ impl Model {
             Self::Network(network) => network.is_stable(),
             Self::Gmdh(gmdh) => gmdh.is_stable(),
         }
+    }
+
+    /// Samples in which a free run forgets where it began: five of its slowest time constants.
+    pub fn run_up(&self) -> usize {
+        let roots: Vec<f64> = match self {
+            Self::Arx(arx) => vec![largest_root(&arx.a)],
+            Self::Network(network) => network.iir.iter().map(|it| largest_root(&it.a)).collect(),
+            Self::Gmdh(gmdh) => gmdh.neurons.iter().map(|it| largest_root(&it.a)).collect(),
+        };
+        let slowest = roots.into_iter().fold(0.0, f64::max);
+        (SETTLED_AFTER * time_constant(slowest)).ceil() as usize
     }
 
     /// The same model with an output higher by `by`, in its unit, once it has settled.
@@ -119,6 +134,14 @@ impl SignalModel for ModelRun {
             Self::Arx(run) => run.step(u),
             Self::Network(run) => run.step(u),
             Self::Gmdh(run) => run.step(u),
+        }
+    }
+
+    fn settle(&mut self, u: &[f64]) {
+        match self {
+            Self::Arx(run) => run.settle(u),
+            Self::Network(run) => run.settle(u),
+            Self::Gmdh(run) => run.settle(u),
         }
     }
 }

@@ -18,7 +18,7 @@ use drivescope_numerics::{Normality, Whiteness, ljung_box, omnibus_normality};
 
 use crate::data::{Data, DataError};
 use crate::memory::{Memory, MemoryError, Walk};
-use crate::signal_model::{SignalModel, residual};
+use crate::signal_model::{SignalModel, Start, residual};
 use crate::threshold::{Band, Confidence, Threshold, mean_and_deviation};
 
 /// Lags of the whiteness test: a quarter of a second at the usual 5 ms.
@@ -29,6 +29,8 @@ const LAGS: usize = 50;
 pub struct BandDesign {
     /// v, the standard deviation of r - y_e, output unit.
     pub deviation: f64,
+    /// Standard deviation of r itself over the same samples, output unit.
+    pub plain: f64,
     /// Mean of r - y_e before it was taken out, output unit; far below `deviation` if the error
     /// model fits.
     pub mean: f64,
@@ -41,21 +43,22 @@ pub struct BandDesign {
 }
 
 impl BandDesign {
-    /// Runs the error model over healthy data whose output is the residual r, and measures
-    /// r - y_e from sample `run_up` on.
+    /// Runs the error model over healthy data whose output is the residual r, from `start` in every
+    /// segment, and measures r - y_e from sample `run_up` on.
     pub fn measure(
         error_model: &mut impl SignalModel,
         healthy: &Data,
-        run_up: usize,
+        (run_up, start): (usize, Start),
     ) -> Result<Self, DataError> {
         healthy.require_samples(run_up + 2, "the design of bands after their run-up")?;
         healthy.require_variation()?;
-        let left = &healthy.judged(&residual(error_model, healthy), run_up)[..];
+        let left = &healthy.judged(&residual(error_model, healthy, start), run_up)[..];
         let (mean, deviation) = mean_and_deviation(left);
         let whiteness = ljung_box(left, LAGS);
         let correlation = whiteness.as_ref().map_or(&[][..], |white| &white.autocorrelation);
         let normality = omnibus_normality(left, correlation);
-        Ok(Self { deviation, mean, samples: left.len(), whiteness, normality })
+        let (_, plain) = mean_and_deviation(&healthy.judged(healthy.output().values, run_up));
+        Ok(Self { deviation, plain, mean, samples: left.len(), whiteness, normality })
     }
 }
 
@@ -76,6 +79,10 @@ impl<E: SignalModel> ErrorBands<E> {
 impl<E: SignalModel> Threshold for ErrorBands<E> {
     fn reset(&mut self) {
         self.error_model.reset();
+    }
+
+    fn settle(&mut self, u: &[f64]) {
+        self.error_model.settle(u);
     }
 
     #[inline]
@@ -124,7 +131,7 @@ mod tests {
                 .unwrap();
         let orders = Orders { n_a: 20, n_b: 20, constant: true };
         let mut run = Arx::fit(&data, orders).unwrap().model.run();
-        let design = BandDesign::measure(&mut run, &data, RUN_UP).unwrap();
+        let design = BandDesign::measure(&mut run, &data, (RUN_UP, Start::Rest)).unwrap();
         // The noise is 2; std(r) is near 3, std(y_e) near 2.3.
         assert!((design.deviation - 2.0).abs() < 0.1, "{}", design.deviation);
         assert!(design.mean.abs() < 0.1, "{}", design.mean);
@@ -154,7 +161,7 @@ mod tests {
             Data::new(vec![Column { name: "u", values: &u }], Column { name: "r", values: &r })
                 .unwrap();
         let nothing = std::sync::Arc::new(Arx { a: vec![], b: vec![vec![]], constant: 5.0 });
-        let design = BandDesign::measure(&mut nothing.run(), &data, RUN_UP).unwrap();
+        let design = BandDesign::measure(&mut nothing.run(), &data, (RUN_UP, Start::Rest)).unwrap();
         assert!(design.whiteness.unwrap().p_value < 1e-6);
     }
 
@@ -164,10 +171,10 @@ mod tests {
         let inputs = vec![Column { name: "u", values: &u }];
         let none = std::sync::Arc::new(Arx { a: vec![], b: vec![vec![]], constant: 0.0 });
         let short = Data::new(inputs.clone(), Column { name: "r", values: &u }).unwrap();
-        let error = BandDesign::measure(&mut none.run(), &short, 49).unwrap_err();
+        let error = BandDesign::measure(&mut none.run(), &short, (49, Start::Rest)).unwrap_err();
         assert!(matches!(error, DataError::TooFew { needed: 51, samples: 50, .. }));
         let dead = Data::new(inputs, Column { name: "r", values: &[0.0; 50] }).unwrap();
-        let error = BandDesign::measure(&mut none.run(), &dead, 10).unwrap_err();
+        let error = BandDesign::measure(&mut none.run(), &dead, (10, Start::Rest)).unwrap_err();
         assert!(matches!(error, DataError::Constant { .. }));
     }
 }

@@ -17,6 +17,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
+use crate::arx::longest_run_up;
 use crate::data::Data;
 use crate::design::{Design, DesignError, DesignReport};
 use crate::diagnoser::Diagnoser;
@@ -24,10 +25,11 @@ use crate::gmdh::{
     BoundOptions, Gmdh, GmdhError, GmdhOptions, GmdhReport, RobustError, RobustGmdh,
 };
 use crate::interface::Interface;
-use crate::model::Model;
+use crate::model::{Model, SETTLED_AFTER};
 use crate::model_error::BandDesign;
 use crate::network::{Structure, Trained, Training, TrainingError, train};
 use crate::range::OperatingRange;
+use crate::signal_model::Start;
 use crate::windows::{BASELINE_S, WINDOW_S, Windows};
 
 /// Healthy recordings, by what they are for.
@@ -64,9 +66,11 @@ impl Recipe {
     /// The paper's sizes and orders; beside its ARX error model a recurrent one, and a GMDH network.
     pub fn paper(inputs: usize, design: Design, seed: u64) -> Self {
         let structure = Structure { inputs, ..Structure::PAPER };
-        let training = Training { seed, ..Training::default() };
+        let training = Training { seed, start: design.start, ..Training::default() };
         let error = Structure { v1: 2, v2: 1, ..structure };
-        let error_training = Training { starts: 3, run_up: 0, ..training };
+        // Settled residuals go on from where they are: from rest they need no run-up of their own.
+        let run_up = if design.start == Start::Rest { 0 } else { training.run_up };
+        let error_training = Training { starts: 3, run_up, ..training };
         let bounds =
             BoundOptions { inflation: 1.2, run_up: design.run_up, ..BoundOptions::default() };
         Self {
@@ -76,6 +80,25 @@ impl Recipe {
             recurrent_error: Some((error, error_training)),
             gmdh: Some((GmdhOptions { survivors: 4, ..GmdhOptions::default() }, bounds)),
         }
+    }
+}
+
+impl Recipe {
+    /// The same with networks that settle, from a steady state, in half of each of the recordings: what
+    /// remembers for longer cannot be told from a drift, and its run-up would leave nothing to judge.
+    #[must_use]
+    pub fn settling_within(mut self, sets: &Sets) -> Self {
+        /// Samples that any network may remember.
+        const LEAST: usize = 10;
+        if self.design.start == Start::Steady {
+            let [a, b] = &sets.excited;
+            let [c, d] = &sets.healthy;
+            let longest = longest_run_up(&[a, b, c, d]) as f64 / SETTLED_AFTER;
+            let memory = Some((longest as usize).max(LEAST));
+            self.structure.memory = memory;
+            self.recurrent_error.iter_mut().for_each(|(sizes, _)| sizes.memory = memory);
+        }
+        self
     }
 }
 
@@ -125,8 +148,9 @@ impl Diagnoser {
             Self::design(interface, model, &healthy[0], &healthy[1], &recipe.design)?;
         let mut recurrent_error = None;
         if let Some((structure, training)) = &recipe.recurrent_error {
+            let how = (training, recipe.design.start);
             let (with, bands) =
-                diagnoser.with_recurrent_error(&healthy[0], &healthy[1], *structure, training)?;
+                diagnoser.with_recurrent_error(&healthy[0], &healthy[1], *structure, how)?;
             (diagnoser, recurrent_error) = (with, Some(bands));
         }
         let mut gmdh = None;

@@ -56,6 +56,31 @@ pub(crate) fn step_down(coefficients: &[f64]) -> Option<Vec<f64>> {
     Some(reflection)
 }
 
+/// Magnitude of the largest root, by halving: A(z / s) is stable exactly while all roots are below s.
+///
+/// Of a stable polynomial: within 1e-9 of 1 otherwise.
+pub(crate) fn largest_root(coefficients: &[f64]) -> f64 {
+    const HALVINGS: usize = 40;
+    let stable_within = |s: f64| {
+        let powers = coefficients.iter().zip(1..).map(|(a, power)| a / s.powi(power));
+        step_down(&powers.collect::<Vec<_>>()).is_some()
+    };
+    let (mut below, mut above) = (0.0, 1.0);
+    if coefficients.iter().all(|a| *a == 0.0) {
+        return 0.0;
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (below + above);
+        if stable_within(middle) { above = middle } else { below = middle }
+    }
+    above
+}
+
+/// Samples in which a share of 1/e is left of what a root of that magnitude carries on.
+pub(crate) fn time_constant(root: f64) -> f64 {
+    if root > 0.0 { -1.0 / root.ln() } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,5 +135,14 @@ mod tests {
                 assert!(((u - d) / (2.0 * h) - derivatives[i][j]).abs() < 1e-9);
             }
         }
+    }
+
+    #[test]
+    fn the_largest_root_is_found() {
+        // (z - 0.9)(z - 0.5), a pair of radius 0.8, and no root at all.
+        assert!((largest_root(&[-1.4, 0.45]) - 0.9).abs() < 1e-6);
+        assert!((largest_root(&[-0.8, 0.64]) - 0.8).abs() < 1e-6);
+        assert_eq!(largest_root(&[0.0, 0.0]), 0.0);
+        assert!((time_constant(largest_root(&[-0.998])) - 499.5).abs() < 0.1);
     }
 }

@@ -29,6 +29,9 @@ pub trait Threshold: Clone {
     /// Forgets the past.
     fn reset(&mut self);
 
+    /// Begins in the steady state of inputs held at `u`.
+    fn settle(&mut self, u: &[f64]);
+
     /// Band at this sample; `u` holds the inputs of the same sample.
     fn band(&mut self, u: &[f64]) -> Band;
 }
@@ -36,6 +39,8 @@ pub trait Threshold: Clone {
 /// A band that never moves is a threshold.
 impl Threshold for Band {
     fn reset(&mut self) {}
+
+    fn settle(&mut self, _: &[f64]) {}
 
     #[inline]
     fn band(&mut self, _: &[f64]) -> Band {

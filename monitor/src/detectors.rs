@@ -73,6 +73,7 @@ impl Detectors {
             detector.reset();
             Ok(OfResidual {
                 refused: !diagnoser.explains(kind) && method != asked,
+                settling: diagnoser.run_up_of(kind),
                 detector,
                 rule: RunRule::new(diagnoser.window),
                 offset,
@@ -154,9 +155,8 @@ impl Detectors {
         let beyond = self.range.as_mut().is_some_and(|range| range.step(u, y));
         self.is_beyond = beyond;
         self.beyond += usize::from(beyond && settled);
-        let first = self.of_segment == 0;
         for one in self.each.iter_mut().filter(|one| !one.refused) {
-            let (declared, verdict) = one.step((u, y, time), (first, settled, beyond))?;
+            let (declared, verdict) = one.step((u, y, time), (self.of_segment, beyond))?;
             let of_asked = one.found.method == self.asked;
             if declared && !one.standing {
                 let from = time - (self.window as f64 - 1.0) * self.period_s;

@@ -16,6 +16,8 @@ pub(crate) struct OfResidual {
     pub(crate) rule: RunRule,
     /// Its error model explains nothing: it is not used.
     pub(crate) refused: bool,
+    /// Samples at the start of a segment in which its models settle.
+    pub(crate) settling: usize,
     /// What the residual of this machine and day is off by.
     pub(crate) offset: f64,
     /// Time of the last sample outside.
@@ -33,18 +35,19 @@ impl OfResidual {
         self.found.end(self.last_outside, &mut self.standing);
     }
 
-    /// Takes a sample; whether a fault stands declared, and the verdict.
+    /// Takes the sample of that number of its segment; whether a fault stands declared, and the
+    /// verdict.
     pub(crate) fn step(
         &mut self,
         (u, y, time): (&[f64], f64, f64),
-        (first, settled, beyond): (bool, bool, bool),
+        (sample, beyond): (usize, bool),
     ) -> Result<(bool, Verdict), DetectorError> {
-        if first {
+        if sample == 0 {
             self.detector.settle(u)?;
         }
         let verdict = self.detector.step(u, y - self.offset)?;
         let exceeds = verdict.exceeds && !beyond;
-        if settled && !beyond {
+        if sample >= self.settling && !beyond {
             self.counted.step(1, usize::from(exceeds));
         }
         if exceeds {

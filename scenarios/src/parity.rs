@@ -23,6 +23,9 @@ const LANES: usize = 16;
 /// A fault of this detection time or less counts as found in time (the paper's 4057 and the like).
 pub const IN_TIME: usize = 4060;
 
+/// Standard deviations of a mean on either side of its 95 % interval.
+const QUANTILE: f64 = 1.959_964;
+
 /// A count of successes with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Share {
@@ -48,6 +51,8 @@ impl Share {
 pub struct Spread {
     /// Mean.
     pub mean: f64,
+    /// 95 % interval of the mean, from the scatter of the seeds; not numbers for less than two.
+    pub interval: [f64; 2],
     /// 5 and 95 % of the seeds lie below.
     pub range: [f64; 2],
     /// The least of all.
@@ -65,7 +70,10 @@ impl Spread {
             sorted.get(place).copied().unwrap_or(f64::NAN)
         };
         let mean = sorted.iter().sum::<f64>() / n as f64;
-        Self { mean, range: [at(0.05), at(0.95)], least: at(0.0) }
+        let squares: f64 = sorted.iter().map(|value| (value - mean).powi(2)).sum();
+        let half = QUANTILE * (squares / (n as f64 * (n as f64 - 1.0))).sqrt();
+        let interval = [mean - half, mean + half];
+        Self { mean, interval, range: [at(0.05), at(0.95)], least: at(0.0) }
     }
 }
 
@@ -267,6 +275,8 @@ mod tests {
     fn a_spread_is_of_the_middle_nine_tenths() {
         let spread = Spread::of((0..=100).map(f64::from));
         assert_eq!((spread.mean, spread.range, spread.least), (50.0, [5.0, 95.0], 0.0));
-        assert!(Spread::of([]).mean.is_nan());
+        // Deviation 29.3 over the root of 101 values.
+        assert!((spread.interval[1] - 50.0 - 1.96 * 2.915).abs() < 0.01, "{spread:?}");
+        assert!(Spread::of([]).mean.is_nan() && Spread::of([1.0]).interval[0].is_nan());
     }
 }

@@ -15,6 +15,7 @@ use drivescope_scenarios::faults::{Fault, SPAN};
 use drivescope_scenarios::profile::Profile;
 use drivescope_scenarios::results::{FaultName, Pictures, StudyResults, TorqueReading};
 use drivescope_scenarios::study::{Progress, Study as Outcome, StudyOptions, study};
+use drivescope_scenarios::trials::{HIDDEN_STEPS, hidden_effect};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -50,6 +51,13 @@ pub(crate) struct Study {
     /// `tacho_bias=6:ramp=4` (a drift), `tacho=5%+load=20%`. May be given several times.
     #[arg(long, value_name = "KIND=SIZE[:PROFILE][+..]")]
     fault: Vec<Together>,
+    /// An effect of the drive that its model is taken to have lacked: the report then shows the smallest
+    /// detectable faults before it was added and after.
+    #[arg(long, value_name = "EFFECT")]
+    hidden: Option<String>,
+    /// Machines of each point of those curves.
+    #[arg(long, value_name = "N", default_value_t = 40, requires = "hidden")]
+    hidden_machines: usize,
 }
 
 /// Faults that act together over the span of the study.
@@ -119,6 +127,23 @@ impl From<Reading> for TorqueReading {
 impl Run for Study {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let drive = drive_source::drive(&self.drive)?;
+        if let Some(effect) = &self.hidden
+            && !drive.effects.iter().any(|it| it.kind == *effect)
+        {
+            let has: Vec<&str> = drive.effects.iter().map(|it| it.kind.as_str()).collect();
+            return Err(Failure::Usage {
+                what: format!("--hidden {effect}: {} has no such effect", self.drive),
+                instead: format!("name one that it has: {}", has.join(", ")),
+            }
+            .into());
+        }
+        if self.hidden_machines == 0 {
+            return Err(Failure::Usage {
+                what: "--hidden-machines 0: nothing to detect".to_owned(),
+                instead: "give 1 or more; 200 give smooth curves".to_owned(),
+            }
+            .into());
+        }
         let folder = RunFolder::take(&self.out)?;
         session.check_writable(&[])?;
         let at = |name: &str| folder.work().join(name);
@@ -128,6 +153,7 @@ impl Run for Study {
         fmu_file::write(&drive, false, Version::Three, &at("closed_loop_fmi3.fmu"))?;
         fmu_file::write(&drive, true, Version::Two, &open)?;
 
+        let model = self.hidden.as_ref().map(|_| drive.clone());
         let torque = self.torque.into();
         let Self { beta, profile, .. } = self;
         let further = self.fault.into_iter().map(|it| (it.typed, it.faults)).collect();
@@ -140,7 +166,18 @@ impl Run for Study {
         });
         bar.finish_and_clear();
         interrupt::check()?;
-        let outcome = outcome.map_err(told)?;
+        let mut outcome = outcome.map_err(told)?;
+        if let Some((effect, drive)) = self.hidden.as_ref().zip(model) {
+            let bar = session.progress(HIDDEN_STEPS, "smallest detectable faults");
+            let found =
+                hidden_effect(&drive, effect, (self.hidden_machines, session.seed), &|| {
+                    bar.inc(1);
+                    interrupt::check().is_err()
+                });
+            bar.finish_and_clear();
+            interrupt::check()?;
+            outcome.results.hidden_effect = Some(found.map_err(told)?);
+        }
 
         write(&outcome, folder.work())?;
         folder.finish()?;

@@ -91,6 +91,7 @@ pub(crate) fn study() -> StudyResults {
         })
     });
     StudyResults {
+        hidden_effect: None,
         seed: 7,
         drive: DriveSummary {
             name: HOSTILE.into(),

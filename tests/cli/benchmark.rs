@@ -1,4 +1,4 @@
-//! `benchmark detection` and `benchmark bank`: the figures hold, and those of broken detectors
+//! `benchmark detection`, `benchmark isolation` and `benchmark bank`: the figures hold, and those of broken detectors
 //! collapse.
 
 use crate::{done, folder, program, refused};
@@ -7,7 +7,8 @@ use crate::{done, folder, program, refused};
 fn faults_are_detected_and_broken_detectors_collapse() {
     let here = folder();
     let arguments = ["benchmark", "detection", "--seeds", "3", "--seed", "5", "--json", "-"];
-    let answer = done(here.path(), &arguments).json();
+    let curves = ["--machines", "6", "--healthy", "60000", "--keep", "kept"];
+    let answer = done(here.path(), &[&arguments[..], &curves].concat()).json();
     let first = answer["first_seed"].as_u64().expect("a seed");
     assert!(first > answer["design_seed"].as_u64().expect("a seed"));
     let methods = answer["methods"].as_array().expect("a list");
@@ -25,6 +26,59 @@ fn faults_are_detected_and_broken_detectors_collapse() {
     assert_eq!(broken["always_detected"]["hits"], 0, "{broken}");
     assert!(value("shuffled_r_td") < 0.15, "{broken}");
     assert_eq!(broken["shuffled_detected"]["hits"], 0, "{broken}");
+    let curves = &answer["curves"];
+    assert_eq!(curves["always"]["detected"][0]["hits"], 0, "{curves}");
+    let detectors = curves["detectors"].as_array().expect("a list");
+    assert_eq!(detectors.len(), 5, "{curves}");
+    // At the limits for 1e5 samples: where nothing fails nothing is found, and the bank is first.
+    let delay = |row: &serde_json::Value| row["faults"][0]["delay"][2]["mean"].as_f64();
+    let of_bank = delay(&detectors[0]).expect("it detects a tachometer");
+    for row in &detectors[1..] {
+        let faults = row["faults"].as_array().expect("a list");
+        let nothing = faults.last().expect("one");
+        assert_eq!(
+            (&nothing["mechanism"], &nothing["detected"][2]["hits"]),
+            (&"nothing".into(), &0.into())
+        );
+        assert!(delay(row).is_none_or(|delay| delay > of_bank), "{row}");
+    }
+    // What detectors of other people are given.
+    let manifest = std::fs::read_to_string(here.path().join("kept/manifest.json")).expect("kept");
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    for file in manifest["files"].as_array().expect("a list") {
+        let name = file["file"].as_str().expect("a name");
+        let text = std::fs::read_to_string(here.path().join("kept").join(name)).expect("kept");
+        assert!(text.starts_with("run,C_m [V],T [rpm],I_m [A]\n0,"), "{name}");
+        let runs = text.lines().last().and_then(|row| row.split(',').next()?.parse::<usize>().ok());
+        let onsets = file["onsets"].as_array().expect("a list").len();
+        assert!(onsets == 0 || runs == Some(onsets - 1), "{file}");
+    }
+}
+
+#[test]
+fn classifiers_are_judged_on_other_noise_and_machines_beside_the_bank() {
+    let here = folder();
+    let arguments = ["benchmark", "isolation", "--designs", "1", "--seeds", "4", "--machines", "4"];
+    let answer =
+        done(here.path(), &[&arguments[..], &["--seed", "3", "--json", "-"]].concat()).json();
+    let share = |of: &serde_json::Value| of["share"].as_f64().expect("a rate");
+    let rows = answer["designs"][0]["classifiers"].as_array().expect("a list");
+    assert_eq!(rows.len(), 4, "{answer}");
+    for row in rows {
+        assert!(share(&row["shuffled"]) < 0.2, "{row}");
+        assert!(row["samples"]["mean"].as_f64().is_some_and(|mean| mean > 0.6), "{row}");
+    }
+    // Ten classes are fewer than twelve.
+    let discriminant = |classes: &str| {
+        let of = |row: &&serde_json::Value| {
+            row["classifier"] == "discriminant" && row["classes"] == classes
+        };
+        rows.iter().find(of).and_then(|row| row["samples"]["mean"].as_f64()).expect("it is there")
+    };
+    assert!(discriminant("paper") >= discriminant("twelve"), "{answer}");
+    assert!(share(&answer["bank"]["with_current"]["among_twelve"]) > 0.95, "{answer}");
+    let message = refused(here.path(), &["benchmark", "isolation", "--designs", "0"]);
+    assert!(message.contains("--designs 0"), "{message}");
 }
 
 #[test]

@@ -22,6 +22,8 @@ mod manners;
 mod rosa;
 mod serve;
 mod simulate;
+mod study;
+mod train_options;
 mod worked_example;
 
 use std::path::Path;

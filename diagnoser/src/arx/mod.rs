@@ -6,6 +6,7 @@
 //! run the past outputs are the model's own, in one-step prediction the measured ones.
 
 mod fit;
+mod free_run_orders;
 mod orders;
 mod shift;
 
@@ -14,6 +15,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use self::fit::{ArxError, ArxFit, Orders};
+pub use self::free_run_orders::{FreeRunOrders, FreeRunRow};
+pub(crate) use self::free_run_orders::{leaves_half, longest_run_up};
 pub use self::orders::{OrderRow, OrderTable};
 use crate::data::Data;
 use crate::history::{History, dot};
@@ -117,6 +120,17 @@ impl SignalModel for ArxRun {
         self.remember(y, u);
         self.output = [y];
         &self.output
+    }
+
+    fn settle(&mut self, u: &[f64]) {
+        let Arx { a, b, constant } = &*self.model;
+        let driven = b.iter().zip(u).map(|(b, u)| b.iter().sum::<f64>() * u);
+        let y = (constant + driven.sum::<f64>()) / (1.0 + a.iter().sum::<f64>());
+        (0..a.len()).for_each(|_| self.past_y.push(y));
+        for ((past, b), u) in self.past_u.iter_mut().zip(b).zip(u) {
+            (0..b.len()).for_each(|_| past.push(*u));
+        }
+        self.output = [y];
     }
 }
 

@@ -71,16 +71,46 @@ pub struct ModelError {
     pub deviation: f64,
     /// Samples of the design set, run-up excluded.
     pub samples: usize,
+    /// Standard deviation of r itself over the same samples, output unit; that of the constant
+    /// thresholds in files that do not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plain: Option<f64>,
+    /// Samples in which it settles, five of its slowest time constants.
+    #[serde(default)]
+    pub run_up: usize,
+    /// Whether they outlast half of what it was designed on: it is not used then.
+    #[serde(default)]
+    pub outlasts: bool,
     /// The error model.
     pub model: Model,
 }
 
 impl ModelError {
     /// An error model whose r - y_e has mean zero on the data that its bands were designed on.
-    pub(crate) fn centred(model: &Model, bands: &BandDesign) -> Self {
-        let BandDesign { mean, deviation, samples, .. } = *bands;
-        Self { deviation, samples, model: model.raised(mean) }
+    pub(crate) fn centred(model: &Model, bands: &BandDesign, outlasts: bool) -> Self {
+        let BandDesign { mean, deviation, samples, plain, .. } = *bands;
+        let (run_up, model) = (model.run_up(), model.raised(mean));
+        Self { deviation, samples, plain: Some(plain), run_up, outlasts, model }
     }
+}
+
+/// Why an error model is not used.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum Refusal {
+    /// Its bands are not narrower than those of the plain residual.
+    #[error("its bands are not narrower than the plain residual's (v = {v:.4}, plain {plain:.4})")]
+    NotNarrower {
+        /// Standard deviation of r - y_e, output unit.
+        v: f64,
+        /// That of r over the same samples.
+        plain: f64,
+    },
+    /// It settles more slowly than the healthy recordings are long.
+    #[error("it settles in {run_up} samples, more than half of the healthy recordings")]
+    Outlasts {
+        /// Five of its slowest time constants, samples.
+        run_up: usize,
+    },
 }
 
 /// Which threshold a detector uses.
@@ -129,6 +159,14 @@ impl Threshold for ThresholdRun {
         }
     }
 
+    fn settle(&mut self, u: &[f64]) {
+        match self {
+            Self::ModelError(bands) => bands.settle(u),
+            Self::Constant(band) => band.settle(u),
+            Self::Gmdh(bands) => bands.settle(u),
+        }
+    }
+
     #[inline]
     fn band(&mut self, u: &[f64]) -> Band {
         match self {
@@ -161,21 +199,39 @@ pub enum DiagnosisError {
 }
 
 impl Diagnoser {
-    /// Whether the bands (6), (7) of an error model are not wider than what the plain residual gives,
-    /// but for the scatter of two standard deviations: an error model whose bands are explains
-    /// nothing, and is not to be used. Of a threshold without an error model, always.
-    pub fn explains(&self, kind: ThresholdKind) -> bool {
-        /// Relative error of a standard deviation on some thousands of independent samples.
-        const SCATTER: f64 = 0.02;
-        let most = (1.0 + SCATTER) * self.constant.deviation;
-        let narrower = |error: &ModelError| error.deviation <= most;
-        match kind {
-            ThresholdKind::ModelError => narrower(&self.model_error),
-            ThresholdKind::RecurrentModelError => {
-                self.recurrent_error.as_ref().is_some_and(narrower)
-            }
-            ThresholdKind::Constant | ThresholdKind::Gmdh => true,
+    /// Why the bands (6), (7) of an error model are not to be used: they are not narrower than the
+    /// plain residual's, so that it explains nothing, or it settles more slowly than could be judged.
+    /// Nothing of a threshold without an error model.
+    pub fn refusal(&self, kind: ThresholdKind) -> Option<Refusal> {
+        let error = self.error_model(kind)?;
+        let plain = error.plain.unwrap_or(self.constant.deviation);
+        if error.outlasts {
+            Some(Refusal::Outlasts { run_up: error.run_up })
+        } else if error.deviation >= plain {
+            Some(Refusal::NotNarrower { v: error.deviation, plain })
+        } else {
+            None
         }
+    }
+
+    /// Whether a threshold is to be used.
+    pub fn explains(&self, kind: ThresholdKind) -> bool {
+        self.refusal(kind).is_none()
+    }
+
+    /// The error model of a threshold, if it has one.
+    fn error_model(&self, kind: ThresholdKind) -> Option<&ModelError> {
+        match kind {
+            ThresholdKind::ModelError => Some(&self.model_error),
+            ThresholdKind::RecurrentModelError => self.recurrent_error.as_ref(),
+            ThresholdKind::Constant | ThresholdKind::Gmdh => None,
+        }
+    }
+
+    /// Samples at the start of a run that a detector does not judge: those in which its models settle.
+    pub fn run_up_of(&self, kind: ThresholdKind) -> usize {
+        let usable = self.error_model(kind).filter(|error| !error.outlasts);
+        self.run_up.max(usable.map_or(0, |error| error.run_up))
     }
 
     /// A detector at its start, with the diagnoser's own significance level.
@@ -210,7 +266,7 @@ impl Diagnoser {
                 return Detector::new(model, ThresholdRun::Gmdh(bands), self.window, self.run_up);
             }
         };
-        Detector::new(self.model.run(), threshold, self.window, self.run_up)
+        Detector::new(self.model.run(), threshold, self.window, self.run_up_of(kind))
     }
 
     /// Runs over a recording of the signals it was trained on.

@@ -139,7 +139,8 @@ fn a_one_step_prediction_would_absorb_the_fault() {
     let diagnoser = &designed().0;
     let Model::Arx(error_model) = &diagnoser.model_error.model else { panic!("an ARX") };
     let run = closed_loop(SAMPLES, 26, ONSET, 0.05);
-    let residual = crate::signal_model::residual(&mut diagnoser.model.run(), &data(&run));
+    let residual =
+        crate::signal_model::residual(&mut diagnoser.model.run(), &data(&run), crate::Start::Rest);
     let measured = data(&run);
     let predicted = error_model.one_step(&measured.with_output("r", &residual).unwrap());
     let left: Vec<f64> = residual.iter().zip(&predicted).map(|(r, p)| r - p).collect();

@@ -164,6 +164,13 @@ impl Threshold for GmdhBands {
         self.intervals.reset();
     }
 
+    fn settle(&mut self, u: &[f64]) {
+        /// Eight times the longest memory that a synthesis allows a filter.
+        const SETTLED: usize = 2000;
+        self.reset();
+        (0..SETTLED).for_each(|_| self.intervals.step(u));
+    }
+
     #[inline]
     fn band(&mut self, u: &[f64]) -> Band {
         self.intervals.step(u);

@@ -174,7 +174,7 @@ fn pruned(neurons: &[GmdhNeuron], output: usize) -> Vec<GmdhNeuron> {
 mod tests {
     use super::*;
     use crate::data::{Column, data};
-    use crate::signal_model::{free_run, residual};
+    use crate::signal_model::{Start, free_run, residual};
     use crate::testing::{multisine, noise};
     use crate::threshold::mean_and_deviation;
 
@@ -198,7 +198,7 @@ mod tests {
             assert!(sources.any(|source| source == Source::Neuron(n)), "neuron {n} is idle");
         }
         assert!(report.validation < report.before_retraining, "{report:?}");
-        let left = residual(&mut network.run(), &fresh);
+        let left = residual(&mut network.run(), &fresh, Start::Rest);
         let (_, left) = mean_and_deviation(&left[options.run_up..]);
         let (_, speed) = mean_and_deviation(&runs[2].speed);
         assert!(left < 0.04 * speed, "{left} of {speed} rpm, {report:?}");
@@ -212,7 +212,7 @@ mod tests {
         let (network, report) = Gmdh::synthesise(&estimation, &validation, &options).unwrap();
         let (mut sse, mut n) = (0.0, 0.0);
         for data in &validation {
-            let left = residual(&mut network.run(), data);
+            let left = residual(&mut network.run(), data, Start::Rest);
             sse += left[options.run_up..].iter().map(|e| e * e).sum::<f64>();
             n += (left.len() - options.run_up) as f64;
         }

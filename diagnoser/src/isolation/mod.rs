@@ -25,5 +25,5 @@ pub use self::known::{KnownFaults, Named, Naming};
 pub use self::learn::{FaultsError, FaultsReport, FaultyRun};
 pub use self::mlp::{Mlp, MlpSize};
 pub use self::options::{IsolationError, IsolatorOptions};
-pub use self::separability::{Cloud, Partition, Separability, discriminant};
+pub use self::separability::{Cloud, Discriminant, Partition, Separability, discriminant};
 pub use self::symptoms::{FaultSymptoms, SymptomError, Symptoms, symptoms_of};

@@ -179,6 +179,26 @@ impl Separability {
     }
 }
 
+/// A quadratic discriminant: every fault a normal distribution of its symptoms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Discriminant {
+    clouds: Vec<Cloud>,
+}
+
+impl Discriminant {
+    /// Over the learning symptoms of every fault.
+    pub fn of(learning: &Symptoms) -> Self {
+        let cloud = |fault: &FaultSymptoms| Cloud::of(fault.samples.iter());
+        Self { clouds: learning.faults().iter().map(cloud).collect() }
+    }
+
+    /// The likeliest fault.
+    pub fn answer(&self, symptom: &[f64]) -> Option<usize> {
+        let surprise = |fault: &usize| self.clouds[*fault].surprise(symptom);
+        (0..self.clouds.len()).min_by(|a, b| surprise(a).total_cmp(&surprise(b)))
+    }
+}
+
 /// Share of fresh symptoms of every fault for which the most likely fault is of its class, each
 /// fault normally distributed as its learning symptoms are: what the symptoms allow a classifier of
 /// another kind.
@@ -186,12 +206,8 @@ impl Separability {
 /// # Panics
 /// If the fresh symptoms are of other faults than the learning ones or the classes.
 pub fn discriminant(learning: &Symptoms, fresh: &Symptoms, partition: &Partition) -> Vec<f64> {
-    let clouds: Vec<Cloud> =
-        learning.faults().iter().map(|fault| Cloud::of(fault.samples.iter())).collect();
-    let likely = |x: &Vec<f64>| {
-        let surprise = |fault: &usize| clouds[*fault].surprise(x);
-        (0..clouds.len()).min_by(|a, b| surprise(a).total_cmp(&surprise(b)))
-    };
+    let discriminant = Discriminant::of(learning);
+    let likely = |x: &Vec<f64>| discriminant.answer(x);
     let right = |(fault, symptoms): (usize, &FaultSymptoms)| {
         let class = partition.class_of(fault);
         let hit = |x: &&Vec<f64>| likely(x).and_then(|answer| partition.class_of(answer)) == class;

@@ -83,7 +83,7 @@ impl ApproximationExample {
         let (estimation, validation) = (data(&estimation)?, data(&validation)?);
         let sizes = SIZES.map(|(v1, v2, order)| Structure { v1, v2, order, ..Structure::PAPER });
         let method = Method::LevenbergMarquardt(Limits { steps: 150, relative_decrease: 1e-6 });
-        let training = Training { method, starts: 6, seed: 1, run_up: 0 };
+        let training = Training { method, starts: 6, seed: 1, run_up: 0, ..Training::default() };
         let rows =
             approximation_table(&sizes, &estimation, &validation, &tests, horizon, &training)?;
         Ok(Self { epsilon, horizon, rows })

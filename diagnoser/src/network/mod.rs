@@ -51,24 +51,30 @@ pub struct Structure {
     pub v2: usize,
     /// r, order of all filters.
     pub order: usize,
+    /// Longest time constant of a filter, samples; nothing for any that is stable.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memory: Option<usize>,
 }
 
 impl Structure {
     /// The paper's network: one input, three IIR and six FIR neurons of first order, one output.
-    pub const PAPER: Self = Self { inputs: 1, outputs: 1, v1: 3, v2: 6, order: 1 };
+    pub const PAPER: Self = Self { inputs: 1, outputs: 1, v1: 3, v2: 6, order: 1, memory: None };
 
     /// Candidates for a choice by AIC: one to four IIR neurons, one or six FIR neurons, first and
     /// second order; for one input and one output the paper's is among them.
     pub fn grid(inputs: usize, outputs: usize) -> Vec<Self> {
         let sizes = (1..=4).flat_map(|v1| [1, 6].map(|v2| (v1, v2)));
         sizes
-            .flat_map(|(v1, v2)| [1, 2].map(|order| Self { inputs, outputs, v1, v2, order }))
+            .flat_map(|(v1, v2)| {
+                [1, 2].map(|order| Self { inputs, outputs, v1, v2, order, ..Self::PAPER })
+            })
             .collect()
     }
 
     /// Whether every size is at least one.
     pub fn is_valid(&self) -> bool {
         [self.inputs, self.outputs, self.v1, self.v2, self.order].iter().all(|size| *size > 0)
+            && self.memory != Some(0)
     }
 
     /// Parameters as written: all entries of W1, A1, B1, D1, g1, G2, W2, Wu and C that are free.
@@ -87,6 +93,13 @@ impl Structure {
         let (rows, columns) = (self.outputs * self.order, self.v1 + self.inputs);
         let rank = self.v2.min(rows).min(columns);
         self.v1 * (self.iir_parameters() - 2) + rank * (rows + columns - rank)
+    }
+
+    /// The smallest structure that can do all that this one can: linear neurons beyond the rank of
+    /// what they pass on add nothing.
+    pub fn class(&self) -> Self {
+        let (rows, columns) = (self.outputs * self.order, self.v1 + self.inputs);
+        Self { v2: self.v2.min(rows).min(columns), ..*self }
     }
 
     /// w (n), theta (r), b (r), b_0, g_1, g_2.
@@ -148,8 +161,9 @@ impl Network {
             v1: self.iir.len(),
             v2: self.fir.len(),
             order: self.iir.first()?.a.len(),
+            ..Structure::PAPER
         };
-        let Structure { inputs, outputs, v1, v2, order } = structure;
+        let Structure { inputs, outputs, v1, v2, order, .. } = structure;
         let fits = structure.is_valid()
             && self.iir.iter().all(|neuron| {
                 neuron.w.len() == inputs && neuron.a.len() == order && neuron.b.len() == order
@@ -196,5 +210,9 @@ mod tests {
         assert!(Structure::grid(1, 1).contains(&Structure::PAPER));
         let narrow = Structure { v2: 1, ..Structure::PAPER };
         assert_eq!(narrow.effective_parameters(), Structure::PAPER.effective_parameters());
+        assert_eq!(Structure::PAPER.class(), narrow);
+        let second = Structure { order: 2, ..Structure::PAPER };
+        assert_eq!(second.class(), Structure { v2: 2, ..second });
+        assert_eq!(second.class().effective_parameters(), second.effective_parameters());
     }
 }

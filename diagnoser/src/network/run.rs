@@ -118,7 +118,8 @@ mod tests {
 
     #[test]
     fn matrices_of_higher_order_with_several_signals_give_the_same_outputs() {
-        let structure = Structure { inputs: 2, outputs: 2, v1: 2, v2: 3, order: 2 };
+        let structure =
+            Structure { inputs: 2, outputs: 2, v1: 2, v2: 3, order: 2, ..Structure::PAPER };
         let network = network(structure, 3);
         let (u1, u2) = (noise(200, 4), noise(200, 5));
         let inputs = [("u1", &u1), ("u2", &u2)].map(|(name, values)| Column { name, values });
@@ -164,7 +165,8 @@ mod tests {
 
     #[test]
     fn a_sweep_equals_the_stream_bit_for_bit() {
-        let structure = Structure { inputs: 2, outputs: 2, v1: 3, v2: 2, order: 2 };
+        let structure =
+            Structure { inputs: 2, outputs: 2, v1: 3, v2: 2, order: 2, ..Structure::PAPER };
         let mut draws = noise(1000, 9).into_iter();
         let theta = Theta::draw(structure, || draws.next().unwrap());
         let unit = Scale { mean: 0.0, deviation: 1.0 };

@@ -13,7 +13,7 @@ pub struct StructureRow {
     pub parameters: usize,
     /// K: those that the data can tell apart.
     pub effective_parameters: usize,
-    /// The start that fits best, with SSE and AIC.
+    /// The start that fits best, with SSE and AIC, as the smallest network of its class.
     pub trained: Trained,
 }
 
@@ -22,34 +22,38 @@ pub struct StructureRow {
 ///
 /// AIC compares least squares, so of the starts of a candidate the one that fits best counts. One of
 /// them is the best network among the candidates that it contains: no structure fits worse than a
-/// part of it, however many starts a search would need to find that out by chance.
+/// part of it, however many starts a search would need to find that out by chance. Structures of one
+/// class of functions are one model, trained once: they have one figure, and of several with the same
+/// one the first is the winner.
 pub fn select_structure(
     candidates: &[Structure],
     estimation: &Data,
     validation: &Data,
     training: &Training,
 ) -> Result<(Vec<StructureRow>, usize), TrainingError> {
-    let mut order: Vec<usize> = (0..candidates.len()).collect();
-    order.sort_by_key(|place| candidates[*place].parameters());
-    let mut trained: Vec<(usize, StructureRow)> = Vec::new();
-    for place in order {
-        let structure = candidates[place];
-        let contained = trained.iter().map(|(_, row)| row);
-        let contained = contained.filter(|row| structure.contains(&row.structure));
-        let best = contained.min_by(|a, b| a.trained.sse.total_cmp(&b.trained.sse));
-        let smaller: Vec<&Theta> = best.iter().map(|row| &row.trained.theta).collect();
+    let mut classes: Vec<Structure> = candidates.iter().map(Structure::class).collect();
+    classes.sort_by_key(|class| (class.parameters(), class.v1, class.v2, class.order));
+    classes.dedup();
+    let mut trained: Vec<(Structure, Trained)> = Vec::new();
+    for structure in classes {
+        let contained = trained.iter().filter(|(class, _)| structure.contains(class));
+        let best = contained.min_by(|a, b| a.1.sse.total_cmp(&b.1.sse));
+        let smaller: Vec<&Theta> = best.iter().map(|(_, trained)| &trained.theta).collect();
         let data = (estimation, validation);
         let found = train_from(&smaller, Keep::BestFit, structure, data, training)?;
-        let row = StructureRow {
-            structure,
+        trained.push((structure, found));
+    }
+    let row = |structure: &Structure| {
+        let class = structure.class();
+        let (_, trained) = trained.iter().find(|(of, _)| *of == class)?;
+        Some(StructureRow {
+            structure: *structure,
             parameters: structure.parameters(),
             effective_parameters: structure.effective_parameters(),
-            trained: found,
-        };
-        trained.push((place, row));
-    }
-    trained.sort_by_key(|(place, _)| *place);
-    let rows: Vec<StructureRow> = trained.into_iter().map(|(_, row)| row).collect();
+            trained: trained.clone(),
+        })
+    };
+    let rows: Vec<StructureRow> = candidates.iter().filter_map(row).collect();
     let best = (0..rows.len()).min_by(|a, b| rows[*a].trained.aic.total_cmp(&rows[*b].trained.aic));
     best.map(|best| (rows, best)).ok_or(TrainingError::NoCandidate)
 }
@@ -91,6 +95,12 @@ mod tests {
             if large.structure.contains(&small.structure) {
                 let bound = small.trained.sse * (1.0 + 1e-9);
                 assert!(large.trained.sse <= bound, "{:?} {:?}", large.structure, small.structure);
+            }
+        }
+        // One class of functions, one figure.
+        for (one, other) in rows.iter().flat_map(|one| rows.iter().map(move |s| (one, s))) {
+            if one.structure.class() == other.structure.class() {
+                assert_eq!(one.trained.aic.to_bits(), other.trained.aic.to_bits());
             }
         }
         let none = select_structure(&[], &data(&estimation), &data(&validation), &training);

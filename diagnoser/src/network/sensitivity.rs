@@ -40,7 +40,7 @@ impl Tangent {
     fn new(structure: Structure, values: &[f64]) -> Self {
         let layers = Layers::of(structure, values);
         let weights = Weights::of_layers(layers);
-        let Structure { inputs, outputs, v1, v2, order } = structure;
+        let Structure { inputs, outputs, v1, v2, order, .. } = structure;
         let span = 2 * order - 1;
         let mut delays_to_theta = Vec::with_capacity(v1 * span * order);
         for neuron in layers.neurons() {
@@ -269,7 +269,7 @@ mod tests {
         let structures = [
             Structure::PAPER,
             Structure { order: 2, ..Structure::PAPER },
-            Structure { inputs: 2, outputs: 2, v1: 2, v2: 3, order: 3 },
+            Structure { inputs: 2, outputs: 2, v1: 2, v2: 3, order: 3, memory: Some(50) },
         ];
         for (seed, structure) in structures.into_iter().enumerate() {
             let values = noise(structure.parameters(), seed as u64);

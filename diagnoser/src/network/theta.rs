@@ -2,7 +2,9 @@
 //!
 //! Order: for each IIR neuron w (n), theta (r), b (r), b_0, g_1, g_2; for each FIR neuron w_2 (v1)
 //! and w_u (n); then C row by row. A filter's denominator is the step-up image of the reflection
-//! coefficients k = K tanh(theta): a = tanh(theta) for r = 1, the stability triangle for r = 2.
+//! coefficients k = K tanh(theta): a = tanh(theta) for r = 1, the stability triangle for r = 2. Where
+//! the structure names a memory of M samples all roots are drawn in by rho = 1 - 1/M, a_i rho^i for a_i.
+//! (K holds no filter of second order: k = (-0.9999, -0.9999) is an integrator but for 5e-9.)
 
 use drivescope_numerics::elementary::tanh;
 
@@ -10,8 +12,8 @@ use super::{FirNeuron, IirNeuron, Network, Structure};
 use crate::scale::Scale;
 use crate::stability::{step_down, step_up, step_up_with_derivatives};
 
-/// K: a filter remembers at most ten thousand samples. tanh alone rounds to 1 from theta = 19 on,
-/// and closer to the circle the denominator's own rounding could carry a third-order filter out.
+/// K: tanh alone rounds to 1 from theta = 19 on, and closer to the circle the denominator's own rounding
+/// could carry a third-order filter out. A filter of first order remembers at most ten thousand samples.
 const LARGEST_REFLECTION: f64 = 1.0 - 1e-4;
 
 /// A network as a vector of free parameters, for standardised signals.
@@ -28,6 +30,8 @@ pub(super) struct IirSlices<'a> {
     pub(super) w: &'a [f64],
     pub(super) theta: &'a [f64],
     pub(super) b: &'a [f64],
+    /// rho: the greatest magnitude of a root.
+    pub(super) radius: f64,
     pub(super) b_0: f64,
     pub(super) g_1: f64,
     pub(super) g_2: f64,
@@ -52,37 +56,42 @@ impl<'a> Layers<'a> {
     }
 
     pub(super) fn neurons(&self) -> impl Iterator<Item = IirSlices<'a>> + use<'a> {
-        let Structure { inputs, order, .. } = self.structure;
+        let Structure { inputs, order, memory, .. } = self.structure;
+        let radius = memory.map_or(1.0, |samples| 1.0 - 1.0 / samples as f64);
         self.iir.chunks_exact(self.structure.iir_parameters()).map(move |values| {
             let (w, rest) = values.split_at(inputs);
             let (theta, rest) = rest.split_at(order);
             let (b, last) = rest.split_at(order);
-            IirSlices { w, theta, b, b_0: last[0], g_1: last[1], g_2: last[2] }
+            IirSlices { w, theta, b, radius, b_0: last[0], g_1: last[1], g_2: last[2] }
         })
     }
 }
 
 impl IirSlices<'_> {
+    /// rho, rho^2, ...
+    fn powers(&self) -> impl Iterator<Item = f64> {
+        std::iter::successors(Some(self.radius), |power| Some(power * self.radius))
+    }
+
     fn reflection(&self) -> Vec<f64> {
         self.theta.iter().map(|theta| LARGEST_REFLECTION * tanh(*theta)).collect()
     }
 
     /// a_1 .. a_r.
     pub(super) fn denominator(&self) -> Vec<f64> {
-        step_up(&self.reflection())
+        let drawn_in = step_up(&self.reflection()).into_iter().zip(self.powers());
+        drawn_in.map(|(a, power)| power * a).collect()
     }
 
     /// da_i / dtheta_j as rows i.
     pub(super) fn denominator_derivatives(&self) -> Vec<Vec<f64>> {
-        let slopes: Vec<f64> = self
-            .theta
-            .iter()
-            .map(|theta| LARGEST_REFLECTION * (1.0 - tanh(*theta) * tanh(*theta)))
-            .collect();
+        let slope = |theta: &f64| LARGEST_REFLECTION * (1.0 - tanh(*theta) * tanh(*theta));
+        let slopes: Vec<f64> = self.theta.iter().map(slope).collect();
         let (_, rows) = step_up_with_derivatives(&self.reflection());
-        rows.into_iter()
-            .map(|row| row.iter().zip(&slopes).map(|(d, slope)| d * slope).collect())
-            .collect()
+        let of_row = |(row, power): (Vec<f64>, f64)| {
+            row.iter().zip(&slopes).map(|(d, slope)| d * slope * power).collect()
+        };
+        rows.into_iter().zip(self.powers()).map(of_row).collect()
     }
 }
 
@@ -112,9 +121,10 @@ impl Theta {
         }
     }
 
-    /// A random start: filters with real poles of one to a hundred samples, unit gains.
+    /// A random start: filters with real poles of one to a hundred samples, drawn in as all are, unit
+    /// gains.
     pub(crate) fn draw(structure: Structure, mut normal: impl FnMut() -> f64) -> Self {
-        let Structure { inputs, outputs, v1, v2, order } = structure;
+        let Structure { inputs, outputs, v1, v2, order, .. } = structure;
         let mut values = Vec::with_capacity(structure.parameters());
         for _ in 0..v1 {
             values.extend((0..inputs).map(|_| normal()));
@@ -139,8 +149,8 @@ impl Theta {
 impl Structure {
     /// Whether a network of these sizes can do all that one of the other sizes can.
     pub(super) fn contains(&self, other: &Self) -> bool {
-        let own = (self.inputs, self.outputs);
-        own == (other.inputs, other.outputs)
+        let own = (self.inputs, self.outputs, self.memory);
+        own == (other.inputs, other.outputs, other.memory)
             && self.v1 >= other.v1
             && self.v2 >= other.v2
             && self.order >= other.order
@@ -198,6 +208,7 @@ fn monic(roots: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stability::{largest_root, time_constant};
     use crate::testing::noise;
 
     #[test]
@@ -211,12 +222,20 @@ mod tests {
                 assert_eq!(network.structure(), Some(structure));
                 assert!(network.is_stable(), "order {order}, size {size}");
             }
+            // Of whatever order, no filter remembers for longer than it may.
+            let structure = Structure { memory: Some(200), ..structure };
+            let values = noise(structure.parameters(), 4).iter().map(|e| 1e3 * e).collect();
+            let scale = Scale { mean: 0.0, deviation: 1.0 };
+            let network = Theta { structure, values }.network(vec![scale], vec![scale]);
+            let slowest = |neuron: &IirNeuron| time_constant(largest_root(&neuron.a));
+            let slowest = network.iir.iter().map(slowest).fold(0.0, f64::max);
+            assert!((100.0..200.0).contains(&slowest), "order {order}: {slowest}");
         }
     }
 
     #[test]
     fn a_network_embedded_in_a_larger_one_does_the_same() {
-        let small = Structure { inputs: 2, outputs: 2, v1: 2, v2: 3, order: 1 };
+        let small = Structure { inputs: 2, outputs: 2, v1: 2, v2: 3, ..Structure::PAPER };
         let values = noise(small.parameters(), 5).iter().map(|e| 0.4 * e).collect();
         let small = Theta { structure: small, values };
         let inputs = noise(400, 6);

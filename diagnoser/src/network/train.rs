@@ -16,6 +16,7 @@ use super::sensitivity::{Rows, linearise, sse};
 use super::{Network, Structure, Theta, ars};
 use crate::data::{Column, Data, DataError};
 use crate::scale::Scale;
+use crate::signal_model::Start;
 
 /// Step between the streams of neighbouring starts: the PCG stream is the odd part of it.
 const STREAM: u128 = 2;
@@ -41,14 +42,17 @@ pub struct Training {
     pub starts: usize,
     /// Seed of all randomness.
     pub seed: u64,
-    /// Samples at the start of both data sets that only settle the state.
+    /// Samples at the start of both data sets that only settle the state; from a steady state, samples
+    /// of the first inputs that are held before them.
     pub run_up: usize,
+    /// Where runs begin.
+    pub start: Start,
 }
 
 impl Default for Training {
     fn default() -> Self {
         let method = Method::LevenbergMarquardt(Limits { steps: 150, relative_decrease: 1e-7 });
-        Self { method, starts: 8, seed: 0, run_up: 100 }
+        Self { method, starts: 8, seed: 0, run_up: 100, start: Start::Rest }
     }
 }
 
@@ -131,10 +135,11 @@ struct Standardised {
 }
 
 impl Standardised {
-    fn new(data: &Data, input_scales: &[Scale], output_scales: &[Scale]) -> Self {
+    /// The first sample is held for `held` samples before.
+    fn new(data: &Data, (inputs, outputs): (&[Scale], &[Scale]), held: usize) -> Self {
         Self {
-            inputs: interleaved(data.inputs(), input_scales),
-            outputs: interleaved(data.outputs(), output_scales),
+            inputs: interleaved(data.inputs(), inputs, held),
+            outputs: interleaved(data.outputs(), outputs, held),
         }
     }
 
@@ -143,17 +148,17 @@ impl Standardised {
     }
 }
 
-fn interleaved(columns: &[Column], scales: &[Scale]) -> Vec<f64> {
+fn interleaved(columns: &[Column], scales: &[Scale], held: usize) -> Vec<f64> {
     let samples = columns[0].values.len();
     let row = |k: usize| columns.iter().zip(scales).map(move |(c, s)| s.standardise(c.values[k]));
-    (0..samples).flat_map(row).collect()
+    std::iter::repeat_n(0, held).chain(0..samples).flat_map(row).collect()
 }
 
 fn rows(segments: &[Standardised], run_up: usize) -> Vec<Rows<'_>> {
     segments.iter().map(|segment| segment.rows(run_up)).collect()
 }
 
-/// The free-run error, from rest in every segment, as a sum of squares to be made small.
+/// The free-run error over every segment, as a sum of squares to be made small.
 struct FreeRunError<'a> {
     structure: Structure,
     segments: Vec<Rows<'a>>,
@@ -194,13 +199,14 @@ pub(super) fn train_from(
     (estimation, validation): (&Data, &Data),
     training: &Training,
 ) -> Result<Trained, TrainingError> {
-    let &Training { method, starts, seed, run_up } = training;
+    let &Training { method, starts, seed, run_up, start } = training;
     for (set, data) in [("estimation", estimation), ("validation", validation)] {
         let (inputs, outputs) = (data.inputs().len(), data.outputs().len());
         if !structure.is_valid() || inputs != structure.inputs || outputs != structure.outputs {
             return Err(TrainingError::Structure { structure, inputs, outputs });
         }
-        let needed = run_up + structure.effective_parameters().div_ceil(outputs) + 1;
+        let settling = if start == Start::Rest { run_up } else { 0 };
+        let needed = settling + structure.effective_parameters().div_ceil(outputs) + 1;
         data.require_samples(needed, "training after its run-up")
             .and_then(|()| data.require_variation())
             .map_err(|source| TrainingError::Data { set, source })?;
@@ -212,8 +218,13 @@ pub(super) fn train_from(
     let (input_scales, output_scales): (Vec<_>, Vec<_>) =
         (scales(estimation.inputs()), scales(estimation.outputs()));
     let standardised = |data: &Data| -> Vec<Standardised> {
-        let parts = data.parts(run_up);
-        parts.iter().map(|part| Standardised::new(part, &input_scales, &output_scales)).collect()
+        let held = match start {
+            Start::Rest => 0,
+            Start::Steady => run_up,
+        };
+        let parts = data.parts(run_up - held);
+        let of = |part| Standardised::new(part, (&input_scales, &output_scales), held);
+        parts.iter().map(of).collect()
     };
     let (estimation, validation) = (standardised(estimation), standardised(validation));
     let error = FreeRunError { structure, segments: rows(&estimation, run_up) };
@@ -285,7 +296,7 @@ mod tests {
     const RUN_UP: usize = 100;
 
     fn quick(method: Method, starts: usize) -> Training {
-        Training { method, starts, seed: 5, run_up: RUN_UP }
+        Training { method, starts, seed: 5, run_up: RUN_UP, start: Start::Rest }
     }
 
     const LM: Method = Method::LevenbergMarquardt(Limits { steps: 60, relative_decrease: 1e-6 });
@@ -296,7 +307,7 @@ mod tests {
             (multisine(1000, 1), multisine(1000, 2), multisine(1000, 3));
         let trained =
             train(Structure::PAPER, &data(&estimation), &data(&validation), &quick(LM, 4)).unwrap();
-        let left = residual(&mut trained.network.run(), &data(&fresh));
+        let left = residual(&mut trained.network.run(), &data(&fresh), Start::Rest);
         let (_, left) = mean_and_deviation(&left[RUN_UP..]);
         let (_, speed) = mean_and_deviation(&fresh.speed);
         // Tachometer noise and load torque alone are 6 rpm; a linear model leaves 3 %.
@@ -332,8 +343,8 @@ mod tests {
         let parted = data(&joined).in_segments(vec![0..400, 400..700]);
         let structure = Structure { v1: 2, v2: 2, order: 2, ..Structure::PAPER };
         let trained = train(structure, &parted, &parted, &quick(LM, 1)).unwrap();
-        let left = residual(&mut trained.network.run(), &parted);
-        let of_second = residual(&mut trained.network.run(), &data(&second));
+        let left = residual(&mut trained.network.run(), &parted, Start::Rest);
+        let of_second = residual(&mut trained.network.run(), &data(&second), Start::Rest);
         assert_eq!(left[400..], of_second);
         let scale = trained.network.output_scales[0].deviation;
         let sse: f64 = parted.judged(&left, RUN_UP).iter().map(|r| (r / scale).powi(2)).sum();

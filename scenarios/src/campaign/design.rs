@@ -6,8 +6,8 @@
 
 use drivescope_diagnoser::{
     Channel, Column, Confidence, ConfidenceError, Cusum, CusumError, Data, DataError,
-    Design as How, DesignError as BandError, Diagnoser, Interface, Model, Structure, Training,
-    TrainingError, residual, train,
+    Design as How, DesignError as BandError, Diagnoser, Interface, Model, Start, Structure,
+    Training, TrainingError, residual, train,
 };
 use drivescope_plant::fault::{FaultLanes, Faults};
 use drivescope_plant::integrate::Integrator;
@@ -116,9 +116,9 @@ impl Design {
         let model = Model::Network(process.network);
         let (fitted, long) = (fitted.data()?, long.data()?);
         let (diagnoser, _) = Diagnoser::design(interface, model, &fitted, &long, &how)?;
-        let r = residual(&mut diagnoser.model.run(), &long);
+        let r = residual(&mut diagnoser.model.run(), &long, Start::Rest);
         let of_r = long.with_output("residual", &r)?;
-        let left = residual(&mut diagnoser.model_error.model.run(), &of_r);
+        let left = residual(&mut diagnoser.model_error.model.run(), &of_r, Start::Rest);
         let cusum = Cusum::learn(&of_r.judged(&left, run_up), WHITENING)?;
         let version = env!("CARGO_PKG_VERSION").to_owned();
         Ok(Self { plan: plan.digest.clone(), version, cusum, diagnoser })

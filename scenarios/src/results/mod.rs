@@ -11,6 +11,7 @@ mod setting;
 use serde::{Deserialize, Serialize};
 
 use crate::profile::Profile;
+use crate::trials::HiddenEffect;
 
 pub use detection::{
     ByMethod, DetectionRow, FurtherRun, HealthySummary, LevelRows, Method, ReadingRows,
@@ -82,6 +83,10 @@ pub struct StudyResults {
     pub isolation_merged: IsolationTable,
     /// Size of the symptom (27), by fault.
     pub identification: Vec<IdentificationRow>,
+    /// Smallest detectable faults before and after an effect was added to the model, where that was
+    /// asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hidden_effect: Option<HiddenEffect>,
     /// The FMU against the native run, and against fmpy where that was run.
     pub fmu: FmuSummary,
     /// The figures of the reference paper.

@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use drivescope_diagnoser::{
     Channel, Column, Confidence, Data, DataError, Design, Diagnoser, Interface, Learned, Model,
-    Recipe, Sets, Structure, Trained, residual,
+    Recipe, Sets, Start, Structure, residual,
 };
 use drivescope_fmu::import::Fmu;
 use drivescope_recording::Recording;
 
 use super::judge::Watch;
+use super::structures::structures;
 use super::{RUN_UP, SAMPLES, StudyError};
 use crate::experiment::{Experiment, Stream};
-use crate::results::{GmdhSummary, ModelSummary, RecurrentErrorSummary};
+use crate::results::{GmdhSummary, ModelSummary, RecurrentErrorSummary, StructureSummary};
 use crate::{cosimulated, native};
 
 /// Samples of the learning set, as in the paper.
@@ -60,10 +61,8 @@ pub struct Designed {
     pub diagnoser: Arc<Diagnoser>,
     /// How good its models are.
     pub summary: ModelSummary,
-    /// The excited runs: to estimate on, to judge.
-    pub(super) excited: [Signals; 2],
-    /// Its process model and the search that led to it.
-    pub(super) process: Trained,
+    /// The sizes of the process model that were compared; the winner is used.
+    pub(super) structures: Vec<StructureSummary>,
 }
 
 /// Trains and designs everything: excited runs of the open loop, healthy runs of the closed one.
@@ -95,16 +94,16 @@ pub fn design(
         output: Channel::new("T", experiment.tacho_unit()),
     };
     let paper = Design::paper(Confidence::new(beta)?);
-    let recipe =
-        Recipe::paper(1, Design { run_up: RUN_UP, window: WINDOW, ..paper }, experiment.seed);
+    let (structures, winner) = structures(&excited, experiment.seed)?;
+    let design = Design { run_up: RUN_UP, window: WINDOW, ..paper };
+    let recipe = Recipe { structure: winner, ..Recipe::paper(1, design, experiment.seed) };
     let sets = Sets {
         excited: [excited[0].data()?, excited[1].data()?],
         healthy: [fitted.data()?, long.data()?],
     };
     let learned = Diagnoser::learn(interface, &sets, &recipe)?;
     let summary = summary(experiment, &recipe, &learned, &sets, &tested)?;
-    let Learned { diagnoser, process, .. } = learned;
-    Ok(Designed { diagnoser: Arc::new(diagnoser), summary, excited, process })
+    Ok(Designed { diagnoser: Arc::new(learned.diagnoser), summary, structures })
 }
 
 fn summary(
@@ -116,11 +115,11 @@ fn summary(
 ) -> Result<ModelSummary, StudyError> {
     let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
     let mut model = process.network.run();
-    let excited = residual(&mut model, &sets.excited[1]);
+    let excited = residual(&mut model, &sets.excited[1], Start::Rest);
     let (residual_mean, residual_sd) = (diagnoser.constant.mean, diagnoser.constant.deviation);
     let constant = diagnoser.constant.band(diagnoser.confidence);
     let tested = tested.data()?;
-    let r = residual(&mut model, &tested);
+    let r = residual(&mut model, &tested, Start::Rest);
     let tested = tested.with_output("r", &r)?;
     let tested = tested.span(RUN_UP..RUN_UP + TEST_SAMPLES);
     let scale = experiment.set_point * experiment.drive.sensors.tacho_unit.per_si();

@@ -35,6 +35,7 @@ use crate::profile::Profile;
 use crate::results::{Pictures, StudyResults, TorqueReading};
 use crate::{cosimulated, native};
 pub use design::{Designed, Signals, design};
+pub(crate) use isolation::{STARTS, symptoms};
 pub use judge::{Judgement, Watch, false_rate_of, row_of};
 
 /// Samples of a closed-loop run: up to the end of the faults.
@@ -165,13 +166,10 @@ pub fn study(
         });
         judged.collect()
     };
-    let sizes = || -> Result<_, StudyError> {
-        Ok((structures::structures(&designed, options.seed)?, structures::theorem()?))
-    };
-    let (judged, sizes) = rayon::join(judge, sizes);
+    let (judged, theorem) = rayon::join(judge, structures::theorem);
     let judged = judged?;
     told(Progress::Isolation)?;
-    let mut study = summary::summarise(options, &experiment, &designed, judged, sizes?)?;
+    let mut study = summary::summarise(options, &experiment, &designed, judged, theorem?)?;
     let inputs = experiment.slow_reversals(SLOW_SAMPLES);
     let signals = cosimulated::closed_loop(&closed, &inputs, None::<&mut Watch>)?;
     let native = native::closed_loop(&experiment.drive, &inputs);

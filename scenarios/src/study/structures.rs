@@ -6,19 +6,19 @@ use drivescope_diagnoser::{
 };
 
 use super::StudyError;
-use super::design::{Designed, Signals};
+use super::design::Signals;
 use crate::results::{StructureSummary, TheoremRow, TheoremSummary};
 
 /// Starts of every candidate, and their steps: the chosen one is trained again with more.
 const STARTS: usize = 2;
 const STEPS: usize = 60;
 
-/// The AIC table.
+/// The AIC table over the excited runs, to estimate on and to judge, and its winner.
 pub(super) fn structures(
-    designed: &Designed,
+    excited: &[Signals; 2],
     seed: u64,
-) -> Result<Vec<StructureSummary>, StudyError> {
-    let [estimation, validation] = designed.excited.each_ref().map(Signals::data);
+) -> Result<(Vec<StructureSummary>, Structure), StudyError> {
+    let [estimation, validation] = excited.each_ref().map(Signals::data);
     let (estimation, validation) = (estimation?, validation?);
     let limits = Limits { steps: STEPS, relative_decrease: 1e-6 };
     let training = Training {
@@ -29,10 +29,11 @@ pub(super) fn structures(
     };
     let grid = Structure::grid(1, 1);
     let (rows, best) = select_structure(&grid, &estimation, &validation, &training)?;
-    // Errors of the starts are in deviations of the output.
-    let unit = designed.process.network.output_scales[0].deviation;
+    let winner = rows[best].structure;
     let summary = |(k, row): (usize, StructureRow)| {
         let Structure { v1, v2, order, .. } = row.structure;
+        // Errors of the starts are in deviations of the output.
+        let unit = row.trained.network.output_scales[0].deviation;
         StructureSummary {
             v1,
             v2,
@@ -45,7 +46,7 @@ pub(super) fn structures(
             best: k == best,
         }
     };
-    Ok(rows.into_iter().enumerate().map(summary).collect())
+    Ok((rows.into_iter().enumerate().map(summary).collect(), winner))
 }
 
 /// Networks of growing size in place of a system that they are not.

@@ -11,8 +11,8 @@ use crate::experiment::Experiment;
 use crate::faults::{Fault, SPAN};
 use crate::results::{
     ByMethod, DetectionRow, DriveSummary, FaultName, FaultSpan, FmuSummary, FurtherRun,
-    HealthySummary, IdentificationRow, LevelRows, Method, NoiseSummary, ReadingRows,
-    StructureSummary, StudyResults, TheoremSummary, TorqueReading,
+    HealthySummary, IdentificationRow, LevelRows, Method, NoiseSummary, ReadingRows, StudyResults,
+    TheoremSummary, TorqueReading,
 };
 
 /// Significance levels of the tables, beside the one that was asked for.
@@ -91,7 +91,7 @@ pub(super) fn summarise(
     experiment: &Experiment,
     designed: &Designed,
     judged: Vec<Judged>,
-    (structures, theorem): (Vec<StructureSummary>, TheoremSummary),
+    theorem: TheoremSummary,
 ) -> Result<Study, StudyError> {
     let faulty: Vec<(&Fault, Signals, &Judgement)> = judged
         .iter()
@@ -118,6 +118,7 @@ pub(super) fn summarise(
     let noise = &options.drive.noise;
     let per_si = options.drive.sensors.tacho_unit.per_si();
     let results = StudyResults {
+        hidden_effect: None,
         seed: options.seed,
         drive: DriveSummary {
             name: options.drive.name.clone(),
@@ -150,7 +151,7 @@ pub(super) fn summarise(
         },
         r_fd,
         model: designed.summary.clone(),
-        structures,
+        structures: designed.structures.clone(),
         theorem,
         symptoms: isolated.symptoms,
         separability: isolated.separability,

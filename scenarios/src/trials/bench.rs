@@ -7,6 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
+use super::healthy::Course;
 use super::{TrialError, TrialOptions};
 use crate::experiment::{Experiment, Stream};
 use crate::faults::Fault;
@@ -42,6 +43,8 @@ pub(super) enum Group {
     Incipient,
     Unknown,
     Healthy,
+    Curves,
+    Hidden,
 }
 
 /// The bank and how machines are drawn.
@@ -76,14 +79,40 @@ pub(super) struct Seen {
 
 impl Bench {
     pub(super) fn new(drive: Drive, options: &TrialOptions) -> Result<Self, TrialError> {
-        let experiment = Experiment::new(drive, options.seed)?;
+        let experiment = Experiment::new(drive.clone(), options.seed)?;
+        let shown = |_: &mut Machine| vec![experiment.set_point; DESIGN_SAMPLES];
+        Self::designed_on(&experiment, &drive, options, shown)
+    }
+
+    /// The bank of a model that need not be the machine's, designed on the machine along a course.
+    pub(super) fn with_model(
+        machine: Drive,
+        model: &Drive,
+        options: &TrialOptions,
+        course: Course,
+    ) -> Result<Self, TrialError> {
+        let experiment = Experiment::new(machine, options.seed)?;
+        let along = |machine: &mut Machine| {
+            let mut made = course.speeds(experiment.set_point, DESIGN_SAMPLES / 4, machine);
+            made.truncate(DESIGN_SAMPLES);
+            made
+        };
+        Self::designed_on(&experiment, model, options, along)
+    }
+
+    fn designed_on(
+        experiment: &Experiment,
+        model: &Drive,
+        options: &TrialOptions,
+        reference: impl Fn(&mut Machine) -> Vec<f64>,
+    ) -> Result<Self, TrialError> {
         let runs = (0..DESIGN_RUNS).flat_map(|number| {
-            let machine = machine(&experiment, Group::Design, number);
-            let reference = vec![experiment.set_point; DESIGN_SAMPLES];
+            let mut machine = machine(experiment, Group::Design, number);
+            let reference = reference(&mut machine);
             machine.rows(&[Plan { reference, faults: Vec::new() }])
         });
         let runs: Vec<Vec<Row>> = runs.collect();
-        let designed = design(&experiment.drive, experiment.period_s, &runs, options.seed)?;
+        let designed = design(model, experiment.period_s, &runs, options.seed)?;
         let judged_seed = options.seed.wrapping_add(1);
         let experiment = experiment.with_seed(judged_seed);
         let TrialOptions { machines, arl_0, .. } = *options;

@@ -13,7 +13,7 @@ use crate::profile::Profile;
 use drivescope_monitor::bank::{AnyProcess, known_process, with_noise};
 
 /// The faults.
-const FAULTS: [(&str, f64); 8] = [
+pub(super) const FAULTS: [(&str, f64); 8] = [
     ("tacho", 0.05),
     ("flux", 0.05),
     ("actuator", 0.05),
@@ -24,7 +24,7 @@ const FAULTS: [(&str, f64); 8] = [
     ("friction", 0.2),
 ];
 /// Samples of a run after the onset.
-const AFTER: usize = 800;
+pub(super) const AFTER: usize = 800;
 /// Healthy samples of each machine for the limits of the known model, and machines.
 const KNOWN_SAMPLES: usize = 15_000;
 const KNOWN_MACHINES: usize = 20;

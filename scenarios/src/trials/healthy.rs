@@ -10,7 +10,7 @@ use super::ARL_0;
 use super::bench::{Bench, Group, Machine, NEVER, Plan, with_or_without};
 
 /// Samples that a machine is watched over.
-const WATCHED: usize = 20_000;
+pub(super) const WATCHED: usize = 20_000;
 /// Samples without an exceedance after which the next is another alarm.
 const APART: usize = 400;
 /// Greatest speed, as a share of the set point that was shown.
@@ -99,6 +99,28 @@ pub(super) fn healthy(bench: &Bench, samples: usize) -> Healthy {
     }
 }
 
+/// False alarms of that many machines at the set point that was shown.
+pub(super) fn held(bench: &Bench, machines: usize) -> HealthyRow {
+    let counts = bench.each(Group::Curves, machines, |machine, _| {
+        let reference = vec![machine.experiment.set_point; bench.designed.how.baseline + WATCHED];
+        let runs = machine.rows(&[Plan { reference, faults: Vec::new() }]);
+        [true, false].map(|with_current| alarms(bench, with_current, &runs[0]))
+    });
+    let sum = |which: usize| {
+        let mut sum = [0; ARL_0.len()];
+        for counted in counts.iter().filter_map(|both| both[which]) {
+            sum.iter_mut().zip(counted).for_each(|(sum, alarms)| *sum += alarms);
+        }
+        sum
+    };
+    HealthyRow {
+        course: Course::SetPoint,
+        samples: WATCHED * counts.iter().filter(|both| both[0].is_some()).count(),
+        alarms: sum(0),
+        alarms_without_current: sum(1),
+    }
+}
+
 /// Alarms at each limit; nothing where the baseline is refused.
 fn alarms(bench: &Bench, with_current: bool, rows: &[Row]) -> Option<[usize; ARL_0.len()]> {
     let tails = bench.tails(with_current);
@@ -123,10 +145,13 @@ fn alarms(bench: &Bench, with_current: bool, rows: &[Row]) -> Option<[usize; ARL
 
 impl Course {
     /// Speeds of a baseline at the set point that was shown, and of the course after it.
-    fn reference(self, bench: &Bench, machine: &mut Machine) -> Vec<f64> {
-        let shown = machine.experiment.set_point;
+    pub(super) fn reference(self, bench: &Bench, machine: &mut Machine) -> Vec<f64> {
+        self.speeds(machine.experiment.set_point, bench.designed.how.baseline, machine)
+    }
+
+    /// The same for a set point and a baseline of that many samples.
+    pub(super) fn speeds(self, shown: f64, baseline: usize, machine: &mut Machine) -> Vec<f64> {
         let period_s = machine.experiment.period_s;
-        let baseline = bench.designed.how.baseline;
         let greatest = GREATEST * shown;
         let random = &mut machine.random;
         let mut made = vec![shown; baseline];

@@ -54,6 +54,10 @@ pub struct MechanismRow {
     pub detected: Share,
     /// Of the declared: truth within the printed set.
     pub in_set: Share,
+    /// Of all cases, undeclared ones counted as misses.
+    pub in_set_of_all: Share,
+    /// Size, as a fraction, from which on nine in ten are declared; none if there is none.
+    pub declared_from: Option<f64>,
     /// Of the declared: truth named first.
     pub named: Share,
     /// Mean number of mechanisms in the printed set.
@@ -179,9 +183,29 @@ fn row(what: &str, cases: &[&Case]) -> MechanismRow {
         what: what.to_owned(),
         detected: Share::new(sets.len(), cases.len()),
         in_set: within(cases, |case| KINDS[case.kind]),
+        in_set_of_all: Share::new(within(cases, |case| KINDS[case.kind]).hits, cases.len()),
+        declared_from: declared_from(cases),
         named: Share::new(first.count(), sets.len()),
         set_size: members as f64 / sets.len() as f64,
     }
+}
+
+/// The least size of which, and of all larger ones, nine in ten are declared.
+fn declared_from(cases: &[&Case]) -> Option<f64> {
+    const DECLARED: f64 = 0.9;
+    /// Fewer cases at the top tell no share.
+    const FEWEST: usize = 10;
+    let mut by_size: Vec<(f64, bool)> =
+        cases.iter().map(|case| (case.share, case.set.is_some())).collect();
+    by_size.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (mut declared, mut least) = (0, None);
+    for (count, (size, is_declared)) in by_size.iter().enumerate() {
+        declared += usize::from(*is_declared);
+        if count + 1 >= FEWEST && declared as f64 >= DECLARED * (count + 1) as f64 {
+            least = Some(*size);
+        }
+    }
+    least
 }
 
 fn sized(what: &str, cases: &[&Case]) -> Sizes {

@@ -11,29 +11,44 @@
 //! it is counted. Every answer is held against the truth of another case as well: those figures, and
 //! those of a detector that always alarms, must collapse.
 
+mod along;
 mod bench;
 mod classes;
 mod delays;
+mod detectable;
+mod detectors;
 mod healthy;
 mod incipient;
+mod isolation;
+mod kept;
 mod mechanisms;
 #[cfg(test)]
 mod rig_tests;
 mod unknown;
 
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use drivescope_diagnoser::DetectorError;
 use drivescope_diagnoser::bank::TailError;
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 use thiserror::Error;
 
 use crate::experiment::ExperimentError;
+use crate::study::Designed;
 use bench::Bench;
 use drivescope_monitor::bank::{DesignError, ProcessError};
 
 pub use classes::{ClassRow, ClassTable, Classes};
 pub use delays::{Delay, DelayRow};
+pub use detectable::{Detectable, HIDDEN_STEPS, HiddenEffect, ModelRows, hidden_effect};
+pub use detectors::{Curves, DetectorRow, FaultDelays};
 pub use healthy::{Course, Healthy, HealthyRow};
 pub use incipient::Incipient;
+pub use isolation::{
+    ClassifierRow, DesignRow, IsolationOptions, IsolationTrialError, IsolationTrials, isolation,
+};
 pub use mechanisms::{MechanismRow, Mechanisms, Sizes};
 pub use unknown::{Unknown, UnknownRow};
 
@@ -68,6 +83,23 @@ pub enum TrialError {
     /// Too few healthy samples for a limit.
     #[error(transparent)]
     Tail(#[from] TailError),
+    /// A sample that a detector of the paper cannot judge.
+    #[error(transparent)]
+    Detector(#[from] DetectorError),
+    /// The drive lacks the effect that was to be hidden.
+    #[error("the drive has no effect {effect} that a model could lack")]
+    NoEffect {
+        /// Its identifier.
+        effect: String,
+    },
+    /// The recordings cannot be written.
+    #[error("{} cannot be written to: {kind}", folder.display())]
+    Unwritable {
+        /// Where to.
+        folder: PathBuf,
+        /// What the system says.
+        kind: ErrorKind,
+    },
     /// Whoever watched it ended it.
     #[error("the trials were stopped")]
     Stopped,
@@ -98,6 +130,34 @@ pub struct Trials {
     pub unknown: Unknown,
     /// False alarms.
     pub healthy: Healthy,
+}
+
+/// Steps of [`detectors`], for a progress bar.
+pub const DETECTOR_STEPS: u64 = 6;
+
+/// Delays of all detectors at equal mean times between false alarms: of the bank of a drive, of the
+/// detectors that a study designed for it, and of one that knows machine and mechanism; the recordings
+/// are kept in a folder where one is named, for detectors of other people. Ends where `advance`, called after each detector, answers true.
+///
+/// # Errors
+/// [`TrialError`], which says what did not suit.
+pub fn detectors(
+    drive: Drive,
+    designed: &Designed,
+    options: &TrialOptions,
+    keep: Option<&Path>,
+    advance: &(dyn Fn() -> bool + Sync),
+) -> Result<Curves, TrialError> {
+    let bench = Bench::new(drive, options)?;
+    if let Some(folder) = keep {
+        let unwritable = |source: std::io::Error| TrialError::Unwritable {
+            folder: folder.to_owned(),
+            kind: source.kind(),
+        };
+        kept::keep(&bench, folder).map_err(unwritable)?;
+    }
+    let step = || if advance() { Err(TrialError::Stopped) } else { Ok(()) };
+    detectors::curves(&bench, designed, options.healthy, &step)
 }
 
 /// Steps of [`trials`], for a progress bar.

@@ -4,6 +4,7 @@ mod bank;
 mod bar;
 mod detection;
 mod discovery;
+mod isolation;
 mod rule;
 mod speed;
 
@@ -24,6 +25,7 @@ pub(crate) struct Benchmark {
 enum TableOf {
     Discovery(discovery::OfDiscovery),
     Detection(detection::OfDetection),
+    Isolation(isolation::OfIsolation),
     Bank(bank::OfBank),
     Rule(rule::OfRule),
     Speed(speed::OfSpeed),
@@ -34,6 +36,7 @@ impl Run for Benchmark {
         match self.table {
             TableOf::Discovery(discovery) => discovery.run(session),
             TableOf::Detection(detection) => detection.run(session),
+            TableOf::Isolation(isolation) => isolation.run(session),
             TableOf::Bank(bank) => bank.run(session),
             TableOf::Rule(rule) => rule.run(session),
             TableOf::Speed(speed) => speed.run(session),

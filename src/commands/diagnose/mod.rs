@@ -124,9 +124,9 @@ impl Diagnose {
             (Method::MemRecurrent, ThresholdKind::RecurrentModelError),
         ] {
             let there = method == Method::Mem || diagnoser.recurrent_error.is_some();
-            if there && !diagnoser.explains(kind) {
+            if let Some(refusal) = diagnoser.refusal(kind).filter(|_| there) {
                 session.remark(format_args!(
-                    "{}: its bands are wider than those of the plain residual: not used{}",
+                    "{}: {refusal}: not used{}",
                     method.label(),
                     if self.method == Some(method) { " unless asked for, as now" } else { "" }
                 ));

@@ -4,6 +4,7 @@ mod answer;
 mod bank;
 mod joined;
 mod labelled;
+mod models;
 mod training;
 
 use std::path::PathBuf;
@@ -12,6 +13,7 @@ use clap::{Args, ValueEnum};
 use drivescope_recording::Recording;
 
 use self::labelled::Labelled;
+use self::models::Models;
 use self::training::{ARL_0, BETA, RUN_UP_S, VERIFIED, WINDOW_S};
 pub(crate) use self::training::{Material, Plan, Trained, interface, train};
 use super::{RecordingOptions, Run, at_period};
@@ -70,6 +72,8 @@ pub(crate) struct Train {
     /// Time at the start of every recording that only settles the models, s.
     #[arg(long, value_name = "S", default_value_t = RUN_UP_S, allow_negative_numbers = true)]
     run_up: f64,
+    #[command(flatten)]
+    models: Models,
     /// Leave out models that are not needed.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "MODEL,..")]
     without: Vec<Part>,
@@ -115,6 +119,7 @@ impl Run for Train {
             beta: self.beta,
             window_s: self.window,
             run_up_s: self.run_up,
+            models: self.models,
             recurrent: !self.without.contains(&Part::Recurrent),
             gmdh: !self.without.contains(&Part::Gmdh),
         };

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use drivescope_diagnoser::{
     Channel, Confidence, Data, Design, Diagnoser, FaultsReport, FaultyRun, Interface,
-    IsolatorOptions, Learned, Recipe, Sets,
+    IsolatorOptions, Learned, Sets,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
-use super::answer::Answer;
+use super::answer::{Answer, recurrent_difference};
 use super::bank::BankAnswer;
+use super::models::{Compared, Models};
 use super::{bank, joined};
 use crate::failure::{Failure, told};
 use crate::interrupt;
@@ -42,6 +43,8 @@ pub(crate) struct Plan {
     pub(crate) window_s: f64,
     /// Time that only settles the models, s.
     pub(crate) run_up_s: f64,
+    /// Sizes, orders and searches.
+    pub(crate) models: Models,
     /// Whether there is a recurrent error model and a GMDH network.
     pub(crate) recurrent: bool,
     pub(crate) gmdh: bool,
@@ -56,6 +59,7 @@ impl Default for Plan {
             beta: BETA,
             window_s: WINDOW_S,
             run_up_s: RUN_UP_S,
+            models: Models::default(),
             recurrent: true,
             gmdh: true,
         }
@@ -68,6 +72,9 @@ pub(crate) struct Trained {
     pub(crate) learned: Learned,
     faults: Option<FaultsReport>,
     bank: Option<BankAnswer>,
+    compared: Option<Compared>,
+    /// Greatest difference of the GMDH network from its locally recurrent form on a healthy recording.
+    recurrent_difference: Option<f64>,
 }
 
 impl Trained {
@@ -78,7 +85,9 @@ impl Trained {
 
     /// As an answer of the command.
     pub(super) fn answer(&self, output: Option<PathBuf>) -> Answer {
-        Answer::new(output, &self.learned, self.faults.as_ref(), self.bank.as_ref())
+        let found = (self.faults.as_ref(), self.bank.as_ref());
+        let models = (self.compared.as_ref(), self.recurrent_difference);
+        Answer::new(output, &self.learned, found, models)
     }
 }
 
@@ -149,16 +158,13 @@ pub(crate) fn train(
         healthy.clone()
     });
     let confidence = Confidence::new(plan.beta).map_err(told)?;
-    let design = Design { run_up, window, ..Design::paper(confidence) };
-    let mut recipe = Recipe::paper(interface.inputs.len(), design, session.seed);
-    if !plan.recurrent {
-        recipe.recurrent_error = None;
-    }
-    if !plan.gmdh {
-        recipe.gmdh = None;
-    }
+    let design = Design { run_up, window, ..Design::steady(confidence) };
     let spinner = session.spinner();
-    let learned = Diagnoser::learn(interface.clone(), &Sets { excited, healthy }, &recipe);
+    let parts = (plan.recurrent, plan.gmdh);
+    let sets = Sets { excited, healthy };
+    let recipe = plan.models.recipe((design, session.seed), &sets, parts);
+    let (recipe, compared) = recipe.inspect_err(|_| spinner.finish_and_clear())?;
+    let learned = Diagnoser::learn(interface.clone(), &sets, &recipe);
     spinner.finish_and_clear();
     interrupt::check()?;
     let mut learned = learned.map_err(told)?;
@@ -173,7 +179,10 @@ pub(crate) fn train(
         learned.diagnoser.bank = Some(design);
         answer
     });
-    Ok(Trained { learned, faults, bank })
+    let network = learned.diagnoser.gmdh.as_ref().map(|robust| &robust.network);
+    let recurrent_difference =
+        network.and_then(|network| recurrent_difference(network, &sets.healthy[1]));
+    Ok(Trained { learned, faults, bank, compared, recurrent_difference })
 }
 
 /// The signals that were named, or the usual ones.

@@ -3,6 +3,7 @@
 mod detection;
 mod figures;
 mod fmu;
+mod hidden;
 mod identification;
 mod isolation;
 mod models;
@@ -48,7 +49,10 @@ sections! {
     "residual", "Residual and false alarms", |study, _| residual::section(study);
     "models", "Models", |study, _| models::section(study);
     "isolation", "Isolation", |study, _| isolation::section(study);
-    "identification", "Sizes", |study, _| identification::section(study);
+    "identification", "Sizes", |study, _| html! {
+        (identification::section(study))
+        (hidden::section(study))
+    };
     "levels", "Levels", |study, _| detection::levels(study);
     "readings", "Other readings", |study, _| detection::readings(study);
     "fmu", "FMU", |study, _| fmu::section(study);

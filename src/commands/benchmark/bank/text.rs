@@ -47,20 +47,23 @@ fn classes(text: &mut String, signals: &str, table: &ClassTable) {
 fn mechanisms(text: &mut String, found: &Trials) {
     let _ = writeln!(
         text,
-        "\nten mechanisms of random size\n  {:<28} {:<26} {:<26} {:<26} set",
-        "", "declared", "truth in the set", "named first"
+        "\nten mechanisms of random size\n  {:<28} {:<26} {:<26} {:<26} {:<26} {:<5} from",
+        "", "declared", "truth in the set", "of all, undeclared too", "named first", "set"
     );
     for row in &found.mechanisms.rows {
         let _ = writeln!(
             text,
-            "  {:<28} {:<26} {:<26} {:<26} {:.1}",
+            "  {:<28} {:<26} {:<26} {:<26} {:<26} {:<5.1} {}",
             row.what.replace('_', " "),
             share(&row.detected),
             share(&row.in_set),
+            share(&row.in_set_of_all),
             share(&row.named),
-            row.set_size
+            row.set_size,
+            row.declared_from.map_or("none".to_owned(), |size| format!("{} %", percent(size, 1)))
         );
     }
+    text.push_str("  from: the size from which on nine in ten are declared\n");
     let shuffled = share(&found.mechanisms.shuffled);
     let _ = writeln!(text, "  another mechanism in the set: {shuffled}");
     for sizes in &found.mechanisms.sizes {

@@ -1,15 +1,19 @@
 //! What a training says.
 
+mod text;
+
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use drivescope_diagnoser::{
-    BandDesign, Channel, FaultsReport, KnownFaults, Learned, ThresholdKind,
+    BandDesign, Channel, Data, FaultsReport, Gmdh, KnownFaults, Learned, StructureRow,
+    ThresholdKind, free_run,
 };
 use drivescope_scenarios::results::SizeGroup;
 use serde::Serialize;
 
 use super::bank::BankAnswer;
-use crate::report::words::{number, p_is, percent};
+use super::models::Compared;
 
 #[derive(Debug, Serialize)]
 pub(super) struct Answer {
@@ -22,6 +26,9 @@ pub(super) struct Answer {
     window_samples: usize,
     run_up_samples: usize,
     process_model: ProcessAnswer,
+    /// The sizes that were compared, where they were.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    structures: Vec<StructureAnswer>,
     bands: BandsAnswer,
     #[serde(skip_serializing_if = "Option::is_none")]
     recurrent_error: Option<BandsAnswer>,
@@ -38,18 +45,42 @@ pub(super) struct Answer {
 
 #[derive(Debug, Serialize)]
 struct ProcessAnswer {
+    v1: usize,
+    v2: usize,
+    order: usize,
     estimation_rms: f64,
     validation_rms: f64,
 }
 
+/// A row of the choice of sizes.
+#[derive(Debug, Serialize)]
+struct StructureAnswer {
+    v1: usize,
+    v2: usize,
+    order: usize,
+    effective_parameters: usize,
+    aic: f64,
+    chosen: bool,
+}
+
 #[derive(Debug, Serialize)]
 struct BandsAnswer {
+    /// Orders of an ARX model.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    orders: Option<[usize; 2]>,
+    /// Samples in which it settles: five of its slowest time constants.
+    run_up: usize,
     v: f64,
+    /// Standard deviation of the plain residual over the same samples.
+    plain: f64,
     samples: usize,
     whiteness_p: Option<f64>,
     normality_p: Option<f64>,
-    /// Whether `diagnose` uses it: not where its bands are wider than the plain residual's.
+    /// Whether `diagnose` uses it: not where its bands are not narrower than the plain residual's.
     used: bool,
+    /// Why it is not used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<String>,
 }
 
 /// Windows against a baseline.
@@ -75,6 +106,12 @@ struct GmdhAnswer {
     neurons: usize,
     validation_rms: f64,
     noise: Option<[f64; 2]>,
+    /// Whose parameters have bounds, and vertices of their sets.
+    bounded_neurons: usize,
+    vertices: usize,
+    /// Greatest difference from the equivalent locally recurrent network (Section 2.4) over a healthy
+    /// recording, output unit.
+    recurrent_difference: Option<f64>,
 }
 
 /// What was learned of labelled faults.
@@ -100,14 +137,18 @@ impl Answer {
     pub(super) fn new(
         output: Option<PathBuf>,
         learned: &Learned,
-        faults: Option<&FaultsReport>,
-        bank: Option<&BankAnswer>,
+        (faults, bank): (Option<&FaultsReport>, Option<&BankAnswer>),
+        (compared, recurrent_difference): (Option<&Compared>, Option<f64>),
     ) -> Self {
         let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
         let unit = process.network.output_scales[0].deviation;
         let start = process.starts[process.best];
-        let bands = |bands: &BandDesign, kind: ThresholdKind| BandsAnswer {
+        let bands = |bands: &BandDesign, kind: ThresholdKind, orders| BandsAnswer {
+            orders,
+            run_up: diagnoser.run_up_of(kind),
+            plain: bands.plain,
             used: diagnoser.explains(kind),
+            refused: diagnoser.refusal(kind).map(|refusal| refusal.to_string()),
             v: bands.deviation,
             samples: bands.samples,
             whiteness_p: bands.whiteness.as_ref().map(|test| test.p_value),
@@ -123,14 +164,22 @@ impl Answer {
             beta: diagnoser.confidence.beta(),
             window_samples: diagnoser.window,
             run_up_samples: diagnoser.run_up,
+            structures: compared.into_iter().flat_map(structures).collect(),
             process_model: ProcessAnswer {
+                v1: process.theta.structure.v1,
+                v2: process.theta.structure.v2,
+                order: process.theta.structure.order,
                 estimation_rms: unit * start.estimation,
                 validation_rms: unit * start.validation,
             },
-            bands: bands(&design.bands, ThresholdKind::ModelError),
+            bands: bands(
+                &design.bands,
+                ThresholdKind::ModelError,
+                design.orders.map(|orders| [orders.n_a, orders.n_b]),
+            ),
             recurrent_error: recurrent_error
                 .as_ref()
-                .map(|error| bands(error, ThresholdKind::RecurrentModelError)),
+                .map(|error| bands(error, ThresholdKind::RecurrentModelError, None)),
             constant: ConstantAnswer { lower: constant.lower, upper: constant.upper },
             windows: diagnoser.windows.as_ref().map(|windows| WindowsAnswer {
                 samples: windows.samples,
@@ -144,6 +193,9 @@ impl Answer {
                 neurons: robust.network.neurons.len(),
                 validation_rms: report.validation,
                 noise: robust.noise(),
+                bounded_neurons: robust.bounds.len(),
+                vertices: robust.bands().map_or(0, |bands| bands.vertices()),
+                recurrent_difference,
             }),
             faults: diagnoser
                 .faults
@@ -153,6 +205,29 @@ impl Answer {
             bank: bank.cloned(),
         }
     }
+}
+
+fn structures((rows, best): &(Vec<StructureRow>, usize)) -> Vec<StructureAnswer> {
+    let answer = |(k, row): (usize, &StructureRow)| StructureAnswer {
+        v1: row.structure.v1,
+        v2: row.structure.v2,
+        order: row.structure.order,
+        effective_parameters: row.effective_parameters,
+        aic: row.trained.aic,
+        chosen: k == *best,
+    };
+    rows.iter().enumerate().map(answer).collect()
+}
+
+/// How far a GMDH network and its locally recurrent form (Section 2.4) run apart from rest.
+pub(super) fn recurrent_difference(network: &Arc<Gmdh>, healthy: &Data) -> Option<f64> {
+    /// Samples that are compared: state space by dense matrices is slow.
+    const COMPARED: usize = 2000;
+    let part = healthy.span(0..healthy.len().min(COMPARED));
+    let recurrent = network.locally_recurrent()?.free_run(part.inputs());
+    let own = free_run(&mut network.run(), part.inputs()).swap_remove(0);
+    let differences = own.iter().zip(&recurrent).map(|(a, b)| (a - b).abs());
+    Some(differences.fold(0.0, f64::max))
 }
 
 impl FaultsAnswer {
@@ -174,87 +249,5 @@ impl FaultsAnswer {
             classes: (0..partition.classes.len()).map(owned).collect(),
             faults: faults.collect(),
         }
-    }
-
-    fn text(&self) -> String {
-        let classes: Vec<String> = self.classes.iter().map(|class| class.join(" | ")).collect();
-        let mut text =
-            format!("classes of faults that can be told apart: {}\n", classes.join("; "));
-        for FaultAnswer { fault, right, unknown, s, group } in &self.faults {
-            text += &format!(
-                "{fault}: {} % of held-out symptoms right, {} % unknown; S = {} thresholds, {}\n",
-                percent(*right, 1),
-                percent(*unknown, 1),
-                number(*s),
-                group.label()
-            );
-        }
-        text
-    }
-}
-
-impl Answer {
-    /// As text for a person.
-    pub(super) fn text(&self) -> String {
-        let answer = self;
-        let unit = &answer.watched.unit;
-        let inputs: Vec<&str> = answer.inputs.iter().map(|channel| channel.name.as_str()).collect();
-        let p = |p: Option<f64>| p.map_or_else(|| "not computed".to_owned(), p_is);
-        let bands = |name: &str, bands: &BandsAnswer| {
-            format!(
-                "{name}: v = {} {unit} over {} samples; white? {}, normal? {}{}\n",
-                number(bands.v),
-                bands.samples,
-                p(bands.whiteness_p),
-                p(bands.normality_p),
-                if bands.used { "" } else { "; wider than the plain residual: not used" }
-            )
-        };
-        let mut text = format!(
-            "{} from {}, every {} s; a fault is declared after {} samples outside\n\
-         process model: free-run error {} {unit} in training, {} {unit} on what it was judged by\n",
-            answer.watched.name,
-            inputs.join(", "),
-            answer.period,
-            answer.window_samples,
-            number(answer.process_model.estimation_rms),
-            number(answer.process_model.validation_rms),
-        );
-        text += &bands("ARX error model", &answer.bands);
-        if let Some(recurrent) = &answer.recurrent_error {
-            text += &bands("recurrent error model", recurrent);
-        }
-        text += &format!(
-            "constant thresholds: {} to {} {unit}\n",
-            number(answer.constant.lower),
-            number(answer.constant.upper)
-        );
-        if let Some(WindowsAnswer { samples, mean, spread, runs, .. }) = &answer.windows {
-            text += &format!(
-                "windows of {samples} samples against a baseline, from {runs} healthy runs: mean \
-                 within {} {unit}, spread within {} %\n",
-                number(*mean),
-                percent(spread.exp() - 1.0, 0)
-            );
-        }
-        if let Some(GmdhAnswer { layers, neurons, validation_rms, noise }) = &answer.gmdh {
-            let noise = noise.map_or_else(String::new, |[lower, upper]| {
-                format!(", noise bounds {} to {} {unit}", number(lower), number(upper))
-            });
-            text += &format!(
-                "GMDH network: {neurons} neurons in {layers} layers, validation error {} {unit}{noise}\n",
-                number(*validation_rms)
-            );
-        }
-        if let Some(faults) = &answer.faults {
-            text += &faults.text();
-        }
-        if let Some(bank) = &answer.bank {
-            text += &bank.text();
-        }
-        if let Some(output) = &answer.output {
-            text += &format!("written to {}\n", output.display());
-        }
-        text
     }
 }

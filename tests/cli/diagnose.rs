@@ -187,6 +187,29 @@ fn faults_that_were_shown_are_named_live_or_not_and_others_are_unknown() {
 }
 
 #[test]
+fn a_fault_of_a_drive_that_starts_from_rest_is_declared_at_its_onset() {
+    let here = folder();
+    let here = here.path();
+    let simulate = |name: &str, more: &[&str]| {
+        let rig = ["simulate", "dr300", "--reference", "2000 [rpm]", "-o", name];
+        done(here, &[&rig[..], more].concat());
+    };
+    simulate("one.csv", &["--seed", "1", "--duration", "20"]);
+    simulate("two.csv", &["--seed", "2", "--duration", "20"]);
+    let fault = ["--seed", "3", "--duration", "12", "--fault", "tacho=5%@8..10"];
+    simulate("ill.csv", &fault);
+    let trained = done(here, &["train", "one.csv", "two.csv", "-o", "rig.toml", "--json", "-"]);
+    // The noise of the tachometer and of the load is 5 rpm: the run-up from rest, in which speed and
+    // effort do what they never do again, does not widen what is expected of the rest.
+    let error = trained.json()["process_model"]["validation_rms"].as_f64();
+    assert!(error.is_some_and(|error| error < 6.0), "{error:?}");
+    let found = done(here, &["diagnose", "rig.toml", "ill.csv", "--json", "-"]).json();
+    assert_eq!(found["verdict"], "fault", "{found}");
+    let onset = found["declarations"][0]["from"].as_f64();
+    assert!(onset.is_some_and(|onset| (onset - 8.0).abs() < 0.1), "{found}");
+}
+
+#[test]
 fn what_cannot_train_a_diagnoser_is_refused() {
     let here = folder();
     let here = here.path();

@@ -25,9 +25,9 @@ use crate::gmdh::{
     BoundOptions, Gmdh, GmdhError, GmdhOptions, GmdhReport, RobustError, RobustGmdh,
 };
 use crate::interface::Interface;
-use crate::model::{Model, SETTLED_AFTER};
+use crate::model::Model;
 use crate::model_error::BandDesign;
-use crate::network::{Structure, Trained, Training, TrainingError, train};
+use crate::network::{Structure, Trained, Training, TrainingError, longest_memory, train};
 use crate::range::OperatingRange;
 use crate::signal_model::Start;
 use crate::windows::{BASELINE_S, WINDOW_S, Windows};
@@ -66,10 +66,15 @@ impl Recipe {
     /// The paper's sizes and orders; beside its ARX error model a recurrent one, and a GMDH network.
     pub fn paper(inputs: usize, design: Design, seed: u64) -> Self {
         let structure = Structure { inputs, ..Structure::PAPER };
-        let training = Training { seed, start: design.start, ..Training::default() };
+        // From a steady state what a detector does not judge is not learned either.
+        let run_up = match design.start {
+            Start::Rest => Training::default().run_up,
+            Start::Steady => design.run_up,
+        };
+        let training = Training { seed, run_up, start: design.start, ..Training::default() };
         let error = Structure { v1: 2, v2: 1, ..structure };
         // Settled residuals go on from where they are: from rest they need no run-up of their own.
-        let run_up = if design.start == Start::Rest { 0 } else { training.run_up };
+        let run_up = if design.start == Start::Rest { 0 } else { run_up };
         let error_training = Training { starts: 3, run_up, ..training };
         let bounds =
             BoundOptions { inflation: 1.2, run_up: design.run_up, ..BoundOptions::default() };
@@ -88,13 +93,10 @@ impl Recipe {
     /// remembers for longer cannot be told from a drift, and its run-up would leave nothing to judge.
     #[must_use]
     pub fn settling_within(mut self, sets: &Sets) -> Self {
-        /// Samples that any network may remember.
-        const LEAST: usize = 10;
         if self.design.start == Start::Steady {
             let [a, b] = &sets.excited;
             let [c, d] = &sets.healthy;
-            let longest = longest_run_up(&[a, b, c, d]) as f64 / SETTLED_AFTER;
-            let memory = Some((longest as usize).max(LEAST));
+            let memory = Some(longest_memory(longest_run_up(&[a, b, c, d])));
             self.structure.memory = memory;
             self.recurrent_error.iter_mut().for_each(|(sizes, _)| sizes.memory = memory);
         }

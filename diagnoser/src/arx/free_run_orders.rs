@@ -16,7 +16,7 @@ use crate::threshold::mean_and_deviation;
 /// Orders that are tried of the past outputs; 0 is a finite impulse response.
 const TRIED: [usize; 10] = [0, 1, 2, 3, 4, 6, 8, 10, 14, 20];
 /// What a larger model must lower the error by, as a share, to be preferred to a smaller one.
-const WORTH: f64 = 0.05;
+pub(crate) const WORTH: f64 = 0.05;
 
 /// One candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]

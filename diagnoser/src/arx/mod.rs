@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::fit::{ArxError, ArxFit, Orders};
 pub use self::free_run_orders::{FreeRunOrders, FreeRunRow};
-pub(crate) use self::free_run_orders::{leaves_half, longest_run_up};
+pub(crate) use self::free_run_orders::{WORTH, leaves_half, longest_run_up};
 pub use self::orders::{OrderRow, OrderTable};
 use crate::data::Data;
 use crate::history::{History, dot};

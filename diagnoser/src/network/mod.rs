@@ -33,6 +33,7 @@ pub(crate) use self::layers::activation;
 pub use self::run::NetworkRun;
 pub use self::select::{StructureRow, select_structure};
 pub use self::theta::Theta;
+pub(crate) use self::train::longest_memory;
 pub use self::train::{Method, StartRow, Trained, Training, TrainingError, train};
 use crate::scale::Scale;
 use crate::stability::step_down;

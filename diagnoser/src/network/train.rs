@@ -14,9 +14,12 @@ use thiserror::Error;
 
 use super::sensitivity::{Rows, linearise, sse};
 use super::{Network, Structure, Theta, ars};
+use crate::arx::{WORTH, leaves_half};
 use crate::data::{Column, Data, DataError};
+use crate::model::SETTLED_AFTER;
 use crate::scale::Scale;
-use crate::signal_model::Start;
+use crate::signal_model::{Start, residual};
+use crate::threshold::mean_and_deviation;
 
 /// Step between the streams of neighbouring starts: the PCG stream is the odd part of it.
 const STREAM: u128 = 2;
@@ -42,8 +45,8 @@ pub struct Training {
     pub starts: usize,
     /// Seed of all randomness.
     pub seed: u64,
-    /// Samples at the start of both data sets that only settle the state; from a steady state, samples
-    /// of the first inputs that are held before them.
+    /// Samples at the start of every segment that only settle the state. From a steady state they are
+    /// counted where they are more than half of the data.
     pub run_up: usize,
     /// Where runs begin.
     pub start: Start,
@@ -54,6 +57,43 @@ impl Default for Training {
         let method = Method::LevenbergMarquardt(Limits { steps: 150, relative_decrease: 1e-7 });
         Self { method, starts: 8, seed: 0, run_up: 100, start: Start::Rest }
     }
+}
+
+impl Training {
+    /// Samples at the start of every segment that are not counted. A machine may have been found running
+    /// or starting up: no steady state leads to what it does then, and a network that is to follow it
+    /// is bent everywhere else.
+    fn uncounted(&self, data: &Data) -> usize {
+        let counts = self.start == Start::Steady && !leaves_half(data, self.run_up);
+        if counts { 0 } else { self.run_up }
+    }
+
+    /// Samples of the first inputs that are held before every segment.
+    fn held(&self) -> usize {
+        /// Where nothing is left to settle.
+        const LEAST: usize = 100;
+        match self.start {
+            Start::Rest => 0,
+            Start::Steady => self.run_up.max(LEAST),
+        }
+    }
+
+    /// The same sizes with a memory that settles within the run-up, if theirs is longer, and samples in
+    /// which that one settles.
+    fn settling_soon(&self, structure: Structure) -> Option<(Structure, usize)> {
+        let memory = longest_memory(self.run_up);
+        let longer = structure.memory.filter(|longest| *longest > memory);
+        let longer = longer.filter(|_| self.start == Start::Steady)?;
+        let settling = (SETTLED_AFTER * longer as f64).ceil() as usize;
+        Some((Structure { memory: Some(memory), ..structure }, settling))
+    }
+}
+
+/// The longest memory of a network that settles in so many samples.
+pub(crate) fn longest_memory(samples: usize) -> usize {
+    /// Samples that any network may remember.
+    const LEAST: usize = 10;
+    ((samples as f64 / SETTLED_AFTER) as usize).max(LEAST)
 }
 
 /// Why a network cannot be trained.
@@ -182,13 +222,31 @@ impl Residuals for FreeRunError<'_> {
 
 /// Trains a network on `estimation` data and keeps the start that does best on `validation` data
 /// (another recording of the same signals).
+///
+/// From a steady state nothing punishes a slow filter that the data hardly excite: it fits a drift,
+/// guesses beyond what was shown, and has to be waited for. A memory that outlasts the run-up is
+/// kept only if it lowers the error of the first output on the validation data by what a larger
+/// model is worth.
 pub fn train(
     structure: Structure,
     estimation: &Data,
     validation: &Data,
     training: &Training,
 ) -> Result<Trained, TrainingError> {
-    train_from(&[], Keep::BestOnValidation, structure, (estimation, validation), training)
+    let data = (estimation, validation);
+    let of = |sizes, how: &Training| train_from(&[], Keep::BestOnValidation, sizes, data, how);
+    let Some((soon, settling)) = training.settling_soon(structure) else {
+        return of(structure, training);
+    };
+    let leaves = [estimation, validation].iter().all(|data| leaves_half(data, settling));
+    let run_up = if leaves { settling } else { training.run_up };
+    let soon = of(soon, training)?;
+    let longest = of(structure, &Training { run_up, ..*training })?;
+    let error = |trained: &Trained| {
+        let left = residual(&mut trained.network.run(), validation, training.start);
+        mean_and_deviation(&validation.judged(&left, run_up)).1
+    };
+    Ok(if error(&soon) > (1.0 + WORTH) * error(&longest) { longest } else { soon })
 }
 
 /// Trains from the random starts and from networks that this structure contains, which come last.
@@ -199,14 +257,14 @@ pub(super) fn train_from(
     (estimation, validation): (&Data, &Data),
     training: &Training,
 ) -> Result<Trained, TrainingError> {
-    let &Training { method, starts, seed, run_up, start } = training;
+    let &Training { method, starts, seed, .. } = training;
     for (set, data) in [("estimation", estimation), ("validation", validation)] {
         let (inputs, outputs) = (data.inputs().len(), data.outputs().len());
         if !structure.is_valid() || inputs != structure.inputs || outputs != structure.outputs {
             return Err(TrainingError::Structure { structure, inputs, outputs });
         }
-        let settling = if start == Start::Rest { run_up } else { 0 };
-        let needed = settling + structure.effective_parameters().div_ceil(outputs) + 1;
+        let needed =
+            training.uncounted(data) + structure.effective_parameters().div_ceil(outputs) + 1;
         data.require_samples(needed, "training after its run-up")
             .and_then(|()| data.require_variation())
             .map_err(|source| TrainingError::Data { set, source })?;
@@ -217,18 +275,16 @@ pub(super) fn train_from(
     let scales = |columns: &[Column]| columns.iter().map(|c| Scale::of(c.values)).collect();
     let (input_scales, output_scales): (Vec<_>, Vec<_>) =
         (scales(estimation.inputs()), scales(estimation.outputs()));
+    let held = training.held();
     let standardised = |data: &Data| -> Vec<Standardised> {
-        let held = match start {
-            Start::Rest => 0,
-            Start::Steady => run_up,
-        };
-        let parts = data.parts(run_up - held);
+        let parts = data.parts(training.uncounted(data));
         let of = |part| Standardised::new(part, (&input_scales, &output_scales), held);
         parts.iter().map(of).collect()
     };
+    let settling = [estimation, validation].map(|data| held + training.uncounted(data));
     let (estimation, validation) = (standardised(estimation), standardised(validation));
-    let error = FreeRunError { structure, segments: rows(&estimation, run_up) };
-    let judge = FreeRunError { structure, segments: rows(&validation, run_up) };
+    let error = FreeRunError { structure, segments: rows(&estimation, settling[0]) };
+    let judge = FreeRunError { structure, segments: rows(&validation, settling[1]) };
 
     let ends: Vec<(Vec<f64>, f64, f64)> = (0..starts + smaller.len())
         .into_par_iter()
@@ -264,10 +320,11 @@ pub(super) fn train_from(
     let best = judged.min_by(|(_, a), (_, b)| measure(a).total_cmp(&measure(b)));
     let best = best.map(|(index, _)| index);
     let Some(best) = best else { return Err(TrainingError::NoFiniteStart { starts: ends.len() }) };
-    let counted = |parts: &[Standardised]| -> usize {
-        parts.iter().map(|part| part.outputs.len() - run_up * structure.outputs).sum()
+    let counted = |parts: &[Standardised], settling: usize| -> usize {
+        parts.iter().map(|part| part.outputs.len() - settling * structure.outputs).sum()
     };
-    let (n_estimation, n_validation) = (counted(&estimation), counted(&validation));
+    let n_estimation = counted(&estimation, settling[0]);
+    let n_validation = counted(&validation, settling[1]);
     let rows = ends.iter().map(|(_, sse, held_out)| StartRow {
         estimation: (sse / n_estimation as f64).sqrt(),
         validation: (held_out / n_validation as f64).sqrt(),
@@ -289,9 +346,8 @@ pub(super) fn train_from(
 mod tests {
     use super::*;
     use crate::data::data;
-    use crate::signal_model::{free_run, residual};
+    use crate::signal_model::free_run;
     use crate::testing::{multisine, noise};
-    use crate::threshold::mean_and_deviation;
 
     const RUN_UP: usize = 100;
 
@@ -349,6 +405,47 @@ mod tests {
         let scale = trained.network.output_scales[0].deviation;
         let sse: f64 = parted.judged(&left, RUN_UP).iter().map(|r| (r / scale).powi(2)).sum();
         assert!((sse / trained.sse - 1.0).abs() < 1e-9, "{sse} against {}", trained.sse);
+    }
+
+    /// A lag of that pole that starts up from `from`, driven by noise, with noise of 0.5 on its output.
+    fn lag(pole: f64, from: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
+        let (u, e) = (noise(3000, seed), noise(3000, seed + 100));
+        let mut x = from;
+        let step = |(u, e): (&f64, &f64)| {
+            let y = x + 0.5 * e;
+            x = pole * x + u;
+            y
+        };
+        let y = u.iter().zip(&e).map(step).collect();
+        (u, y)
+    }
+
+    #[test]
+    fn a_start_up_bends_nothing_and_memory_beyond_the_run_up_must_pay() {
+        let structure = Structure { v1: 2, v2: 1, memory: Some(200), ..Structure::PAPER };
+        // Time constants of 10 and 100 samples; a run-up of 100 settles the first, started from rest or not.
+        for (pole, from) in [(0.9, 0.0), (0.9, -100.0), (0.99, 0.0)] {
+            let runs = [1, 2].map(|seed| lag(pole, from, seed));
+            let [estimation, validation] = runs.each_ref().map(|(u, y)| {
+                let input = vec![Column { name: "u", values: u }];
+                Data::new(input, Column { name: "y", values: y }).unwrap()
+            });
+            let training = Training { start: Start::Steady, ..quick(LM, 3) };
+            let trained = train(structure, &estimation, &validation, &training).unwrap();
+            let is_slow = pole > 0.95;
+            let wanted = if is_slow { 200 } else { 20 };
+            assert_eq!(trained.theta.structure.memory, Some(wanted), "{pole} {from}");
+            let left = residual(&mut trained.network.run(), &validation, Start::Steady);
+            let (_, left) = mean_and_deviation(&left[if is_slow { 1000 } else { RUN_UP }..]);
+            assert!(left < 0.6, "{pole} {from}: {left}");
+        }
+        // Half of it is not left: all of it counts.
+        let (u, y) = lag(0.9, 0.0, 3);
+        let input = vec![Column { name: "u", values: &u[..150] }];
+        let short = Data::new(input, Column { name: "y", values: &y[..150] }).unwrap();
+        let training = Training { start: Start::Steady, ..quick(LM, 1) };
+        assert_eq!((training.uncounted(&short), training.held()), (0, RUN_UP));
+        assert!(train(structure, &short, &short, &training).is_ok());
     }
 
     #[test]

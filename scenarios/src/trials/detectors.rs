@@ -226,7 +226,7 @@ pub(super) fn curves(
         step()?;
     }
     let always = first_over(&vec![f64::INFINITY; AFTER], AFTER / 2, &[0.0; ARL_0.len()]);
-    let always = of_fault("always alarming", 0.0, &[always]);
+    let always = of_fault("always alarming", 0.0, &vec![always; bench.machines]);
     Ok(Curves { arl_0: ARL_0, machines: bench.machines, watched: AFTER, detectors, known, always })
 }
 

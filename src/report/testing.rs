@@ -202,8 +202,10 @@ fn structure((v1, v2, order): (usize, usize, usize)) -> StructureSummary {
         effective_parameters: 16,
         aic: -5000.0 - v1 as f64,
         validation: 21.0,
+        healthy: 6.0,
         paper: v1 == 3,
         best: v1 == 1,
+        used: v1 == 1,
     }
 }
 

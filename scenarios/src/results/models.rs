@@ -91,10 +91,15 @@ pub struct StructureSummary {
     pub aic: f64,
     /// Free-run error on validation data, root mean square, unit of T.
     pub validation: f64,
+    /// Standard deviation of its residual on a healthy run of the closed loop that it was not fitted
+    /// on, unit of T.
+    pub healthy: f64,
     /// Whether it is the paper's.
     pub paper: bool,
     /// Whether it has the smallest AIC.
     pub best: bool,
+    /// Whether the study runs with it: the smallest AIC among those that `healthy` does not tell apart.
+    pub used: bool,
 }
 
 /// Theorem 1 on an example: z(k+1) = tanh(0.6 z(k) + 0.8 u(k)), inputs that no network was trained on.

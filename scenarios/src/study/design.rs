@@ -61,7 +61,7 @@ pub struct Designed {
     pub diagnoser: Arc<Diagnoser>,
     /// How good its models are.
     pub summary: ModelSummary,
-    /// The sizes of the process model that were compared; the winner is used.
+    /// The sizes of the process model that were compared.
     pub(super) structures: Vec<StructureSummary>,
 }
 
@@ -94,14 +94,15 @@ pub fn design(
         output: Channel::new("T", experiment.tacho_unit()),
     };
     let paper = Design::paper(Confidence::new(beta)?);
-    let (structures, winner) = structures(&excited, experiment.seed)?;
     let design = Design { run_up: RUN_UP, window: WINDOW, ..paper };
-    let recipe = Recipe { structure: winner, ..Recipe::paper(1, design, experiment.seed) };
+    let recipe = Recipe::paper(1, design, experiment.seed);
     let sets = Sets {
         excited: [excited[0].data()?, excited[1].data()?],
         healthy: [fitted.data()?, long.data()?],
     };
-    let learned = Diagnoser::learn(interface, &sets, &recipe)?;
+    let how = (recipe.structure.memory, experiment.seed);
+    let (structures, process) = structures(&sets.excited, &sets.healthy[0], how)?;
+    let learned = Diagnoser::learn_around(interface, process, &sets, &recipe)?;
     let summary = summary(experiment, &recipe, &learned, &sets, &tested)?;
     Ok(Designed { diagnoser: Arc::new(learned.diagnoser), summary, structures })
 }
@@ -128,7 +129,7 @@ fn summary(
         Model::Network(_) | Model::Gmdh(_) => Vec::new(),
     };
     let (n_a, n_b) = design.orders.map_or((0, 0), |orders| (orders.n_a, orders.n_b));
-    let Structure { v1, v2, order, .. } = recipe.structure;
+    let Structure { v1, v2, order, .. } = process.theta.structure;
     let p = |p: Option<f64>| p.unwrap_or(f64::NAN);
     let recurrent = recurrent_error.as_ref().zip(recipe.recurrent_error.as_ref());
     let recurrent = recurrent.map(|(bands, (structure, _))| RecurrentErrorSummary {
@@ -178,7 +179,7 @@ pub(super) fn values<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
     recording.signal(name).map_or(&[], |signal| &signal.values)
 }
 
-fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
+pub(super) fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;

@@ -6,6 +6,7 @@ mod benchmark;
 mod campaign;
 mod compare;
 mod cosim;
+mod counts;
 mod diagnose;
 mod discover;
 mod effects;
@@ -20,6 +21,7 @@ mod shell;
 mod simulate;
 mod study;
 mod train;
+mod twelve;
 
 use clap::{Args, Subcommand};
 

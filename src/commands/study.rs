@@ -9,17 +9,19 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use drivescope_fmu::description::Version;
 use drivescope_scenarios::faults::{Fault, SPAN};
 use drivescope_scenarios::profile::Profile;
-use drivescope_scenarios::results::{FaultName, Pictures, StudyResults, TorqueReading};
+use drivescope_scenarios::results::{FaultName, Pictures, StudyResults};
 use drivescope_scenarios::study::{Progress, Study as Outcome, StudyOptions, study};
 use drivescope_scenarios::trials::{HIDDEN_STEPS, hidden_effect};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
 use super::Run;
+use super::counts::all_positive;
+use super::twelve::TwelveDetected;
 use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
 use crate::run_folder::RunFolder;
@@ -33,15 +35,8 @@ pub(crate) struct Study {
     /// Folder for study.json, report.html, the FMUs and the runs.
     #[arg(long, value_name = "DIR", default_value = "study")]
     out: PathBuf,
-    /// Drive file, or the name of a built-in drive.
-    #[arg(long, value_name = "FILE", default_value = "dr300")]
-    drive: String,
-    /// What a motor torque that changes by a share means.
-    #[arg(long, value_enum, default_value_t = Reading::Flux)]
-    torque: Reading,
-    /// Confidence level of the bands: share of healthy samples outside them.
-    #[arg(long, default_value_t = 0.05)]
-    beta: f64,
+    #[command(flatten)]
+    twelve: TwelveDetected,
     /// How the judged faults go with time: step, ramp=SECONDS (incipient), pulses=ON/EVERY, or
     /// intermittent=ON/OFF. The classifiers are taught by steps.
     #[arg(long, default_value_t = Profile::Step)]
@@ -99,51 +94,22 @@ impl FromStr for Together {
     }
 }
 
-/// Readings of the torque fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub(super) enum Reading {
-    /// The excitation flux changes: K_m and K_e.
-    Flux,
-    /// K_m alone changes.
-    TorqueConstant,
-    /// The gain of the amplifier changes.
-    Actuator,
-    /// A load of that share of the rated torque.
-    Load,
-}
-
-impl From<Reading> for TorqueReading {
-    fn from(torque: Reading) -> Self {
-        match torque {
-            Reading::Flux => Self::Flux,
-            Reading::TorqueConstant => Self::TorqueConstant,
-            Reading::Actuator => Self::Actuator,
-            Reading::Load => Self::Load,
-        }
-    }
-}
-
 impl Run for Study {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let drive = drive_source::drive(&self.drive)?;
+        let TwelveDetected { faults, beta } = self.twelve;
+        let drive = drive_source::drive(&faults.drive)?;
         if let Some(effect) = &self.hidden
             && !drive.effects.iter().any(|it| it.kind == *effect)
         {
             let has: Vec<&str> = drive.effects.iter().map(|it| it.kind.as_str()).collect();
             return Err(Failure::Usage {
-                what: format!("--hidden {effect}: {} has no such effect", self.drive),
+                what: format!("--hidden {effect}: {} has no such effect", faults.drive),
                 instead: format!("name one that it has: {}", has.join(", ")),
             }
             .into());
         }
-        if self.hidden_machines == 0 {
-            return Err(Failure::Usage {
-                what: "--hidden-machines 0: nothing to detect".to_owned(),
-                instead: "give 1 or more; 200 give smooth curves".to_owned(),
-            }
-            .into());
-        }
+        let machines = [("hidden-machines", self.hidden_machines as u64)];
+        all_positive(&machines, "; 200 give smooth curves")?;
         let folder = RunFolder::take(&self.out)?;
         session.check_writable(&[])?;
         let at = |name: &str| folder.work().join(name);
@@ -154,8 +120,7 @@ impl Run for Study {
         fmu_file::write(&drive, true, Version::Two, &open)?;
 
         let model = self.hidden.as_ref().map(|_| drive.clone());
-        let torque = self.torque.into();
-        let Self { beta, profile, .. } = self;
+        let (torque, profile) = (faults.torque.into(), self.profile);
         let further = self.fault.into_iter().map(|it| (it.typed, it.faults)).collect();
         let options = StudyOptions { drive, seed: session.seed, torque, beta, profile, further };
         let bar = session.progress(1, "training and designing the diagnoser");

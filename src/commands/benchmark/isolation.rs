@@ -16,7 +16,8 @@ use serde::Serialize;
 
 use super::bar::{Bar, share};
 use crate::commands::Run;
-use crate::commands::study::Reading;
+use crate::commands::counts::all_positive;
+use crate::commands::twelve::TwelveFaults;
 use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
 use crate::report::words::{fault, percent};
@@ -37,12 +38,8 @@ pub(super) struct OfIsolation {
     /// Machines drawn anew.
     #[arg(long, value_name = "N", default_value_t = 200)]
     machines: usize,
-    /// Drive file, or the name of a built-in drive.
-    #[arg(long, value_name = "FILE", default_value = "dr300")]
-    drive: String,
-    /// What a motor torque that changes by a share means.
-    #[arg(long, value_enum, default_value_t = Reading::Flux)]
-    torque: Reading,
+    #[command(flatten)]
+    faults: TwelveFaults,
 }
 
 /// Significance level of the designs; isolation does not depend on it but for what is unknown.
@@ -61,18 +58,10 @@ struct Found<'a> {
 impl Run for OfIsolation {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let Self { designs, seeds, machines, .. } = self;
-        if designs == 0 || seeds == 0 || machines == 0 {
-            return Err(Failure::Usage {
-                what: format!(
-                    "--designs {designs} --seeds {seeds} --machines {machines}: nothing to judge"
-                ),
-                instead: "give 1 or more of each; 5, 200 and 200 give intervals worth printing"
-                    .to_owned(),
-            }
-            .into());
-        }
+        let counts = [("designs", designs), ("seeds", seeds), ("machines", machines as u64)];
+        all_positive(&counts, " of each; 5, 200 and 200 give intervals worth printing")?;
         session.check_writable(&[])?;
-        let drive = drive_source::drive(&self.drive)?;
+        let drive = drive_source::drive(&self.faults.drive)?;
         let folder = tempfile::tempdir()
             .map_err(|source| Failure::Write { path: std::env::temp_dir(), source })?;
         let (closed, open) = (folder.path().join("closed.fmu"), folder.path().join("open.fmu"));
@@ -89,7 +78,7 @@ impl Run for OfIsolation {
             bar.inc(1);
             interrupt::check()?;
         }
-        let torque = self.torque.into();
+        let torque = self.faults.torque.into();
         let options = IsolationOptions { draws: seeds, machines, torque, seed: session.seed };
         let found = isolation(&drive, &made, &options, &|| {
             bar.inc(1);

@@ -4,7 +4,8 @@ use clap::Args;
 
 use crate::benchmark::discovery::{Moved, discoveries, python};
 use crate::commands::Run;
-use crate::failure::{Ending, Failure};
+use crate::commands::counts::all_positive;
+use crate::failure::Ending;
 use crate::next::Next;
 use crate::session::Session;
 
@@ -23,13 +24,7 @@ pub(super) struct OfRule {
 
 impl Run for OfRule {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        if self.cases == 0 {
-            return Err(Failure::Usage {
-                what: "--cases 0: nothing to answer".to_owned(),
-                instead: "give 1 or more".to_owned(),
-            }
-            .into());
-        }
+        all_positive(&[("cases", self.cases as u64)], "")?;
         session.check_writable(&[])?;
         let bar = session.progress(discoveries(self.cases) as u64, "discovering");
         let moved = Moved::run(self.cases, session.seed, &python(), &|| bar.inc(1))?;

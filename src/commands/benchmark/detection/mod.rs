@@ -19,7 +19,8 @@ use serde::Serialize;
 
 use super::bar::{Bar, share};
 use crate::commands::Run;
-use crate::commands::study::Reading;
+use crate::commands::counts::all_positive;
+use crate::commands::twelve::TwelveDetected;
 use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
 use crate::report::words::{fault, percent, torque};
@@ -47,15 +48,8 @@ pub(super) struct OfDetection {
     /// people (tools/other_detectors.py).
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
-    /// Drive file, or the name of a built-in drive.
-    #[arg(long, value_name = "FILE", default_value = "dr300")]
-    drive: String,
-    /// What a motor torque that changes by a share means.
-    #[arg(long, value_enum, default_value_t = Reading::Flux)]
-    torque: Reading,
-    /// Confidence level of the bands: share of healthy samples outside them.
-    #[arg(long, default_value_t = 0.05)]
-    beta: f64,
+    #[command(flatten)]
+    twelve: TwelveDetected,
 }
 
 /// What the figures must reach (flux reading).
@@ -77,18 +71,11 @@ struct Answer<'a> {
 
 impl Run for OfDetection {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        if self.seeds == 0 || self.designs == 0 {
-            return Err(Failure::Usage {
-                what: format!(
-                    "--seeds {} --designs {}: nothing to judge",
-                    self.seeds, self.designs
-                ),
-                instead: "give 1 or more; 200 give intervals worth printing".to_owned(),
-            }
-            .into());
-        }
+        let counts = [("seeds", self.seeds), ("designs", self.designs)];
+        all_positive(&counts, "; 200 seeds give intervals worth printing")?;
         session.check_writable(&[])?;
-        let drive = drive_source::drive(&self.drive)?;
+        let TwelveDetected { faults, beta } = self.twelve;
+        let drive = drive_source::drive(&faults.drive)?;
         if let Some(path) = &self.keep {
             let unwritable = |source| Failure::Write { path: path.clone(), source };
             fs::create_dir_all(path).map_err(unwritable)?;
@@ -102,12 +89,12 @@ impl Run for OfDetection {
         let steps = if self.machines == 0 { 0 } else { DETECTOR_STEPS };
         let all = self.designs * self.seeds + steps;
         let bar = session.progress(all, "designing, then judging seeds");
-        let torque: TorqueReading = self.torque.into();
+        let torque: TorqueReading = faults.torque.into();
         let (mut found, mut first) = (Vec::new(), None);
         for k in 0..self.designs {
             let seed = session.seed.wrapping_add(k * (self.seeds + 1));
             let experiment = Experiment::new(drive.clone(), seed).map_err(told)?;
-            let designed = design(&experiment, (&closed, &open), self.beta).map_err(told)?;
+            let designed = design(&experiment, (&closed, &open), beta).map_err(told)?;
             let parity = parity(&designed, &experiment, torque, self.seeds, &|| bar.inc(1));
             interrupt::check()?;
             found.push(parity.map_err(told)?);

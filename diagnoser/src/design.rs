@@ -46,9 +46,8 @@ impl Design {
     /// The paper's: ARX with n_a = n_b = 20 and a constant, 50 exceedances; 500 samples of run-up from
     /// rest.
     pub fn paper(confidence: Confidence) -> Self {
-        let orders = Orders { n_a: 20, n_b: 20, constant: true };
         Self {
-            error_model: ErrorModel::Arx(orders),
+            error_model: ErrorModel::Arx(Orders::PAPER),
             run_up: 500,
             start: Start::Rest,
             window: 50,
@@ -59,8 +58,7 @@ impl Design {
     /// For recordings of machines that run: models begin in the steady state, and the orders are those
     /// of the least free-run error, up to the paper's.
     pub fn steady(confidence: Confidence) -> Self {
-        let widest = Orders { n_a: 20, n_b: 20, constant: true };
-        let error_model = ErrorModel::ArxByFreeRun(widest);
+        let error_model = ErrorModel::ArxByFreeRun(Orders::PAPER);
         Self { error_model, start: Start::Steady, ..Self::paper(confidence) }
     }
 }

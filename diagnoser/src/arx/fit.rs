@@ -69,6 +69,9 @@ pub struct Orders {
 }
 
 impl Orders {
+    /// The paper's n_a = n_b = 20, and a constant.
+    pub const PAPER: Self = Self { n_a: 20, n_b: 20, constant: true };
+
     /// Past samples that the first equation needs.
     pub(super) fn reach(&self) -> usize {
         self.n_a.max(self.n_b)

@@ -79,21 +79,19 @@ impl Discovery {
         evidence: (&Evidence, &Evidence),
         watch: &dyn Watch,
     ) -> Model {
-        let Instead { place, formulas, refused } = it;
+        let Instead { place, formulas, probability, refused } = it;
         let kind = added[place].kind.clone();
         self.formulas = formulas;
-        let Some(Refused { model: without, learned, why, probability }) = refused else {
+        self.reconsider(&kind, probability);
+        let Some(Refused { model: without, learned, why }) = refused else {
             (self.remaining, self.learned) = (Verdict::None, None);
             // One that refines what was named is not named itself.
-            let named =
-                if self.named.contains(&kind) { Some(kind) } else { self.named.last().cloned() };
+            let named = self.named.iter().find(|it| **it == kind).or(self.named.last()).cloned();
+            self.reconsider(named.as_deref().unwrap_or_default(), probability);
             self.closer_than = named;
             return model;
         };
         added.remove(place);
-        for one in self.ranking.iter_mut().filter(|it| it.effect == kind) {
-            one.probability = probability;
-        }
         self.refuse(&kind, added, &why);
         self.unname(added);
         self.ladder.pop();
@@ -104,6 +102,13 @@ impl Discovery {
         }
         (self.remaining, self.learned) = (Verdict::Unknown, learned);
         without
+    }
+
+    /// Tells of an effect that it is that probable, beside what was not ranked with it.
+    fn reconsider(&mut self, kind: &str, probability: f64) {
+        for one in self.ranking.iter_mut().filter(|it| it.effect == kind) {
+            one.probability = probability;
+        }
     }
 
     /// Names what is left alone.

@@ -11,12 +11,17 @@ use super::round::Round;
 use super::scales::Scales;
 use crate::formula::Formula;
 
+/// Formulas of which one must lower the error: a fit of the most probable may end beside its optimum.
+const FITTED: usize = 3;
+
 /// Formulas that explain more than a named law in its place.
 pub(super) struct Instead {
     /// The number of the law among those that were added.
     pub(super) place: usize,
     /// The most probable first.
     pub(super) formulas: Vec<Formula>,
+    /// Probability of the law beside that of the best formula.
+    pub(super) probability: f64,
     /// What becomes of the name, where the law is not even of the right kind.
     pub(super) refused: Option<Refused>,
 }
@@ -29,8 +34,6 @@ pub(super) struct Refused {
     pub(super) learned: Option<LearnedCurve>,
     /// Why, for a person.
     pub(super) why: String,
-    /// Probability of the law beside that of the best formula.
-    pub(super) probability: f64,
 }
 
 impl Round<'_> {
@@ -79,27 +82,26 @@ impl Round<'_> {
                 "a formula removes {more:.0} % of the excess error on the validation data where it \
                  removes {own:.0} %"
             );
-            let probability = 1.0 / (1.0 + (best.worth() - evidence - ln_odds).exp());
-            Refused { model: model.clone(), learned, why, probability }
+            Refused { model: model.clone(), learned, why }
         });
-        Some(Instead { place, formulas, refused })
+        let probability = 1.0 / (1.0 + (best.worth() - evidence - ln_odds).exp());
+        Some(Instead { place, formulas, probability, refused })
     }
 
     /// Formulas that show that something is missing where no curve does: a form with few values takes
-    /// less evidence to see than a curve. As much is asked of the best of them as of a curve, that it
-    /// is no smaller than what counts, and that the error on the validation data falls by as much with
-    /// it.
+    /// less evidence to see than a curve. As much evidence is asked as of a curve, and that
+    /// the error on the validation data falls with it: by what counts, or to its floor where it is
+    /// smaller than what counts.
     pub(super) fn formulas_alone(&self, ground: &Ground) -> Vec<Formula> {
-        let asked = self.rule.evidence - self.rule.curve_odds.ln();
-        let formulas = self.formulas_beyond(ground, asked);
-        let shows = |best: &Formula| {
+        let rule = self.rule;
+        let formulas = self.formulas_beyond(ground, rule.evidence - rule.curve_odds.ln());
+        let shows = |it: &Formula| {
             let mut with = self.model.fitted.drive.clone();
-            with.effects.push(best.effect(&with));
-            let with = self.fitted(&with)?;
-            Some(self.removed_of_validation(&with) >= self.rule.size)
+            with.effects.push(it.effect(&with));
+            let asked = if it.size < rule.size { 1.0 - rule.formula } else { rule.size };
+            self.fitted(&with).is_some_and(|with| self.removed_of_validation(&with) >= asked)
         };
-        let best = formulas.first().filter(|it| it.size >= self.rule.size);
-        if best.and_then(shows) == Some(true) { formulas } else { Vec::new() }
+        if formulas.iter().take(FITTED).any(shows) { formulas } else { Vec::new() }
     }
 
     /// That drive, fitted from the values of the round on.

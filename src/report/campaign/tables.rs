@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::rerun;
 use crate::report::page::{figure, math, section, table};
-use crate::report::words::{number, percent};
+use crate::report::words::{count, number, percent};
 
 fn shown(share: &Share) -> String {
     let [low, high] = share.interval;
@@ -133,7 +133,7 @@ pub(super) fn worst(summary: &Summary, plan: &str) -> Markup {
     };
     let what = |worst: &Worst| match (worst.what, worst.value) {
         ("late", Some(delay)) => format!("declared after {delay:.3} s"),
-        ("false_alarms", Some(count)) => format!("{count} false alarms"),
+        ("false_alarms", Some(alarms)) => count(alarms as usize, "false alarm"),
         _ => "missed".to_owned(),
     };
     let fault = |worst: &Worst| match (&worst.kind, worst.size) {

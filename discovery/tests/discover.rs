@@ -305,3 +305,15 @@ fn a_loop_that_is_stopped_names_nothing() {
     let answer = discover(&base(), &estimation, &validation, &Impatient).expect("the base fits");
     assert_eq!((answer.named.len(), answer.ladder.len()), (0, 1));
 }
+
+/// Beside a ripple that was named, a random load took what a constant load explains: the filter sought
+/// it from parameters fitted beside that load, and "none" was said at eight times the floor.
+#[test]
+fn what_a_random_load_would_take_is_found_by_the_free_run() {
+    let mut truth = with("torque_ripple", &[3.0, 0.03, -0.04]);
+    truth.effects.extend(with("constant_load", &[4e-3]).effects.pop());
+    let answer = found(&truth, false, 6);
+    assert_eq!(answer.named, ["torque_ripple", "constant_load"], "{:?}", answer.ranking);
+    let last = answer.ladder.last().expect("it has a base");
+    assert!(last.error < FLOOR && last.validation_error < FLOOR, "{:?}", answer.ladder);
+}

@@ -176,13 +176,36 @@ impl Round<'_> {
     }
 
     fn convincing(&self, ground: &Ground, weights: &Weights, laws: &[&LawWeight]) -> Vec<Judged> {
+        self.with_refusals(ground, weights, self.at_their_best(ground, laws))
+    }
+
+    /// Fitted laws with what speaks against each.
+    fn with_refusals(
+        &self,
+        ground: &Ground,
+        weights: &Weights,
+        mut fitted: Vec<Judged>,
+    ) -> Vec<Judged> {
         let curve = weights.repeating().next();
         let curve = curve.map(|it| (it, weights.beyond(ground.base().fitted, it)));
-        let mut fitted = self.at_their_best(ground, laws);
         for one in &mut fitted {
             one.refused = self.unconvincing(ground, one, curve);
         }
         fitted
+    }
+
+    /// Puts fitted laws among the judged ones, in the place of a fit of the same law.
+    pub(super) fn judge(
+        &self,
+        ground: &Ground,
+        weights: &Weights,
+        fitted: Vec<Judged>,
+        judged: &mut Vec<Judged>,
+    ) {
+        let further = self.with_refusals(ground, weights, fitted);
+        judged.retain(|one| further.iter().all(|it| it.candidate != one.candidate));
+        judged.extend(further);
+        *judged = ordered(std::mem::take(judged));
     }
 }
 

@@ -204,7 +204,7 @@ impl Round<'_> {
     }
 
     /// Squared error of a perfect model, over the values.
-    fn floor(&self, evidence: &Evidence) -> f64 {
+    pub(super) fn floor(&self, evidence: &Evidence) -> f64 {
         let observer = self.model.setting.observer;
         let of = |measured: &Measured| measured.values() as f64 * observer.floor(measured).powi(2);
         evidence.recordings.iter().map(of).sum()

@@ -11,6 +11,7 @@
 
 mod account;
 mod at_best;
+mod by_free_run;
 mod candidates;
 mod columns;
 mod curves;

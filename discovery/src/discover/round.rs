@@ -173,6 +173,9 @@ impl Round<'_> {
         if self.of_two_masses(ground, weights, &mut judged) {
             decide(&mut judged);
         }
+        if self.of_free_run(ground, weights, &mut judged) {
+            decide(&mut judged);
+        }
         self.fit_small(&mut judged);
         judged
     }

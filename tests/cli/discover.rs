@@ -185,8 +185,12 @@ fn a_load_that_oscillates_is_no_effect_and_is_said_with_its_frequency() {
         let columns = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",");
         put(here, name, text.lines().map(|line| columns(line) + "\n").collect::<String>());
     }
-    let run = ["discover", "base.toml", "one.csv", "--validate", "two.csv", "--json", "-"];
-    let answer = done(here, &run).json();
+    let run = ["discover", "base.toml", "one.csv", "--validate", "two.csv", "--json", "found.json"];
+    let said = done(here, &run).out;
+    assert!(said.contains(" times its floor, is taken for a random load of "), "{said}");
+    assert!(said.contains(" s beside its oscillation\nthe load oscillates at 6.0"), "{said}");
+    let answer = std::fs::read_to_string(here.join("found.json")).expect("it was written");
+    let answer: Value = serde_json::from_str(&answer).expect("JSON");
     assert_eq!(answer["verdict"], "none", "{answer}");
     let load = &answer["load"];
     assert!(number(&load["sd"]) > 0.0 && number(&load["time"]) > 0.0, "{load}");

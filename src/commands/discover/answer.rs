@@ -23,6 +23,9 @@ use crate::report::words::{probability, significant};
 /// Formulas that are shown.
 const SHOWN: usize = 3;
 
+/// Error over its floor from which on it is said what is left.
+const ABOVE_FLOOR: f64 = 1.1;
+
 /// Errors of a drive.
 #[derive(Debug, Clone, Serialize)]
 struct Errors {
@@ -190,6 +193,9 @@ impl Answer {
             text += &curve(learned);
         }
         text += &proposals(&self.formulas, self.closer_than.as_deref());
+        if let Some(left) = self.left_to_a_load() {
+            let _ = writeln!(text, "{left}");
+        }
         if let Some(it) = self.load.and_then(|load| load.oscillation) {
             let sd = significant(it.sd, 3);
             let unit = for_motion(self.motion, "N m");
@@ -207,6 +213,23 @@ impl Answer {
             let _ = writeln!(text, "written: {}", path.display());
         }
         text
+    }
+
+    /// What an error above its floor is taken for, where nothing is said to be left.
+    fn left_to_a_load(&self) -> Option<String> {
+        let (load, last) = self.load.zip(self.ladder.last())?;
+        let error = last.error.max(last.validation_error);
+        let said = self.remaining != Verdict::None || self.closer_than.is_some();
+        if said || !has_errors(last) || error < ABOVE_FLOOR {
+            return None;
+        }
+        let (error, sd) = (significant(error, 3), significant(load.sd, 3));
+        let (time, unit) = (significant(load.time, 2), for_motion(self.motion, "N m"));
+        let beside = if load.oscillation.is_some() { " beside its oscillation" } else { "" };
+        Some(format!(
+            "the error that is left, {error} times its floor, is taken for a random load of {sd} \
+             {unit} rms that lasts {time} s{beside}"
+        ))
     }
 
     fn verdict_in_words(&self) -> String {

@@ -19,8 +19,8 @@ use crate::likelihood::Weights;
 const FITTED: usize = 2;
 
 impl Round<'_> {
-    /// Puts the laws of one mass that hold most of the error of the free run among the judged ones,
-    /// where none of those convinces; whether there are any.
+    /// Puts the laws of one mass that explain the error of the free run among the judged ones, where
+    /// none of those convinces; whether there are any.
     pub(super) fn of_free_run(
         &self,
         ground: &Ground,
@@ -42,6 +42,10 @@ impl Round<'_> {
         shown.truncate(FITTED);
         let fitted = |(candidate, _): &(usize, f64)| {
             let found = self.foretold(ground, &self.all[*candidate], &[0])?;
+            // What leaves more may only resemble what is missing.
+            if !self.explains_all(&found.model) {
+                return None;
+            }
             let weighed = Weighed::of(found.evidence, found.size);
             Some(Judged { candidate: *candidate, model: found.model, weighed, refused: None })
         };

@@ -118,12 +118,18 @@ impl Round<'_> {
         }
         let Some(one) = judged.iter_mut().find(|one| one.weighed.small) else { return };
         let Some(model) = self.in_free_run(one) else { return };
-        let floor = self.floor(self.estimation) + self.floor(self.validation);
-        let excess = |it: &Model| it.fitted.squares.sum + it.validation.squares.sum - floor;
-        if excess(&model) <= self.rule.formula * excess(self.model) {
+        if self.explains_all(&model) {
             one.model = model;
             one.refused = None;
         }
+    }
+
+    /// Whether the error falls to its floor, in the recordings of the fit and in those held out: but for
+    /// what a formula that is right in its kind may leave.
+    pub(super) fn explains_all(&self, model: &Model) -> bool {
+        let floor = self.floor(self.estimation) + self.floor(self.validation);
+        let excess = |it: &Model| it.fitted.squares.sum + it.validation.squares.sum - floor;
+        excess(model) <= self.rule.formula * excess(self.model)
     }
 
     /// Fitted in free run; nothing where no fit ends.

@@ -118,11 +118,7 @@ impl Round<'_> {
             let found =
                 self.is_foretold(it).then(|| self.foretold(ground, it, &weight.variants)).flatten();
             let by_filter = filtered(weight, found.as_ref().map(|it| &it.model));
-            let foretold = found.map(|found| {
-                let weighed = Weighed::of(found.evidence, found.size);
-                let model = found.model;
-                Judged { candidate: weight.candidate, model, weighed, refused: None }
-            });
+            let foretold = found.map(|found| found.judged(weight.candidate));
             let both = [by_filter, foretold].into_iter().flatten();
             both.max_by(|a, b| a.weighed.evidence.total_cmp(&b.weighed.evidence))
         };
@@ -170,8 +166,7 @@ impl Round<'_> {
         laws: &[&LawWeight],
         judged: &mut Vec<Judged>,
     ) -> bool {
-        judged.extend(self.convincing(ground, weights, laws));
-        *judged = ordered(std::mem::take(judged));
+        self.judge(ground, weights, self.at_their_best(ground, laws), judged);
         !laws.is_empty()
     }
 

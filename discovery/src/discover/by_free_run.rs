@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::candidates::Candidate;
 use super::columns::{At, Columns};
 use super::ground::Ground;
-use super::judged::{Judged, Weighed};
+use super::judged::Judged;
 use super::projection::beside;
 use super::refit::finer;
 use super::round::Round;
@@ -31,23 +31,18 @@ impl Round<'_> {
         if convinced || ground.filtered().is_none() || self.is_at_floor() || self.watch.stopped() {
             return false;
         }
-        let candidates: Vec<usize> = (0..self.all.len()).collect();
-        let held = |k: &usize| {
-            let it = &self.all[*k];
+        let held = |(k, it): (usize, &Candidate)| {
             let own = it.is_linear() && !self.is_foretold(it);
-            own.then(|| (*k, self.held_in_free_run(it))).filter(|it| it.1 > self.rule.share)
+            own.then(|| (k, self.held_in_free_run(it))).filter(|it| it.1 > self.rule.share)
         };
-        let mut shown: Vec<(usize, f64)> = candidates.par_iter().filter_map(held).collect();
+        let all = self.all.par_iter().enumerate();
+        let mut shown: Vec<(usize, f64)> = all.filter_map(held).collect();
         shown.sort_by(|a, b| b.1.total_cmp(&a.1));
         shown.truncate(FITTED);
         let fitted = |(candidate, _): &(usize, f64)| {
             let found = self.foretold(ground, &self.all[*candidate], &[0])?;
             // What leaves more may only resemble what is missing.
-            if !self.explains_all(&found.model) {
-                return None;
-            }
-            let weighed = Weighed::of(found.evidence, found.size);
-            Some(Judged { candidate: *candidate, model: found.model, weighed, refused: None })
+            self.explains_all(&found.model).then(|| found.judged(*candidate))
         };
         let fitted: Vec<Judged> = shown.par_iter().filter_map(fitted).collect();
         let some = !fitted.is_empty();

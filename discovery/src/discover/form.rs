@@ -65,9 +65,7 @@ impl Round<'_> {
         let ln_odds = self.rule.law_odds.ln() - self.rule.curve_odds.ln();
         let formulas = turn.formulas_beyond(&ground, evidence + ln_odds + self.rule.evidence);
         let best = formulas.first()?;
-        let mut with = model.fitted.drive.clone();
-        with.effects.push(best.effect(&with));
-        let with = self.fitted(&with)?;
+        let with = self.fitted(&best.added(&model.fitted.drive))?;
         let needed = Round { model: &with, ..beside }.ground().map(|it| of_law(&it))?;
         if needed + self.rule.law_odds.ln() > self.rule.evidence {
             return None;
@@ -96,8 +94,7 @@ impl Round<'_> {
         let rule = self.rule;
         let formulas = self.formulas_beyond(ground, rule.evidence - rule.curve_odds.ln());
         let shows = |it: &Formula| {
-            let mut with = self.model.fitted.drive.clone();
-            with.effects.push(it.effect(&with));
+            let with = it.added(&self.model.fitted.drive);
             let asked = if it.size < rule.size { 1.0 - rule.formula } else { rule.size };
             self.fitted(&with).is_some_and(|with| self.removed_of_validation(&with) >= asked)
         };
@@ -105,7 +102,7 @@ impl Round<'_> {
     }
 
     /// That drive, fitted from the values of the round on.
-    fn fitted(&self, drive: &Drive) -> Option<Model> {
+    pub(super) fn fitted(&self, drive: &Drive) -> Option<Model> {
         let stopped = |_| self.watch.stopped();
         fit_near(self.model, drive, self.estimation, self.validation, &stopped).ok()
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::learned::effect;
-use super::refit::{Model, finer, fit_near, refit, with_learned};
+use super::refit::{Model, finer, refit, with_learned};
 use super::round::Round;
 use crate::balances::unexplained;
 use crate::estimate::{Evidence, Options};
@@ -136,9 +136,7 @@ impl Round<'_> {
     pub(crate) fn in_free_run(&self, one: &Judged) -> Option<Model> {
         let drive = &one.model.fitted.drive;
         let seen = |_| self.watch.stopped();
-        let fit = |drive: &Drive| {
-            fit_near(self.model, drive, self.estimation, self.validation, &seen).ok()
-        };
+        let fit = |drive: &Drive| self.fitted(drive);
         // The minimum of the free run may lie on the side of the base's own values.
         let beside = self.beside(one);
         let fitted = self.all[one.candidate].info.knocks;

@@ -10,6 +10,7 @@ use drivescope_plant::effects::registry::{Entry, REGISTRY};
 use super::candidates::Candidate;
 use super::columns::Columns;
 use super::ground::Ground;
+use super::judged::{Judged, Weighed};
 use super::refit::{Model, refit};
 use super::round::Round;
 use super::whiten::Whitener;
@@ -24,6 +25,14 @@ pub(super) struct Foretold {
     pub(super) evidence: [f64; 3],
     /// What it does, of what the balance holds.
     pub(super) size: f64,
+}
+
+impl Foretold {
+    /// As a fitted candidate of that number.
+    pub(super) fn judged(self, candidate: usize) -> Judged {
+        let weighed = Weighed::of(self.evidence, self.size);
+        Judged { candidate, model: self.model, weighed, refused: None }
+    }
 }
 
 impl Round<'_> {

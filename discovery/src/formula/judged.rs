@@ -80,18 +80,17 @@ fn judged(ground: &Filtered, drive: &Drive, it: &Weighed, visited: &Visited) -> 
 }
 
 impl Formula {
-    /// As an effect that the drive can be given.
-    pub(crate) fn effect(&self, drive: &Drive) -> EffectData {
+    /// The drive with it as one more effect.
+    pub(crate) fn added(&self, drive: &Drive) -> Drive {
         let (target, text) = self.law.parts();
-        EffectData {
+        let parameters = self.parameters.iter().map(|(name, value)| (name.clone(), *value));
+        let mut with = drive.clone();
+        with.effects.push(EffectData {
             kind: CUSTOM.to_owned(),
             id: drive.free_id(ID),
-            parameters: self
-                .parameters
-                .iter()
-                .map(|(name, value)| (name.clone(), *value))
-                .collect(),
+            parameters: parameters.collect(),
             law: Some(LawData::Typed { target, text: text.to_owned() }),
-        }
+        });
+        with
     }
 }

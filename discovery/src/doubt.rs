@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::measured::{Measured, Output};
-use crate::observer::mechanical_time_s;
+use crate::settling::mechanical_time_s;
 
 /// Times the no-load speed at the greatest u that a drive may be driven beyond by a load, or its
 /// voltage constant be wrong in the file.

@@ -25,7 +25,7 @@ use serde::Serialize;
 
 use crate::estimate::Evidence;
 use crate::measured::Measured;
-use crate::observer::{damping, mechanical_time_s};
+use crate::settling::{damping, mechanical_time_s};
 use laws::without_states;
 use runs::{Run, runs};
 use voltage::VoltageWindows;

@@ -46,7 +46,7 @@ impl Discovery {
             .chain(outcome.judged.iter().filter(is_in))
             .map(|one| (id(one), &one.model))
             .collect();
-        self.next_experiment = experiment::next(turn.model, &models, turn.estimation, turn.scales);
+        self.next_experiment = experiment::next(turn.model, &models, turn.estimation, turn.spans);
     }
 
     /// The drive at the end, and its parameters beside the values of the user's file.

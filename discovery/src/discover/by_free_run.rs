@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::candidates::Candidate;
+use super::candidate::Candidate;
 use super::columns::{At, Columns};
 use super::ground::Ground;
 use super::judged::Judged;

@@ -9,9 +9,9 @@
 use std::f64::consts::TAU;
 
 use drivescope_plant::drive::{Drive, Motion};
+use drivescope_plant::effects::grid::Spans;
 use drivescope_plant::effects::law::Variable;
 
-use super::scales::Scales;
 use crate::measured::Measured;
 use crate::response::Forcing;
 
@@ -161,14 +161,14 @@ impl Curve {
 }
 
 /// The curves that these recordings can tell.
-pub(crate) fn curves(drive: &Drive, scales: &Scales, runs: &[Trajectory]) -> Vec<Curve> {
+pub(crate) fn curves(drive: &Drive, spans: &Spans, runs: &[Trajectory]) -> Vec<Curve> {
     use {Balance::*, Factor::*};
     let uniform = |low: f64, high: f64, count: usize| -> Vec<f64> {
         (0..count).map(|k| low + (high - low) * k as f64 / (count - 1) as f64).collect()
     };
     let signed = |most: f64| uniform(-most, most, SIGNED);
     let magnitude = |most: f64| uniform(0.0, most, MAGNITUDE);
-    let duration = uniform(0.0, scales.duration_s, AROUND);
+    let duration = uniform(0.0, spans.duration_s, AROUND);
     let most = |of: fn(&Trajectory) -> &Vec<f64>| {
         let all = runs.iter().flat_map(|run| of(run).iter());
         all.fold(0.0_f64, |most, value| most.max(value.abs()))

@@ -7,13 +7,13 @@
 use std::f64::consts::TAU;
 
 use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::grid::Spans;
 use drivescope_recording::{Clock, NoiseGain};
 use serde::Serialize;
 
 use super::columns::{At, Columns};
 use super::projection::beside;
 use super::refit::Model;
-use super::scales::Scales;
 use crate::case::Setting;
 use crate::driving::Driving;
 use crate::estimate::{Evidence, Fit};
@@ -73,21 +73,21 @@ pub(crate) fn next(
     base: &Model,
     models: &[(String, &Model)],
     estimation: &Evidence,
-    scales: &Scales,
+    spans: &Spans,
 ) -> Option<NextExperiment> {
     if models.len() < 2 {
         return None;
     }
     let mut compared: Vec<(&Script, f64)> = SCRIPTS
         .iter()
-        .map(|script| (script, worst_pair(base, models, estimation, scales, script).unwrap_or(0.0)))
+        .map(|script| (script, worst_pair(base, models, estimation, spans, script).unwrap_or(0.0)))
         .collect();
     compared.sort_by(|a, b| b.1.total_cmp(&a.1));
     let (best, discrimination) = compared[0];
     Some(NextExperiment {
         input: best.0,
-        description: format!("{}, at most {:.3} in u, for {LENGTH_S} s", best.1, scales.voltage),
-        amplitude: scales.voltage,
+        description: format!("{}, at most {:.3} in u, for {LENGTH_S} s", best.1, spans.voltage),
+        amplitude: spans.voltage,
         separates: models.iter().map(|(id, _)| id.clone()).collect(),
         discrimination,
         compared: compared.iter().map(|(script, value)| (script.0, *value)).collect(),
@@ -102,12 +102,12 @@ fn worst_pair(
     base: &Model,
     models: &[(String, &Model)],
     estimation: &Evidence,
-    scales: &Scales,
+    spans: &Spans,
     script: &Script,
 ) -> Option<f64> {
     let of = estimation.recordings.first()?;
     let evidence = Evidence {
-        recordings: vec![scripted(of, scales.voltage, script.2)],
+        recordings: vec![scripted(of, spans.voltage, script.2)],
         noise: vec![estimation.noise[0].clone()],
     };
     let outputs = |model: &Model, names: &[String]| {

@@ -8,7 +8,7 @@ use super::learned::LearnedCurve;
 use super::needless::{Added, without};
 use super::refit::{Model, fit_near};
 use super::round::Round;
-use super::scales::Scales;
+use super::spans::spans;
 use crate::formula::Formula;
 
 /// Formulas of which one must lower the error: a fit of the most probable may end beside its optimum.
@@ -49,10 +49,10 @@ impl Round<'_> {
         let drive = &self.model.fitted.drive;
         let law = drive.effects.iter().find(|effect| effect.id == it.id)?;
         let model = self.fitted(&without(drive, &it.id))?;
-        let scales = Scales::of(&model.fitted.drive, self.estimation);
+        let spans = spans(&model.fitted.drive, self.estimation);
         let named: Vec<String> =
             self.named.iter().filter(|kind| **kind != it.kind).cloned().collect();
-        let beside = Round { all: &[], scales: &scales, named: &named, formulas: &[], ..*self };
+        let beside = Round { all: &[], spans: &spans, named: &named, formulas: &[], ..*self };
         let turn = Round { model: &model, ..beside };
         let ground = turn.ground()?;
         let of_law = |ground: &Ground| {

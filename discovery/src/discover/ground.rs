@@ -2,12 +2,12 @@
 //! a motion that is known.
 
 use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::effects::grid::Spans;
 
-use super::candidates::Candidate;
+use super::candidate::Candidate;
 use super::curves::Curve;
 use super::refit::Model;
 use super::report::RandomLoad;
-use super::scales::Scales;
 use crate::estimate::Evidence;
 use crate::formula::{self, Formula};
 use crate::likelihood::{
@@ -86,16 +86,16 @@ impl Ground {
     pub(crate) fn weigh(
         &self,
         candidates: &[Candidate],
-        scales: &Scales,
+        spans: &Spans,
         tolerated: impl Fn(&Curve) -> Option<f64> + Sync,
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Option<Weights> {
         match self {
             Self::Filtered(it) => {
                 let (randomnesses, references) = (it.randomnesses(), &it.references);
-                weigh(&it.scene, &randomnesses, references, candidates, scales, tolerated, stopped)
+                weigh(&it.scene, &randomnesses, references, candidates, spans, tolerated, stopped)
             }
-            Self::Inverse(it) => it.weigh(candidates, scales, tolerated),
+            Self::Inverse(it) => it.weigh(candidates, spans, tolerated),
         }
     }
 

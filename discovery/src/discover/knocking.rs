@@ -7,7 +7,7 @@
 
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
-use super::candidates::Candidate;
+use super::candidate::Candidate;
 use super::columns::Columns;
 use super::ground::Ground;
 use super::judged::{Judged, Weighed};

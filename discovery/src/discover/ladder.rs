@@ -2,17 +2,19 @@
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::registry::Entry;
+use drivescope_plant::file::LEARNED;
 
-use super::candidates::{Candidate, NotJudged, candidate, candidates};
+use super::candidate::Candidate;
+use super::candidates::{NotJudged, candidate, candidates};
 use super::decision::{self, Rule};
 use super::judged::Judged;
 use super::learned::LearnedCurve;
 use super::needless::{Added, needless};
 use super::other_machine;
 use super::refit::Model;
-use super::report::{Discovery, Step, Unwatched, Verdict, Watch};
+use super::report::{Discovery, Step, Unwatched, Verdict, Watch, seen_by};
 use super::round::{Formula, Outcome, Round};
-use super::scales::Scales;
+use super::spans::spans;
 use super::typed;
 use super::unusable;
 use crate::case::Setting;
@@ -74,14 +76,14 @@ pub fn discover_by(
         if watch.stopped() {
             break;
         }
-        let scales = Scales::of(&model.fitted.drive, estimation);
-        let (all, not) = candidates(&model.fitted.drive, estimation, &scales, typed);
+        let spans = spans(&model.fitted.drive, estimation);
+        let (all, not) = candidates(&model.fitted.drive, estimation, &spans, typed);
         let formulas: Vec<Formula> = added.iter().map(|it| it.formula.clone()).collect();
         let turn = Round {
             rule,
             model: &model,
             all: &all,
-            scales: &scales,
+            spans: &spans,
             estimation,
             validation,
             watch,
@@ -176,9 +178,9 @@ pub fn add(
     let (model, mut found) = begin(drive, estimation, validation, watch)?;
     let seen = |error| seen_by(watch, error);
     let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
-    let scales = Scales::of(&model.fitted.drive, estimation);
+    let spans = spans(&model.fitted.drive, estimation);
     let chosen: Vec<Candidate> = match typed.iter().find(|effect| effect.id == kind) {
-        _ if kind == "learned" => Vec::new(),
+        _ if kind == LEARNED => Vec::new(),
         Some(effect) => vec![typed::candidate(effect)],
         None => {
             let has = drive.effects.iter().any(|effect| effect.id == kind);
@@ -187,14 +189,14 @@ pub fn add(
             if let Some(refusal) = model.fitted.drive.refuses(entry) {
                 return Err(cannot(refusal.to_string()));
             }
-            vec![candidate(entry, &model.fitted.drive, &scales)]
+            vec![candidate(entry, &model.fitted.drive, &spans)]
         }
     };
     let turn = Round {
         rule: &Rule::NAMING,
         model: &model,
         all: &chosen,
-        scales: &scales,
+        spans: &spans,
         estimation,
         validation,
         watch,
@@ -204,7 +206,7 @@ pub fn add(
     };
     let ground = turn.ground().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let weights = turn.weights(&ground).ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
-    let added = if kind == "learned" {
+    let added = if kind == LEARNED {
         let curve = weights.repeating().find(|it| it.curve.is_addable());
         let curve = curve.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
         let with = turn.with_curve(curve).ok_or_else(|| cannot(NO_FIT.to_owned()))?;
@@ -244,20 +246,20 @@ pub fn bic_of(
 ) -> Result<f64, Error> {
     let (drive, typed) = &typed::apart(drive);
     let (model, _) = begin(drive, estimation, validation, &Unwatched)?;
-    let scales = Scales::of(&model.fitted.drive, estimation);
+    let spans = spans(&model.fitted.drive, estimation);
     let all = [match typed.iter().find(|effect| effect.id == kind) {
         Some(effect) => typed::candidate(effect),
         None => {
             let unknown =
                 || Error::CannotAdd { effect: kind.to_owned(), reason: UNKNOWN.to_owned() };
-            candidate(Entry::find(kind).ok_or_else(unknown)?, &model.fitted.drive, &scales)
+            candidate(Entry::find(kind).ok_or_else(unknown)?, &model.fitted.drive, &spans)
         }
     }];
     let turn = Round {
         rule: &Rule::NAMING,
         model: &model,
         all: &all,
-        scales: &scales,
+        spans: &spans,
         estimation,
         validation,
         watch: &Unwatched,
@@ -293,12 +295,6 @@ fn begin(
     };
     found.climb(None, &model, (estimation, validation), watch);
     Ok((model, found))
-}
-
-/// Tells the error of a step of a fit; whether the fit is to end.
-pub(super) fn seen_by(watch: &dyn Watch, error: f64) -> bool {
-    watch.step(&Step::Fitting(error));
-    watch.stopped()
 }
 
 /// Where the base fails; nothing where its recordings cannot be compared together.

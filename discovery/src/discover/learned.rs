@@ -3,6 +3,7 @@
 use drivescope_plant::drive::{Drive, EffectData, Input, LawData};
 use drivescope_plant::effects::custom::Target;
 use drivescope_plant::effects::learned::{Factor as Times, Over as Variable};
+use drivescope_plant::file::LEARNED;
 use drivescope_plant::units::for_motion;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -128,14 +129,14 @@ impl Curve {
 /// values that these recordings do not tell.
 pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData, Vec<String>)> {
     let (over, times) = weight.curve.as_effect()?;
-    let id = drive.free_id("learned");
+    let id = drive.free_id(LEARNED);
     let values = driving(weight).into_iter().enumerate();
     let parameters = values.map(|(k, value)| (LawData::value_name(k), value)).collect();
     let untold = weight.told.iter().enumerate().filter(|(_, told)| !**told);
     let kept = untold.map(|(k, _)| format!("{id}.{}", LawData::value_name(k))).collect();
     let target = target(weight.curve.balance);
     let law = LawData::Learned { target, over, times, knots: weight.curve.knots.clone() };
-    Some((EffectData { kind: "learned".to_owned(), id, parameters, law: Some(law) }, kept))
+    Some((EffectData { kind: LEARNED.to_owned(), id, parameters, law: Some(law) }, kept))
 }
 
 fn times(factor: Factor) -> Option<Times> {

@@ -12,6 +12,7 @@
 mod account;
 mod at_best;
 mod by_free_run;
+mod candidate;
 mod candidates;
 mod columns;
 mod curves;
@@ -32,7 +33,7 @@ mod projection;
 mod refit;
 mod report;
 mod round;
-mod scales;
+mod spans;
 mod typed;
 mod unusable;
 mod whiten;
@@ -47,7 +48,6 @@ pub use report::{
     Coefficient, Discovery, Oscillation, RandomLoad, Ranked, Rung, Step, Unwatched, Verdict, Watch,
 };
 
-pub(crate) use candidates::Candidate;
+pub(crate) use candidate::Candidate;
 pub(crate) use curves::{Curve, Trajectory, curves};
 pub(crate) use refit::Model;
-pub(crate) use scales::Scales;

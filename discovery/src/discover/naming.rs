@@ -1,6 +1,6 @@
 //! Which of the fitted candidates is named, by the numbers of [`super::decision`].
 
-use super::candidates::Candidate;
+use super::candidate::Candidate;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::round::{Outcome, Round};

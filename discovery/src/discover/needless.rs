@@ -4,9 +4,8 @@
 use drivescope_plant::drive::Drive;
 
 use super::free_run::FALLS;
-use super::ladder::seen_by;
 use super::refit::{Model, fit_near};
-use super::report::Watch;
+use super::report::{Watch, seen_by};
 use super::round::Formula;
 use crate::estimate::Evidence;
 

@@ -3,7 +3,7 @@
 use drivescope_plant::drive::{Drive, EffectData};
 use rayon::prelude::*;
 
-use super::candidates::Candidate;
+use super::candidate::Candidate;
 use super::columns::At;
 use crate::case::Setting;
 use crate::error::Error;

@@ -43,6 +43,12 @@ pub trait Watch: Sync {
     }
 }
 
+/// Tells the error of a step of a fit; whether the fit is to end.
+pub(super) fn seen_by(watch: &dyn Watch, error: f64) -> bool {
+    watch.step(&Step::Fitting(error));
+    watch.stopped()
+}
+
 /// Nobody watches.
 #[derive(Debug, Clone, Copy)]
 pub struct Unwatched;

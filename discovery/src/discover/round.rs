@@ -1,9 +1,10 @@
 //! One round of the loop: weigh everything beside the drive, fit what is promising, decide by the
 //! numbers of [`super::decision`].
 
+use drivescope_plant::effects::grid::Spans;
 use drivescope_plant::effects::law::Variable;
 
-use super::candidates::Candidate;
+use super::candidate::Candidate;
 use super::curves::Curve;
 use super::decision::{self, Rule};
 use super::ground::Ground;
@@ -12,7 +13,6 @@ use super::learned::LearnedCurve;
 use super::probability;
 use super::refit::Model;
 use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
-use super::scales::Scales;
 use crate::estimate::Evidence;
 use crate::formula;
 use crate::likelihood::{CurveWeight, LawWeight, Randomness, Weights};
@@ -24,7 +24,7 @@ const DISTURBANCES: usize = 3;
 pub(crate) struct Round<'a> {
     pub(crate) model: &'a Model,
     pub(crate) all: &'a [Candidate],
-    pub(crate) scales: &'a Scales,
+    pub(crate) spans: &'a Spans,
     pub(crate) estimation: &'a Evidence,
     pub(crate) validation: &'a Evidence,
     pub(crate) rule: &'a Rule,
@@ -153,7 +153,7 @@ impl Round<'_> {
             let sizes = self.formulas.iter().filter(own).map(|it| self.rule.formula * it.size);
             sizes.reduce(f64::max)
         };
-        ground.weigh(self.all, self.scales, tolerated, &|| self.watch.stopped())
+        ground.weigh(self.all, self.spans, tolerated, &|| self.watch.stopped())
     }
 
     /// The candidates that are worth a fit, fitted and decided upon.

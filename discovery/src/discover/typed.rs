@@ -6,7 +6,7 @@ use drivescope_plant::effects::law::Info;
 use drivescope_plant::effects::registry::Entry;
 use drivescope_plant::file::CUSTOM;
 
-use super::candidates::{Candidate, Variant};
+use super::candidate::{Candidate, Variant};
 
 /// What is known of any typed law.
 static TYPED: Info = Info::new(CUSTOM, "a law of the user", "");

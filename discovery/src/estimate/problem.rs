@@ -5,7 +5,7 @@ use drivescope_plant::drive::Drive;
 use nalgebra::{DMatrix, DVector};
 
 use super::Evidence;
-use super::uncertainty::block_s;
+use super::uncertainty::{BlockScore, block_s};
 use super::unknowns::{Unknown, Unknowns};
 use crate::case::{Case, Setting, Squares};
 use crate::sensitivity::{Direction, Rows};
@@ -16,14 +16,6 @@ pub(crate) struct Problem<'a> {
     pub(crate) evidence: &'a Evidence,
     pub(crate) setting: &'a Setting,
     pub(crate) unknowns: Unknowns,
-}
-
-/// What one block of time adds to gradient and curvature.
-pub(crate) struct BlockScore {
-    /// C r of the block.
-    pub(crate) gradient: DVector<f64>,
-    /// C C^T of the block.
-    pub(crate) hessian: DMatrix<f64>,
 }
 
 impl Problem<'_> {

@@ -9,8 +9,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::problem::BlockScore;
-
 /// Least and greatest length of a block, s.
 const SHORTEST_S: f64 = 0.1;
 const LONGEST_S: f64 = 0.5;
@@ -21,6 +19,14 @@ const TIMES: f64 = 5.0;
 const LARGEST_SHARE: f64 = 0.9;
 /// Fewer blocks than these an unknown, and the sandwich says nothing.
 const BLOCKS_AN_UNKNOWN: usize = 2;
+
+/// What one block of time adds to gradient and curvature.
+pub(crate) struct BlockScore {
+    /// C r of the block.
+    pub(crate) gradient: DVector<f64>,
+    /// C C^T of the block.
+    pub(crate) hessian: DMatrix<f64>,
+}
 
 /// Length of a block, s, for residuals (one list an output and recording, NaN left out): several
 /// times the longest correlation time, within [`SHORTEST_S`] and [`LONGEST_S`], but so that there

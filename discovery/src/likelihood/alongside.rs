@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::base::{Further, Known, Pooled, grams, terms};
+use super::begin::excerpt;
 use super::columns::{Series, Source};
-use super::filter::{Tick, Track};
 use super::gram::References;
 use super::ground::Filtered;
 use super::marginal::{Beside, ln_mean_exp, log_evidence};
-use super::randomness::excerpt;
 use super::scene::{Recorded, Scene};
+use super::track::{Tick, Track};
 use super::weigh::{SHORTER, SMALLER};
 use super::weighing::SIZES;
 

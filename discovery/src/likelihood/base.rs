@@ -6,11 +6,12 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::model::SPEED;
 use rayon::prelude::*;
 
-use super::columns::{A_PASS, Pass, Series, Share, Source};
-use super::filter::Track;
+use super::columns::{Pass, Series, Source};
 use super::gram::{Gram, Products, References, gram};
 use super::marginal::{Terms, log_evidence};
 use super::scene::Scene;
+use super::share::{A_PASS, Share};
+use super::track::Track;
 
 /// Standard deviation of a parameter's share, of the balance's size: nearly flat.
 pub(crate) const FLAT: f64 = 5.0;

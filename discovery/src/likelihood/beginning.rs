@@ -3,8 +3,8 @@
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::model::{CURRENT, SPEED};
 
-use super::filter::{CYCLE, LOAD, SENSORS, VOLTAGE, Vector};
 use super::noise::Noise;
+use super::state::{CYCLE, LOAD, SENSORS, VOLTAGE, Vector};
 use crate::measured::{Measured, Output};
 
 /// The state in which a piece begins, as its first samples show it, and how little is known of each

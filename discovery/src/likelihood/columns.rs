@@ -14,14 +14,13 @@ use drivescope_plant::integrate::{Work, widest};
 use drivescope_plant::model::OWN;
 
 use super::direction::Direction;
-use super::filter::{LOAD, SENSORS, Tick, Track, VOLTAGE, Vector, own_states};
 use super::rates::Rates;
 use super::rows::{LANES, NO_ROWS, Row, Rows, add};
+use super::share::Share;
+use super::state::{LOAD, SENSORS, VOLTAGE, Vector, own_states};
 use super::stepper::{Stepped, Stepper};
+use super::track::{Tick, Track};
 use crate::measured::Measured;
-
-/// Directions of a pass.
-pub(crate) const A_PASS: usize = LANES;
 
 /// Where the columns of some changes come from; sub-steps of a drive are no longer than that.
 #[derive(Debug, Clone, Copy)]
@@ -58,20 +57,6 @@ pub(crate) struct Series {
     pub(crate) torque: Vec<f64>,
     pub(crate) voltage: Vec<f64>,
     pub(crate) shown: [Vec<f64>; SENSORS],
-}
-
-/// Shares of up to [`LANES`] changes over a sample: in the next state, and in what the sensors show
-/// now.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Share {
-    pub(crate) state: Rows,
-    pub(crate) shown: [Row; SENSORS],
-}
-
-impl Share {
-    pub(crate) fn none() -> Self {
-        Self { state: NO_ROWS, shown: [[0.0; LANES]; SENSORS] }
-    }
 }
 
 enum Maker<'a> {

@@ -2,12 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use super::filter::{LOAD, Track};
+use super::begin::slowest;
 use super::gram::References;
 use super::noise::Cycle;
-use super::randomness::{Randomness, slowest};
+use super::randomness::Randomness;
 use super::scene::{Recorded, Scene};
 use super::search::{FINE, Judge};
+use super::state::LOAD;
+use super::track::Track;
 
 /// Gain in ln of the likelihood that a cycle must bring: a thousand frequencies were to choose from,
 /// and its size and memory are known to an octave of ten.
@@ -103,9 +105,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::super::direction::Direction;
-    use super::super::filter::SENSORS;
     use super::super::scene::longest;
     use super::super::search::COARSE;
+    use super::super::state::SENSORS;
     use super::*;
     use crate::measured::Measured;
     use crate::testing::{dr300, loaded, noisy, random_load};

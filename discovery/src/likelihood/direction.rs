@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use drivescope_plant::drive::Drive;
 
-use super::filter::SENSORS;
+use super::state::SENSORS;
 use crate::measured::{Measured, Output};
 
 /// Standard deviations of the smoothed speed below which a shaft may stand still.

@@ -9,92 +9,18 @@
 //! motion that was measured ([`Direction`]).
 //! A random load is thus a part of the model and no excuse: whatever it explains has its price.
 
-use std::sync::Arc;
-
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::integrate::{Work, widest};
-use drivescope_plant::model::{CURRENT, OWN, POSITION, SPEED};
-use nalgebra::SVector;
+use drivescope_plant::model::{CURRENT, POSITION, SPEED};
 
 use super::beginning::beginning;
 use super::direction::Direction;
-use super::linear::{Along, Itself, Linearised, Step};
+use super::linear::{Along, Itself, Linearised};
 use super::noise::{Noise, Wandering};
 use super::rows::{NO_ROWS, Row, Rows, add};
+use super::state::{SENSORS, STATES, Vector, holds_a_cycle};
+use super::track::{Step, Tick, Track};
 use crate::measured::Measured;
-
-/// States of the filter at most: current, speed, position, three own states, d_T, d_V.
-pub(crate) const STATES: usize = 8;
-/// Own states of effects that the filter corrects.
-pub(crate) const OWN_STATES: usize = 3;
-/// Place of d_T / J and of d_V / L in the state.
-pub(crate) const LOAD: usize = OWN + OWN_STATES;
-pub(crate) const VOLTAGE: usize = LOAD + 1;
-/// Place of what oscillates of d_T / J, with its quadrature behind it: that of own states which few
-/// drives have.
-pub(crate) const CYCLE: usize = LOAD - 2;
-/// Sensors: of current, speed and position; those beside the motor are not filtered.
-pub(crate) const SENSORS: usize = 3;
-
-pub(crate) type Vector = SVector<f64, STATES>;
-
-/// A sample of a filtered recording; one that was not measured has no gain.
-#[derive(Debug, Clone)]
-pub(crate) struct Tick {
-    /// Number of the sample.
-    pub(crate) sample: usize,
-    /// Whether a piece begins with it.
-    pub(crate) begins: bool,
-    /// The state before and after the sensors were read.
-    pub(crate) predicted: Vector,
-    pub(crate) filtered: Vector,
-    /// The state one sample later, before anything is known of it.
-    pub(crate) propagated: Vector,
-    /// The mean over the sample.
-    pub(crate) mean: Vector,
-    /// Number of its derivatives among those of the track.
-    pub(super) step: usize,
-    /// What the sensors should have shown.
-    pub(crate) shown: [f64; SENSORS],
-    /// Gains of the sensors, taken one after the other.
-    pub(crate) gain: [Vector; SENSORS],
-    /// Inverse standard deviation of each innovation; 0 where nothing was measured.
-    pub(crate) inverse_sd: [f64; SENSORS],
-    /// Each innovation in units of its standard deviation.
-    pub(crate) innovation: [f64; SENSORS],
-}
-
-impl Tick {
-    /// Acceleration over the sample that the model foretells, rad/s^2 (m/s^2).
-    pub(crate) fn acceleration(&self, period_s: f64) -> f64 {
-        (self.propagated[SPEED] - self.filtered[SPEED]) / period_s
-    }
-}
-
-/// A recording filtered with a drive.
-#[derive(Debug, Clone)]
-pub(crate) struct Track {
-    pub(crate) ticks: Vec<Tick>,
-    /// Derivatives over the samples.
-    pub(super) steps: Arc<Vec<Step>>,
-    /// What a torque does to the state over a sample in which the shaft slips, over what it does to
-    /// the speed.
-    pub(super) slipping: Vector,
-    /// What the disturbances do by themselves.
-    pub(super) wandering: Wandering,
-    /// Logarithm of the likelihood, without its constant.
-    pub(crate) log_likelihood: f64,
-}
-
-/// Own states of a drive's effects.
-pub(crate) fn own_states(drive: &Drive) -> usize {
-    drive.model().states() - OWN
-}
-
-/// Whether a part of the load may oscillate: where own states stand nothing else does.
-pub(super) fn holds_a_cycle(drive: &Drive) -> bool {
-    OWN + own_states(drive) <= CYCLE
-}
 
 /// Filters a recording. Nothing where the model overflows.
 pub(crate) fn track(
@@ -107,20 +33,6 @@ pub(crate) fn track(
 }
 
 impl Track {
-    /// The derivatives over a sample.
-    pub(super) fn step(&self, tick: &Tick) -> &Step {
-        &self.steps[tick.step]
-    }
-
-    /// A value of every tick in the place of its sample, of so many; 0 where there is none.
-    pub(super) fn by_sample(&self, samples: usize, value: impl Fn(&Tick) -> f64) -> Vec<f64> {
-        let mut values = vec![0.0; samples];
-        for tick in &self.ticks {
-            values[tick.sample] = value(tick);
-        }
-        values
-    }
-
     /// The same recording with other noise, the plant as it was linearised along this track.
     pub(crate) fn with(
         &self,

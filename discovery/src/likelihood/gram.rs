@@ -7,10 +7,12 @@ use drivescope_plant::model::{CURRENT, SPEED};
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 use rayon::prelude::*;
 
-use super::columns::{Pass, Share, Source};
+use super::columns::{Pass, Source};
 use super::direction::Direction;
-use super::filter::{LOAD, SENSORS, Tick, Track, VOLTAGE, Vector};
 use super::rows::{LANES, Row};
+use super::share::Share;
+use super::state::{LOAD, SENSORS, VOLTAGE, Vector};
+use super::track::{Tick, Track};
 use crate::measured::Measured;
 
 /// A matrix whose rows and columns are exchanged.

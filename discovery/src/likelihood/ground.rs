@@ -3,13 +3,14 @@
 use drivescope_plant::drive::{Drive, EffectData};
 
 use super::base::Known;
-use super::filter::{CYCLE, holds_a_cycle};
+use super::begin::{ENOUGH, excerpt};
 use super::gram::References;
 use super::optimum::{Law, Optimum, optimum};
-use super::randomness::{ENOUGH, Randomness, excerpt};
+use super::randomness::Randomness;
 use super::refine::refined;
 use super::scene::{Scene, rms};
 use super::search::{COARSE, FINE};
+use super::state::{CYCLE, holds_a_cycle};
 use super::weigh::beside;
 use super::weights::CurveWeight;
 use crate::discover::{Oscillation, RandomLoad};

@@ -11,9 +11,10 @@ use drivescope_plant::model::SPEED;
 
 use super::direction::Direction;
 use super::exponential::Exponential;
-use super::filter::{LOAD, SENSORS, STATES, Tick, Track, Vector, own_states};
 use super::plant::Plant;
 use super::rows::{NO_ROWS, Rows, Upper, add, product, times};
+use super::state::{LOAD, SENSORS, STATES, Vector, own_states};
+use super::track::{Step, Tick, Track};
 use crate::measured::Measured;
 
 /// Parts of a sample in which teeth may meet, and parts of the armature's time constant.
@@ -21,17 +22,6 @@ const KNOCKING: usize = 8;
 const SETTLING: f64 = 6.0;
 
 type Number = Dual<STATES>;
-
-/// Derivatives over a sample; most samples share them with the one before.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Step {
-    /// Of the propagated state by the filtered one, but for the disturbances' own decay.
-    pub(crate) transition: Upper,
-    /// Of the propagated state by the rates of the states over the sample, s.
-    pub(crate) input: Upper,
-    /// Of what the sensors show by the predicted state.
-    pub(crate) sense: [Vector; SENSORS],
-}
 
 /// What a filter asks of the plant.
 pub(super) trait Linearised {

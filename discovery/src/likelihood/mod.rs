@@ -14,6 +14,7 @@
 mod alongside;
 mod averaged;
 mod base;
+mod begin;
 mod beginning;
 mod columns;
 mod cycle;
@@ -35,9 +36,12 @@ mod refine;
 mod rows;
 mod scene;
 mod search;
+mod share;
+mod state;
 mod stepper;
 #[cfg(test)]
 mod tests;
+mod track;
 mod weigh;
 mod weighing;
 mod weights;

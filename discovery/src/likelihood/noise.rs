@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use super::filter::{CYCLE, LOAD, SENSORS, STATES, VOLTAGE, Vector};
 use super::rows::{Rows, add};
+use super::state::{CYCLE, LOAD, SENSORS, STATES, VOLTAGE, Vector};
 
 /// A load that oscillates at a frequency with an amplitude and a phase that wander (the stochastic
 /// cycle of Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, ch. 2).

@@ -7,12 +7,14 @@
 use rayon::prelude::*;
 
 use super::base::{Further, Known, Pooled, grams, parameters, terms};
-use super::columns::{Pass, Series, Share, Source};
-use super::filter::{Track, own_states};
+use super::columns::{Pass, Series, Source};
 use super::gram::{Products, References};
 use super::marginal::{Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
 use super::scene::{Recorded, Scene};
+use super::share::Share;
+use super::state::own_states;
 use super::stepper::stepped;
+use super::track::Track;
 use super::weighing::SIZES;
 
 /// What is added to the law of the base, in a fitted drive.

@@ -2,7 +2,7 @@
 
 use drivescope_plant::drive::Drive;
 
-use super::columns::A_PASS;
+use super::share::A_PASS;
 use crate::discover::Candidate;
 
 /// A law in one of its shapes, or a curve, with its columns.
@@ -32,7 +32,7 @@ impl Passes {
         for (number, candidate) in candidates.iter().enumerate().filter(|it| it.1.is_linear()) {
             let k = candidate.coefficients.len();
             let info = candidate.info;
-            let alone = info.stiff || info.senses() || info.id == "delay" || candidate.is_typed();
+            let alone = info.stiff || info.senses() || info.delays || candidate.is_typed();
             let own = if alone { number } else { usize::MAX };
             for variant in 0..candidate.variants.len() {
                 if room < k || own != company {

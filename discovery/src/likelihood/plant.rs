@@ -5,8 +5,8 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::model::{Applied, Model, OWN, SPEED, field};
 use drivescope_plant::sampled::DelayLine;
 
-use super::filter::{LOAD, OWN_STATES, SENSORS, VOLTAGE, Vector};
 use super::rows::{LANES, NO_ROWS, Rows};
+use super::state::{LOAD, OWN_STATES, SENSORS, VOLTAGE, Vector};
 use crate::measured::Measured;
 
 /// A drive whose numbers carry `P` directions.

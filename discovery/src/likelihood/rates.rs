@@ -7,11 +7,11 @@
 use drivescope_numerics::Dual;
 use drivescope_plant::drive::Drive;
 
-use super::columns::{A_PASS, Share};
 use super::direction::Direction;
-use super::filter::{Tick, Track};
 use super::plant::Plant;
 use super::rows::NO_ROWS;
+use super::share::{A_PASS, Share};
+use super::track::{Tick, Track};
 use crate::measured::Measured;
 
 type Number = Dual<A_PASS>;

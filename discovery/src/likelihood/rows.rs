@@ -1,6 +1,6 @@
 //! Matrices of the filter's states, times several columns at once.
 
-use super::filter::{LOAD, STATES, Vector};
+use super::state::{LOAD, STATES, Vector};
 
 /// Columns that are handled together.
 pub(crate) const LANES: usize = 8;

@@ -9,9 +9,11 @@ use rayon::prelude::*;
 
 use super::averaged::averaged;
 use super::direction::Direction;
-use super::filter::{SENSORS, Track, track};
+use super::filter::track;
 use super::gram::References;
 use super::randomness::Randomness;
+use super::state::SENSORS;
+use super::track::Track;
 use crate::case::Setting;
 use crate::discover::Model;
 use crate::estimate::{Evidence, with_own};

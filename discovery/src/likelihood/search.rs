@@ -4,10 +4,12 @@
 use drivescope_plant::drive::Input;
 
 use super::base::{Known, pooled, probability};
-use super::filter::{SENSORS, Track};
+use super::begin::slowest;
 use super::gram::References;
-use super::randomness::{Randomness, slowest};
+use super::randomness::Randomness;
 use super::scene::Scene;
+use super::state::SENSORS;
+use super::track::Track;
 use crate::measured::Output;
 
 /// Longest correlation time of a random load, s: what stays the same for longer is a load.

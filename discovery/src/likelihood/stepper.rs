@@ -5,7 +5,8 @@ use drivescope_plant::integrate::{Integrator, State};
 use drivescope_plant::model::{Applied, OWN, SPEED};
 use drivescope_plant::sampled::DelayLine;
 
-use super::filter::{LOAD, OWN_STATES, SENSORS, Tick, VOLTAGE, Vector};
+use super::state::{LOAD, OWN_STATES, SENSORS, VOLTAGE, Vector};
+use super::track::Tick;
 use crate::measured::Measured;
 
 pub(super) struct Stepper<'a> {

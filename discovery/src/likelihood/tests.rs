@@ -5,10 +5,12 @@ use drivescope_plant::effects::registry::REGISTRY;
 
 use super::columns::{Pass, Source};
 use super::direction::Direction;
-use super::filter::{SENSORS, Track, track};
+use super::filter::track;
 use super::gram::{Products, References, gram};
 use super::marginal::{Terms, coefficients, log_evidence, standing_out};
 use super::noise::Noise;
+use super::state::SENSORS;
+use super::track::Track;
 use crate::measured::Measured;
 use crate::testing::{bench, dr300, noisy};
 
@@ -44,7 +46,7 @@ fn filtered(drive: &Drive, measured: &Measured) -> Track {
 
 /// Whitened innovations of a track, those of a few samples at the beginning left out.
 fn innovations(track: &Track) -> Vec<f64> {
-    let of = |tick: &super::filter::Tick| {
+    let of = |tick: &super::track::Tick| {
         let all = (0..SENSORS).filter(|it| tick.inverse_sd[*it] > 0.0);
         all.map(|it| tick.innovation[it]).collect::<Vec<_>>()
     };

@@ -4,20 +4,22 @@
 //! them is one small decomposition.
 
 use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::effects::grid::Spans;
 
 use super::base::{Further, Pooled, grams, parameters, passes, terms};
 use super::columns::{Series, Source};
-use super::filter::{Tick, Track, own_states};
 use super::gram::{Gram, References};
 use super::marginal::log_evidence;
 use super::optimum::BackgroundCurve;
 use super::passes::{Passes, Seat};
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene, longest};
+use super::state::own_states;
 use super::stepper::{Stepped, stepped};
+use super::track::{Tick, Track};
 use super::weighing::Weighing;
 use super::weights::{CurveWeight, Weights};
-use crate::discover::{Candidate, Curve, Scales, Trajectory, curves};
+use crate::discover::{Candidate, Curve, Trajectory, curves};
 
 /// What is known of the variables along the tracks.
 fn trajectory(it: &Recorded, track: &Track) -> Trajectory {
@@ -56,7 +58,7 @@ pub(crate) fn weigh(
     randomnesses: &[Randomness],
     references: &References,
     candidates: &[Candidate],
-    scales: &Scales,
+    spans: &Spans,
     tolerated: impl Fn(&Curve) -> Option<f64> + Sync,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Option<Weights> {
@@ -68,21 +70,20 @@ pub(crate) fn weigh(
     let others: Vec<Vec<Track>> = others.iter().filter_map(at).collect();
     let mut filters = vec![along.as_slice()];
     filters.extend(others.iter().map(Vec::as_slice));
-    let each =
-        weigh_along((scene, &filters, references), candidates, (scales, &tolerated), stopped);
+    let each = weigh_along((scene, &filters, references), candidates, (spans, &tolerated), stopped);
     each.into_iter().reduce(Weights::best_of)
 }
 
 fn weigh_along(
     (scene, filters, references): (&Scene, &[&[Track]], &References),
     candidates: &[Candidate],
-    (scales, tolerated): (&Scales, &impl Fn(&Curve) -> Option<f64>),
+    (spans, tolerated): (&Spans, &impl Fn(&Curve) -> Option<f64>),
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Weights> {
     let tracks = filters[0];
     let trajectories: Vec<Trajectory> =
         scene.recordings.iter().zip(tracks).map(|(it, track)| trajectory(it, track)).collect();
-    let families = curves(&scene.drive, scales, &trajectories);
+    let families = curves(&scene.drive, spans, &trajectories);
     let shared = Passes::of(candidates);
     let mut stiff: Vec<(usize, usize)> = Vec::new();
     for (number, candidate) in candidates.iter().enumerate().filter(|it| !it.1.is_linear()) {

@@ -12,8 +12,23 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::{Shape, Spans};
 use super::law::{Beside, Effect, Info, OwnState, Parameter, Sum, Variable, View};
-use super::two_masses;
+use super::two_masses::{self, BEHIND, joint};
+
+/// Gaps at which it is weighed, rad; on an axis, over what compares with it.
+const GAPS: [f64; 4] = [0.03, 0.1, 0.2, 0.35];
+/// Natural frequency of the contact, Hz, and its damping ratio.
+const HZ: f64 = 60.0;
+const DAMPING: f64 = 0.2;
+
+fn grid(spans: &Spans) -> Vec<Shape> {
+    let of = |ratio: f64, gap: f64| {
+        let (k, d) = joint(spans.inertia, ratio, HZ, DAMPING);
+        vec![("k", k), ("d", d), ("gap", gap * spans.radian()), ("ratio", ratio)]
+    };
+    BEHIND.into_iter().flat_map(|ratio| GAPS.map(|gap| of(ratio, gap))).collect()
+}
 
 /// Way over which the damper comes in, over the gap.
 const ONSET: f64 = 0.01;
@@ -54,6 +69,7 @@ impl Effect<4, 2> for Backlash {
         fails_over: &[Variable::Acceleration, Variable::OmegaSign],
         excludes: &["backlash", "flexible_coupling"],
         nulls: &[("k", f64::INFINITY), ("gap", 0.0)],
+        grid,
         kinked: true,
         knocks: true,
         ..Info::new(

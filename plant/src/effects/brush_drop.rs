@@ -3,6 +3,7 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::rounded;
 use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
 
 /// Voltage V_b tanh(i / i_b) lost at the brushes.
@@ -15,6 +16,7 @@ impl Effect<2, 0> for BrushDrop {
         acts_on: &[Place::Voltage],
         aliases: &["dead_time"],
         nulls: &[("V_b", 0.0)],
+        grid: |spans| rounded("i_b", spans),
         ..Info::new(
             "brush_drop",
             "voltage = -V_b * tanh(i / i_b)",

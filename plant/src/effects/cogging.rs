@@ -3,6 +3,7 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::periods;
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Share of N omega that counts as a rate: the ripple is imposed on the motion, a quadrature off
@@ -23,6 +24,9 @@ impl Effect<3, 0> for Cogging {
         fails_over: &[Variable::Theta],
         aliases: &["torque_ripple", "unbalance"],
         nulls: &[("a", 0.0), ("b", 0.0)],
+        counts: &["N"],
+        // Once a revolution it is an unbalance.
+        grid: |spans| periods("N", 2, spans),
         ..Info::new(
             "cogging",
             "torque = -(a * cos(N * theta) + b * sin(N * theta))",

@@ -12,6 +12,7 @@ impl Effect<1, 0> for CurrentOffset {
         electrical: true,
         fails_over: &[Variable::Current, Variable::OmegaSign],
         acts_on: &[Place::Sensor],
+        distorts: Some(Variable::Current),
         aliases: &["constant_load"],
         nulls: &[("i_0", 0.0)],
         ..Info::new(

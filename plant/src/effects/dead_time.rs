@@ -7,6 +7,7 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::rounded;
 use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
 
 /// Voltage V_d sgn(i), rounded over i_d, that the bridge keeps back.
@@ -19,6 +20,7 @@ impl Effect<2, 0> for DeadTime {
         acts_on: &[Place::Voltage],
         aliases: &["brush_drop"],
         nulls: &[("V_d", 0.0)],
+        grid: |spans| rounded("i_d", spans),
         ..Info::new(
             "dead_time",
             "voltage = -V_d * i / sqrt(i^2 + i_d^2)",

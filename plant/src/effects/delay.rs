@@ -17,6 +17,7 @@ impl Effect<1, 0> for Delay {
         aliases: &["speed_sensor_lag"],
         excludes: &["delay"],
         nulls: &[("tau", 0.0)],
+        delays: true,
         ..Info::new(
             "delay",
             "u(t) -> u(t - tau)",

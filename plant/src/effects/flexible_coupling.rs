@@ -5,8 +5,21 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::{Shape, Spans};
 use super::law::{Beside, Effect, Info, OwnState, Parameter, Sum, Variable, View};
-use super::two_masses;
+use super::two_masses::{self, BEHIND, joint};
+
+/// Natural frequencies of a coupling at which it is weighed, Hz, and its damping ratio.
+const HZ: [f64; 6] = [8.0, 13.0, 20.0, 30.0, 50.0, 90.0];
+const DAMPING: f64 = 0.05;
+
+fn grid(spans: &Spans) -> Vec<Shape> {
+    let of = |ratio: f64, hz: f64| {
+        let (k, d) = joint(spans.inertia, ratio, hz, DAMPING);
+        vec![("k", k), ("d", d), ("ratio", ratio)]
+    };
+    BEHIND.into_iter().flat_map(|ratio| HZ.map(|hz| of(ratio, hz))).collect()
+}
 
 /// Two masses: the load's speed lags by `omega - lag`, and the twist `phi`.
 pub struct FlexibleCoupling;
@@ -25,6 +38,7 @@ impl Effect<3, 2> for FlexibleCoupling {
         fails_over: &[Variable::Acceleration],
         excludes: &["flexible_coupling", "backlash"],
         nulls: &[("k", f64::INFINITY)],
+        grid,
         ..Info::new(
             "flexible_coupling",
             "J splits into (1 - ratio) J and ratio J, joined by T_k = k phi + d dphi/dt",

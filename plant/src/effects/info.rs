@@ -1,5 +1,7 @@
 //! What is known of an effect besides its law: for people, files and the discovery.
 
+use super::grid::{Shape, Spans, nominal};
+
 /// A parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
@@ -118,7 +120,7 @@ impl Place {
 }
 
 /// What a person and the discovery need to know of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Info {
     /// Identifier in files and commands.
     pub id: &'static str,
@@ -139,6 +141,21 @@ pub struct Info {
     pub excludes: &'static [&'static str],
     /// Parameters and the values at which the effect vanishes; infinity for a stiffness.
     pub nulls: &'static [(&'static str, f64)],
+    /// Parameters that count periods a revolution: whole numbers on a rotary drive, chosen from the
+    /// grid and not estimated there.
+    pub counts: &'static [&'static str],
+    /// The shapes at which a discovery weighs it, of parameters that have no finite null; at least
+    /// one. Parameters without a value there are at their nominal ones.
+    pub grid: fn(&Spans) -> Vec<Shape>,
+    /// Why recordings that go so far cannot show it, for a person; nothing where they can.
+    pub unseen: fn(&Spans) -> Option<String>,
+    /// Why no discovery weighs it, for a person.
+    pub unweighed: Option<&'static str>,
+    /// What the sensor shows that it distorts, where it stands at one: without that signal it is not
+    /// seen.
+    pub distorts: Option<Variable>,
+    /// Whether it holds back what drives, and stands in no balance.
+    pub delays: bool,
     /// Whether it raises the level of dry friction.
     pub dry: bool,
     /// Whether it replaces the jump of dry friction at rest by its own state.
@@ -171,6 +188,12 @@ impl Info {
             aliases: &[],
             excludes: &[],
             nulls: &[],
+            counts: &[],
+            grid: nominal,
+            unseen: |_| None,
+            unweighed: None,
+            distorts: None,
+            delays: false,
             dry: false,
             replaces_dry: false,
             dissipates: false,

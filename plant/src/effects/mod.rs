@@ -1,6 +1,7 @@
 //! The library of physical effects: one file an effect, and its line in the registry.
 //!
-//! [`law`] says what an effect is and [`info`] what is known of it; [`registry`] lists them and dispatches to them;
+//! [`law`] says what an effect is, [`info`] what is known of it and [`grid`] at which shapes it is weighed;
+//! [`registry`] lists them and dispatches to them;
 //! [`custom`] and [`learned`] are the kinds whose law stands in the drive file.
 
 pub mod armature_reaction;
@@ -16,6 +17,7 @@ pub mod dead_time;
 pub mod delay;
 pub mod flexible_coupling;
 pub mod friction_drift;
+pub mod grid;
 pub mod info;
 pub mod iron_loss;
 pub mod law;

@@ -7,6 +7,7 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::each;
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Below this level (N m) there is no contact to bend; it keeps the quotient finite.
@@ -15,6 +16,9 @@ const LEAST_LEVEL: f64 = 1e-12;
 /// A torque of k times the level turns the bristles over in sqrt(2 / k) of the time in which they
 /// swing freely; motors pull an order of magnitude harder than their friction.
 const REVERSAL: f64 = 3.0;
+
+/// Deflections at which bristles slip that are tried, rad; on an axis, over what compares with it.
+const SLIPS: [f64; 4] = [0.003, 0.03, 0.1, 0.3];
 
 /// Dry friction through a bristle deflection, one stiff own state.
 pub struct Presliding;
@@ -37,6 +41,7 @@ impl Effect<1, 1> for Presliding {
         fails_over: &[Variable::Omega, Variable::OmegaSign, Variable::Acceleration],
         excludes: &["presliding"],
         nulls: &[("sigma_0", f64::INFINITY)],
+        grid: |spans| each("sigma_0", SLIPS.map(|share| spans.dry / (share * spans.radian()))),
         ..Info::new(
             "presliding",
             "friction of sigma_0 z instead of dry friction; dz/dt = omega - sigma_0 |omega| z / g(omega)",

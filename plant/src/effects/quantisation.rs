@@ -31,6 +31,9 @@ impl Effect<3, 0> for Quantisation {
         acts_on: &[Place::Sensor],
         excludes: &["quantisation"],
         nulls: &[("q_omega", 0.0), ("q_i", 0.0), ("q_theta", 0.0)],
+        unweighed: Some(
+            "the steps of a sensor are read off its values, not fitted: they are part of the noise",
+        ),
         ..Info::new(
             "quantisation",
             "shown: the nearest multiple of q_omega, q_i, q_theta",

@@ -28,6 +28,7 @@ impl Effect<1, 1> for SpeedSensorLag {
         stiff: true,
         fails_over: &[Variable::Acceleration],
         acts_on: &[Place::Sensor],
+        distorts: Some(Variable::Omega),
         aliases: &["delay"],
         excludes: &["speed_sensor_lag"],
         nulls: &[("tau", 0.0)],

@@ -3,10 +3,30 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::{SLOW_SPEED, Spans, each};
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Beyond this many omega_s the exponential is below 1e-16 of T_b: less than its rounding error.
 const AFFINE_BEYOND: f64 = 6.1;
+
+/// Stribeck speeds at which it is weighed, over the fastest speed.
+const SPEEDS: [f64; 4] = [0.005, 0.015, 0.04, 0.1];
+/// Share of the time in slow motion from which on that was recorded: a shaft that is only ever
+/// accelerated spends a tenth there, one that is cruising and reversed quickly less.
+const SLOW_ENOUGH: f64 = 0.06;
+
+/// It shows in slow motion only.
+fn nothing_slow(spans: &Spans) -> Option<String> {
+    let (share, limit) = (100.0 * spans.slow, SLOW_SPEED * spans.speed);
+    let unit = if spans.rotary { "rad/s" } else { "m/s" };
+    (spans.slow < SLOW_ENOUGH).then(|| {
+        format!(
+            "shows in slow motion only, and nothing slow enough was recorded: {share:.0} % of the \
+             time is below {limit:.3} {unit}, a tenth of the fastest speed, and that in passing; \
+             record slow reversals"
+        )
+    })
+}
 
 /// Dry friction that falls with speed near rest.
 pub struct Stribeck;
@@ -17,6 +37,8 @@ impl Effect<2, 0> for Stribeck {
         fails_over: &[Variable::Omega, Variable::OmegaSign],
         dry: true,
         nulls: &[("T_b", 0.0)],
+        grid: |spans| each("omega_s", SPEEDS.map(|share| share * spans.speed)),
+        unseen: nothing_slow,
         ..Info::new(
             "stribeck",
             "torque = -T_b * exp(-(omega / omega_s)^2) * sign(omega); T_s = T_c + T_b",

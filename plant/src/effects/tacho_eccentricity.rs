@@ -12,6 +12,7 @@ impl Effect<2, 0> for TachoEccentricity {
         rotary: true,
         fails_over: &[Variable::Theta, Variable::Omega],
         acts_on: &[Place::Sensor],
+        distorts: Some(Variable::Omega),
         nulls: &[("a", 0.0), ("b", 0.0)],
         ..Info::new(
             "tacho_eccentricity",

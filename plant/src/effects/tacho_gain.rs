@@ -14,6 +14,7 @@ impl Effect<1, 0> for TachoGain {
     const INFO: Info = Info {
         fails_over: &[Variable::Omega],
         acts_on: &[Place::Sensor],
+        distorts: Some(Variable::Omega),
         aliases: &["K_e", "K_m", "J", "B_m"],
         nulls: &[("g", 0.0)],
         ..Info::new(

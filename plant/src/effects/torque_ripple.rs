@@ -5,6 +5,7 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::periods;
 use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
 
 /// Flux 1 + a cos(N theta) + b sin(N theta) of the nominal flux.
@@ -16,6 +17,8 @@ impl Effect<3, 0> for TorqueRipple {
         acts_on: &[Place::Torque, Place::Voltage],
         aliases: &["cogging"],
         nulls: &[("a", 0.0), ("b", 0.0)],
+        counts: &["N"],
+        grid: |spans| periods("N", 1, spans),
         ..Info::new(
             "torque_ripple",
             "K_m, K_e times 1 + a cos(N theta) + b sin(N theta)",

@@ -3,9 +3,22 @@
 //! J_l = ratio J,  J_m = (1 - ratio) J,  dphi/dt = slip = omega - omega_l,
 //! J_m domega/dt = ... - T_k,  J_l domega_l/dt = T_k - T_l.
 
+use std::f64::consts::TAU;
+
 use drivescope_numerics::Real;
 
 use super::law::{Sum, View};
+
+/// Shares of the inertia behind the joint at which it is weighed.
+pub(super) const BEHIND: [f64; 2] = [0.25, 0.5];
+
+/// Stiffness (N m/rad) and damping (N m s/rad) of a joint with that natural frequency and damping
+/// ratio.
+pub(super) fn joint(inertia: f64, ratio: f64, hz: f64, damping: f64) -> (f64, f64) {
+    let reduced = inertia * ratio * (1.0 - ratio);
+    let rate = TAU * hz;
+    (reduced * rate * rate, 2.0 * damping * reduced * rate)
+}
 
 /// Leaves the motor its own share of the inertia, loaded by the torque T_k of the joint.
 #[inline(always)]

@@ -5,7 +5,19 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::{Shape, Spans, slow_times};
 use super::law::{Beside, Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+
+/// Temperature of a winding that keeps all heat of a recording, K: it only scales alpha, which is
+/// then near that of copper where the resistance rises by a third.
+const WARM: f64 = 100.0;
+
+/// Time constants from a part of the recording to several of its lengths.
+fn grid(spans: &Spans) -> Vec<Shape> {
+    let capacity = spans.resistance * spans.heat / WARM;
+    let of = |time_s: f64| vec![("C_th", capacity), ("R_th", time_s / capacity)];
+    slow_times(spans).map(of).to_vec()
+}
 
 /// Resistance that follows the winding's temperature, one own state.
 pub struct WindingHeating;
@@ -17,6 +29,7 @@ impl Effect<3, 1> for WindingHeating {
         acts_on: &[Place::Voltage],
         excludes: &["winding_heating"],
         nulls: &[("alpha", 0.0)],
+        grid,
         ..Info::new(
             "winding_heating",
             "R times 1 + alpha T; C_th dT/dt = R i^2 - T / R_th",

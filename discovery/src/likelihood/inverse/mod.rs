@@ -148,7 +148,7 @@ impl Inverse {
     /// Whether the balance of torques along a known motion tells of that law.
     pub(crate) fn tells(&self, candidate: &Candidate) -> bool {
         let info = candidate.info;
-        candidate.is_linear() && !info.stiff && !info.senses() && info.id != "delay"
+        candidate.is_linear() && !info.stiff && !info.senses() && !info.delays
     }
 
     /// Root of the mean square of the torque that drives, N m (N).

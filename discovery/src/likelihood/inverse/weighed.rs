@@ -1,5 +1,6 @@
 //! What every law at its null, and every free curve, would explain of the torque.
 
+use drivescope_plant::effects::grid::Spans;
 use drivescope_plant::effects::law::Variable;
 use drivescope_plant::model::{POSITION, SPEED};
 use nalgebra::DMatrix;
@@ -13,7 +14,7 @@ use super::super::weights::Weights;
 use super::torques::{Torques, shifted};
 use super::windows::Windows;
 use super::{Columns, Inverse, Table, TorqueNoise};
-use crate::discover::{Candidate, Curve, Scales, Trajectory, curves};
+use crate::discover::{Candidate, Curve, Trajectory, curves};
 use crate::response::Forcing;
 
 /// Size of the random load over that of the base with which laws and curves are weighed besides: it may
@@ -29,7 +30,7 @@ impl Inverse {
     pub(crate) fn weigh(
         &self,
         candidates: &[Candidate],
-        scales: &Scales,
+        spans: &Spans,
         tolerated: impl Fn(&Curve) -> Option<f64>,
     ) -> Option<Weights> {
         let (scene, windows) = (&self.scene, &self.windows);
@@ -39,7 +40,7 @@ impl Inverse {
         let each = || scene.recordings.iter().zip(windows);
         let along: Vec<Trajectory> =
             each().map(|(it, windows)| trajectory(&it.measured.u, windows)).collect();
-        let mut families = curves(&scene.drive, scales, &along);
+        let mut families = curves(&scene.drive, spans, &along);
         // The driving signal is what is explained: a curve over it explains it by itself.
         families.retain(|curve| !curve.is_over_current());
         let (known, free): (Vec<_>, Vec<_>) = families

@@ -10,8 +10,8 @@ use std::ops::Range;
 
 use drivescope_plant::model::{POSITION, SPEED};
 
-use super::super::filter::Vector;
 use super::super::scene::Recorded;
+use super::super::state::Vector;
 use crate::measured::{Measured, Output};
 
 /// Windows along the longest recording: some five to a tenth of a second of one of twenty seconds.

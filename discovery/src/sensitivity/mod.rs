@@ -8,10 +8,12 @@
 //! Derivatives come in passes of a few directions each, as duals. All passes advance together by
 //! blocks of samples, so that memory depends on the length of a block and not of the recording.
 
+mod passes;
+
 use nalgebra::DMatrix;
 
 use crate::case::Case;
-use crate::passes::passes;
+use passes::passes;
 
 /// Samples in a block.
 pub const BLOCK: usize = 1024;

@@ -1,10 +1,10 @@
-//! The passes of [`crate::sensitivity`]: runs over duals, each for a few directions.
+//! The passes of [`super`]: runs over duals, each for a few directions.
 
 use drivescope_numerics::Dual;
 
+use super::{Direction, Rows};
 use crate::case::Case;
 use crate::run::Runner;
-use crate::sensitivity::{Direction, Rows};
 use crate::start::Start;
 
 /// Directions of a wide and of a narrow pass.

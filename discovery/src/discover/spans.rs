@@ -1,50 +1,41 @@
-//! What the recordings span: the scales from which start values and grids of shapes are made.
+//! How far the recordings of a drive go: what grids of shapes and curves are scaled to.
 
-use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::drive::{Drive, Input, Motion};
+use drivescope_plant::effects::grid::{SLOW_SPEED, Spans};
+use drivescope_plant::model::{Applied, at_rest};
 
 use crate::estimate::Evidence;
 use crate::measured::{Measured, Output};
 
-/// Share of the fastest speed below which motion is slow.
-pub(crate) const SLOW_SPEED: f64 = 0.1;
 /// Samples over which a position is differentiated.
 const SPAN: usize = 10;
 
-/// The largest magnitudes that were recorded.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Scales {
-    /// Speed, rad/s (m/s).
-    pub(crate) speed: f64,
-    /// Current, A (the commanded signal of a force-driven drive).
-    pub(crate) current: f64,
-    /// Integral of the squared current over a recording, A^2 s.
-    pub(crate) heat: f64,
-    /// Voltage, V (the commanded signal of a force-driven drive).
-    pub(crate) voltage: f64,
-    /// Way from the least to the greatest position, rad (m); 0 where none is known.
-    pub(crate) travel: f64,
-    /// Length of the longest recording, s.
-    pub(crate) duration_s: f64,
-    /// Share of the time that the shaft moves slower than a tenth of the fastest speed.
-    pub(crate) slow: f64,
+/// Of the drive, over all recordings.
+pub(crate) fn spans(drive: &Drive, evidence: &Evidence) -> Spans {
+    let most =
+        |of: &dyn Fn(&Measured) -> f64| evidence.recordings.iter().map(of).fold(0.0, f64::max);
+    let speed = most(&fastest);
+    Spans {
+        rotary: drive.motion == Motion::Rotary,
+        inertia: drive.motor.j,
+        resistance: drive.motor.r.unwrap_or(1.0),
+        dry: dry(drive),
+        speed,
+        current: most(&|one| largest(current(drive, one))),
+        heat: most(&|one| current(drive, one).map(|i| i * i).sum::<f64>() * one.period_s),
+        voltage: most(&|one| largest(one.u.iter().copied())),
+        travel: most(&travel),
+        duration_s: most(&|one| one.len() as f64 * one.period_s),
+        slow: slow(evidence, SLOW_SPEED * speed),
+    }
 }
 
-impl Scales {
-    /// Over all recordings.
-    pub(crate) fn of(drive: &Drive, evidence: &Evidence) -> Self {
-        let most =
-            |of: &dyn Fn(&Measured) -> f64| evidence.recordings.iter().map(of).fold(0.0, f64::max);
-        let voltage = most(&|one| largest(one.u.iter().copied()));
-        Self {
-            speed: most(&fastest),
-            current: most(&|one| largest(current(drive, one))),
-            heat: most(&|one| current(drive, one).map(|i| i * i).sum::<f64>() * one.period_s),
-            voltage,
-            travel: most(&travel),
-            duration_s: most(&|one| one.len() as f64 * one.period_s),
-            slow: slow(evidence, SLOW_SPEED * most(&fastest)),
-        }
-    }
+/// Mean level of dry friction of both directions at rest, N m (N).
+fn dry(drive: &Drive) -> f64 {
+    let model = drive.model();
+    let applied = Applied { u: [0.0], load: [0.0], time: 0.0 };
+    let torques = at_rest(&model, &vec![[0.0]; model.states()], &applied);
+    0.5 * (torques.forward + torques.backward)
 }
 
 /// Current of every sample; without a measured one, the most that u can drive, and of a

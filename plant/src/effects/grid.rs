@@ -1,0 +1,85 @@
+//! Grids of shapes: what a law depends on besides its coefficients, scaled to a drive and to how far
+//! its recordings go. A discovery weighs the law at each of them.
+
+use std::f64::consts::TAU;
+
+/// How far the recordings of a drive go, as greatest magnitudes, and the drive's own scales.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spans {
+    /// Whether the drive turns; else it moves along a line.
+    pub rotary: bool,
+    /// Inertia J, kg m^2 (kg).
+    pub inertia: f64,
+    /// Resistance R, ohm; 1 where there is no armature circuit.
+    pub resistance: f64,
+    /// Level of dry friction at rest, N m (N).
+    pub dry: f64,
+    /// Speed, rad/s (m/s).
+    pub speed: f64,
+    /// Current, A (the commanded signal of a force-driven drive).
+    pub current: f64,
+    /// Integral of the squared current over a recording, A^2 s.
+    pub heat: f64,
+    /// Voltage, V (the commanded signal of a force-driven drive).
+    pub voltage: f64,
+    /// Way from the least to the greatest position, rad (m); 0 where none is known.
+    pub travel: f64,
+    /// Length of the longest recording, s.
+    pub duration_s: f64,
+    /// Share of the time in which the shaft moves, but slower than [`SLOW_SPEED`].
+    pub slow: f64,
+}
+
+/// Share of the fastest speed below which motion is slow.
+pub const SLOW_SPEED: f64 = 0.1;
+
+impl Spans {
+    /// One radian of a rotor, or the way of an axis that compares with it.
+    pub(super) fn radian(&self) -> f64 {
+        /// Of the travel.
+        const RADIAN: f64 = 0.02;
+        if self.rotary { 1.0 } else { RADIAN * self.travel }
+    }
+}
+
+/// Values of some parameters of a law, by their names: one choice of its shape.
+pub type Shape = Vec<(&'static str, f64)>;
+
+/// The grid of a law that has no shape, or whose nominal one will do.
+pub fn nominal(_: &Spans) -> Vec<Shape> {
+    vec![Shape::new()]
+}
+
+/// A shape for each value of one parameter.
+pub(super) fn each(name: &'static str, values: impl IntoIterator<Item = f64>) -> Vec<Shape> {
+    values.into_iter().map(|value| vec![(name, value)]).collect()
+}
+
+/// Numbers of periods a revolution from `least` on, or wave numbers of an axis, rad/m.
+pub(super) fn periods(name: &'static str, least: usize, spans: &Spans) -> Vec<Shape> {
+    /// Most periods a revolution.
+    const MOST: usize = 48;
+    /// Shortest spatial period on an axis over its travel: finer ones are not searched.
+    const FINEST: f64 = 240.0;
+    /// Steps of the search a wave over the travel: two neighbours differ by half a wave at its end.
+    const STEPS: f64 = 2.0;
+    if spans.rotary {
+        return each(name, (least..=MOST).map(|n| n as f64));
+    }
+    let one = TAU / spans.travel.max(f64::MIN_POSITIVE);
+    each(name, (4..=(FINEST * STEPS) as usize).map(|k| k as f64 / STEPS * one))
+}
+
+/// Currents over which a voltage drop is rounded.
+pub(super) fn rounded(name: &'static str, spans: &Spans) -> Vec<Shape> {
+    /// Over the greatest current.
+    const ROUNDED: [f64; 3] = [0.005, 0.02, 0.07];
+    each(name, ROUNDED.map(|share| share * spans.current))
+}
+
+/// Time constants of slow changes, s.
+pub(super) fn slow_times(spans: &Spans) -> [f64; 3] {
+    /// Over the length of the recording.
+    const SLOW: [f64; 3] = [0.25, 0.8, 3.0];
+    SLOW.map(|share| share * spans.duration_s)
+}

@@ -39,7 +39,7 @@ class Autoencoder:
     def fit(self, x):
         """Learns healthy windows."""
         sizes = (8, 2, 8)
-        self.net = MLPRegressor(sizes, activation="tanh", max_iter=400, random_state=SEED)
+        self.net = MLPRegressor(hidden_layer_sizes=sizes, activation="tanh", max_iter=400, random_state=SEED)
         self.net.fit(x, x)
         return self
 

@@ -8,7 +8,7 @@ use super::base::{pooled, probability, terms};
 use super::gram::{Products, References};
 use super::marginal::{Terms, coefficients};
 use super::randomness::Randomness;
-use super::scene::Scene;
+use super::scene::{Scene, longest};
 
 /// Steps at most.
 pub(super) const STEPS: usize = 8;
@@ -18,6 +18,9 @@ pub(super) const WORTH: f64 = 0.5;
 pub(super) const SHARES: [f64; 3] = [1.0, 0.3, 0.1];
 /// Factor by which a value that must be positive moves in a step at most.
 const FURTHEST: f64 = 3.0;
+/// Sub-steps a sample beyond which a drive does not become faster: samples do not tell an inductance,
+/// say, whose time constant is a small part of one, and stepping it would take for ever.
+const SUBSTEPS: f64 = 100.0;
 
 /// A scene and how probable its recordings are with it, ln.
 pub(super) struct Refined {
@@ -38,6 +41,8 @@ pub(super) fn refined(
         let probability = probability(scene, &tracks, &pooled, false);
         probability.is_finite().then_some((pooled, probability))
     };
+    let each = scene.recordings.iter().map(|it| it.measured.period_s);
+    let shortest_s = longest(&scene.drive).min(each.fold(f64::INFINITY, f64::min) / SUBSTEPS);
     let (mut products, probability) = at(&scene)?;
     let mut best = Refined { scene, probability };
     for _ in 0..STEPS {
@@ -47,6 +52,9 @@ pub(super) fn refined(
         };
         let better = SHARES.iter().find_map(|share| {
             let scene = moved(&best.scene, &step, *share);
+            if longest(&scene.drive) < shortest_s {
+                return None;
+            }
             let (products, probability) = at(&scene)?;
             (probability > best.probability).then_some((products, Refined { scene, probability }))
         });

@@ -62,6 +62,16 @@ impl Candidate {
         scaled
     }
 
+    /// Whether all its coefficients are 0 in that drive.
+    pub(crate) fn vanishes_in(&self, drive: &Drive) -> bool {
+        let own = drive.effects.iter().find(|effect| effect.id == self.id);
+        let is_zero = |name: &String| {
+            let parameters = own.into_iter().flat_map(|effect| &effect.parameters);
+            parameters.filter(|(it, _)| it == name).all(|(_, value)| *value == 0.0)
+        };
+        own.is_some() && self.is_linear() && self.coefficients.iter().all(is_zero)
+    }
+
     /// Whether it has a derivative at its null.
     pub(crate) fn is_linear(&self) -> bool {
         !self.coefficients.is_empty()

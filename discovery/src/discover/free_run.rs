@@ -2,8 +2,10 @@
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::Variable;
+use drivescope_plant::effects::registry::Entry;
 use rayon::prelude::*;
 
+use super::candidate::Candidate;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::learned::effect;
@@ -64,11 +66,16 @@ impl Round<'_> {
                 continue;
             };
             let is = error(&model);
+            if candidate.vanishes_in(&model.fitted.drive) {
+                one.refused = Some("its fit ends where it vanishes".to_owned());
+                continue;
+            }
             let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
             one.model = model;
             let falls = fits && is <= (1.0 - FALLS) * was;
             let removed = self.removed_of_validation(&one.model);
-            if falls && removed >= self.rule.size {
+            let raises = self.raises_torque(candidate, &one.model);
+            if falls && removed >= self.rule.size && !raises {
                 break;
             }
             if self.explains_torque(&one.model.fitted.drive) {
@@ -83,7 +90,9 @@ impl Round<'_> {
                 break;
             }
             let removed = 100.0 * removed;
-            one.refused = Some(if falls {
+            one.refused = Some(if raises {
+                "the torque that nothing explains rises with it".to_owned()
+            } else if falls {
                 format!(
                     "it takes {removed:.1} % of the excess error on the validation data away only"
                 )
@@ -102,6 +111,20 @@ impl Round<'_> {
     /// tell it.
     fn torque_left(&self, drive: &Drive) -> Option<f64> {
         unexplained(drive, self.validation)[0].map(|it| it.rms)
+    }
+
+    /// Whether more torque stays unexplained with a law than without, in the recordings held out: an
+    /// observer follows what a model does not foretell, and its error may fall by a wrong inertia.
+    /// What has states of its own, or stands at a sensor, is no part of that balance.
+    fn raises_torque(&self, candidate: &Candidate, with: &Model) -> bool {
+        let info = candidate.info;
+        let has_states = Entry::find(info.id).is_some_and(|entry| !entry.states.is_empty());
+        if self.model.setting.observer.hz == 0.0 || has_states || info.senses() || info.delays {
+            return false;
+        }
+        let [before, after] = [self.model, with].map(|it| self.torque_left(&it.fitted.drive));
+        let both = before.zip(after);
+        both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before)
     }
 
     /// Whether a drive explains most of the torque that the round's own leaves.

@@ -110,7 +110,7 @@ pub fn discover_by(
         found.note(&turn, &outcome, passed);
         let Outcome { mut judged, unknown, proposed, formulas_fail, .. } = outcome;
         let Some(best) = passed else {
-            let missing = unknown.is_some() || !proposed.is_empty();
+            let missing = unknown.is_some() || !proposed.is_empty() || turn.explains_nothing();
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
@@ -285,7 +285,9 @@ fn begin(
 ) -> Result<(Model, Discovery), Error> {
     let setting = Setting::of_fit(drive, estimation);
     watch.step(&Step::Doing("fitting the base drive"));
-    let options = Options { starts: STARTS, balanced: false, ..Options::default() };
+    // Where an observer follows the motion, a base that explains its torque worse than least squares do
+    // hides what it lacks in a wrong inertia.
+    let options = Options { starts: STARTS, ..Options::default() };
     let seen = |error| seen_by(watch, error);
     let model = Model::fit(drive, estimation, validation, setting, &options, &seen)?;
     let drive = &model.fitted.drive;

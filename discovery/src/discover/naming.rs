@@ -1,10 +1,13 @@
 //! Which of the fitted candidates is named, by the numbers of [`super::decision`].
 
+use drivescope_plant::effects::law::Variable;
+
 use super::candidate::Candidate;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::round::{Outcome, Round};
 use crate::likelihood::{CurveWeight, Law};
+use crate::measured::Measured;
 
 impl Round<'_> {
     /// Whether its kind was named: a harmonic of what was named is no other effect.
@@ -87,8 +90,22 @@ impl Round<'_> {
     /// part of the machine, and better known than left in the way of what is.
     pub(super) fn is_disturbance(&self, one: &Judged) -> bool {
         let it = one.weighed;
-        let locked = self.all[one.candidate].coefficients == ["a", "b"];
-        locked && it.fitted > self.rule.evidence && it.repeats <= 0.0
+        let candidate = &self.all[one.candidate];
+        let locked =
+            candidate.is_linear() && candidate.fails_over.first() == Some(&Variable::Theta);
+        let silent = it.fitted > self.rule.evidence && it.repeats <= 0.0;
+        locked && silent && !self.is_one_recording()
+    }
+
+    /// Whether what was held out is the rest of a recording of the fit: positions then count from one
+    /// zero, and no phase can change between them.
+    fn is_one_recording(&self) -> bool {
+        let continues = |first: &Measured, next: &Measured| {
+            let end_s = first.clock.start_s + first.len() as f64 * first.period_s;
+            first.name == next.name && next.clock.start_s > end_s - first.period_s
+        };
+        let fitted = &self.estimation.recordings;
+        self.validation.recordings.iter().any(|next| fitted.iter().any(|it| continues(it, next)))
     }
 
     /// Whether a curve that repeats shows that something is missing.

@@ -13,6 +13,7 @@ use super::learned::LearnedCurve;
 use super::probability;
 use super::refit::Model;
 use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
+use crate::balances::unexplained;
 use crate::estimate::Evidence;
 use crate::formula;
 use crate::likelihood::{CurveWeight, LawWeight, Randomness, Weights};
@@ -189,6 +190,13 @@ impl Round<'_> {
             it.curve.is_addable() && it.evidence >= decision::ADDABLE * best.evidence
         };
         some.find(addable).or(Some(best)).cloned()
+    }
+
+    /// Whether the model leaves more torque unexplained than was applied, in the recordings held out:
+    /// that nothing is missing cannot be said of it.
+    pub(super) fn explains_nothing(&self) -> bool {
+        let [torque, _] = unexplained(&self.model.fitted.drive, self.validation);
+        torque.is_some_and(|it| it.share > 1.0)
     }
 
     /// Formulas that have more than that evidence, less what choosing one costs.

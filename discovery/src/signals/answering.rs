@@ -4,7 +4,7 @@
 //! The motion is held against the current and against the voltage ([`super::standing`]). Of three
 //! signals the one is wrong that stands in both relations that fail; of two nobody can tell which.
 
-use drivescope_plant::drive::Drive;
+use drivescope_plant::drive::{Drive, Input};
 use rayon::prelude::*;
 
 use super::averaged::Averaged;
@@ -17,11 +17,13 @@ const SAME_RUN: &str = "check that all columns are of the same run, and record u
                         with one clock, with steps of u both ways";
 
 /// The findings.
-pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
-    evidence.recordings.par_iter().filter_map(of).collect()
+pub(super) fn check(drive: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
+    let is_torque = drive.motor.input == Input::Force;
+    evidence.recordings.par_iter().filter_map(|it| of(it, is_torque)).collect()
 }
 
-fn of(measured: &Measured) -> Option<SignalFinding> {
+/// Of a recording whose driving signal may be a torque, or a current.
+fn of(measured: &Measured, is_torque: bool) -> Option<SignalFinding> {
     // A load behind a spring moves against its motor beyond the resonance.
     if measured.by_load {
         return None;
@@ -30,9 +32,9 @@ fn of(measured: &Measured) -> Option<SignalFinding> {
         SCALES.iter().filter_map(|most| Averaged::of(measured, *most)).collect();
     let shown = [Output::Speed, Output::Position].into_iter().find_map(|it| measured.output(it));
     let (motion, u) = (shown?.name, measured.driving.channel());
-    let by_u = standing(&each, |it| Some(&it.driver));
+    let by_u = standing(&each, is_torque, |it| Some(&it.driver));
     let by_current = match measured.output(Output::Current) {
-        Some(_) => standing(&each, |it| it.current.as_deref()),
+        Some(_) => standing(&each, true, |it| it.current.as_deref()),
         None => Standing::Untold,
     };
     let has_current = measured.output(Output::Current).is_some();
@@ -157,6 +159,39 @@ mod tests {
         for name in ["u", "i", "omega"] {
             assert_eq!(found(&spoiled(&[name], turned)), [(What::Sign, name.to_owned(), -1.0)]);
         }
+    }
+
+    /// At one speed the current answers what disturbs the speed, by the sign of the controller; and
+    /// a current that holds a load says little else.
+    #[test]
+    fn neither_a_controller_nor_a_load_that_is_held_turns_a_sign() {
+        let (speed_noise, ripple) = (gaussian(6000, 7), gaussian(6000, 8));
+        let recording = |u: Vec<f64>, omega: Vec<f64>| {
+            let one = |name: &str, unit: &str, values| drivescope_recording::Signal {
+                name: name.into(),
+                unit: unit.into(),
+                values,
+            };
+            let signals =
+                vec![one("u", "V", u.clone()), one("i", "A", u), one("omega", "rad/s", omega)];
+            Recording::new("one", 0.0, 0.001, signals)
+        };
+        let omega: Vec<f64> = speed_noise.iter().map(|it| 6.0 + 3.0 * it).collect();
+        let controlled: Vec<f64> = omega.iter().map(|it| 0.2 - 0.1 * (it - 6.0)).collect();
+        assert_eq!(found(&recording(controlled, omega)), []);
+        // Lowered and lifted: the current holds the load, and friction hardly shows.
+        let omega: Vec<f64> =
+            (0..6000).map(|k| if (k / 1500) % 2 == 0 { 5.0 } else { -5.0 }).collect();
+        let mut held = recording(vec![], omega);
+        held.signals.retain(|it| it.name != "u" && it.name != "i");
+        let torque: Vec<f64> = ripple.iter().map(|it| -17.0 + 1.5 * it).collect();
+        let (name, unit) = ("i".to_owned(), "A".to_owned());
+        held.signals.push(drivescope_recording::Signal { name, unit, values: torque });
+        let mut drive = dr300();
+        drive.motor.input = Input::Force;
+        let measured = Measured::new(&drive, &held).expect("usable");
+        let evidence = Evidence { recordings: vec![measured], noise: vec![vec![0.3]] };
+        assert_eq!(check(&drive, &evidence).len(), 0);
     }
 
     #[test]

@@ -51,6 +51,12 @@ const WINDOWS_SHARE: f64 = 15.0;
 /// A speed that changes by less than this share of its root mean square asks for no torque that
 /// would change with it.
 const LIVELY: f64 = 0.6;
+/// The same below which it is one speed: what the current does about it is what the controller
+/// answers, against every disturbance, and no friction has that sign.
+const ONE_SPEED: f64 = 0.1;
+/// Standard deviation of a torque or current over its mean below which it mostly holds a load: what
+/// it does besides may have any sign, for a load drives as well as it brakes.
+const HOLDS: f64 = 0.3;
 
 /// How a motion stands to what drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,21 +107,27 @@ impl Explained {
     }
 }
 
-/// How the motion stands to that driver; `each` holds the recording at every scale, the finest
-/// first.
+/// How the motion stands to that driver, which may be a torque (or the current that makes one);
+/// `each` holds the recording at every scale, the finest first.
 pub(super) fn standing<'a>(
     each: &'a [Averaged],
+    is_torque: bool,
     driver: impl Fn(&'a Averaged) -> Option<&'a [f64]>,
 ) -> Standing {
+    if is_torque && each.first().and_then(&driver).is_some_and(holds) {
+        return Standing::Untold;
+    }
     let looks: Vec<Look> = each.iter().filter_map(|it| Look::at(it, driver(it)?)).collect();
     let followed = looks.iter().map(|it| it.here.right_whole()).fold(0.0, f64::max);
     let best_of = |it: &Look| {
         let far = it.far.as_ref().map_or(0.0, |far| far.best.right_whole());
         it.here.right_whole().max(it.at_once.turned_whole()).max(far)
     };
-    let plain = looks.iter().find(|it| best_of(it) >= PLAIN).map(Look::stands);
-    if let Some(wrong @ (Standing::Turned(_) | Standing::Late(..))) = plain {
-        return wrong;
+    let changes = |limit: f64| each.last().is_some_and(|it| it.changes_by(limit));
+    match looks.iter().find(|it| best_of(it) >= PLAIN).map(Look::stands) {
+        Some(Standing::Turned(_)) if !changes(ONE_SPEED) => return Standing::Untold,
+        Some(wrong @ (Standing::Turned(_) | Standing::Late(..))) => return wrong,
+        _ => {}
     }
     let by_chance = |it: &Look| {
         let hardly = (WINDOWS_SHARE / it.windows as f64).max(HARDLY);
@@ -128,11 +140,7 @@ pub(super) fn standing<'a>(
     };
     match looks.is_empty() {
         true => Standing::Untold,
-        false
-            if followed < LITTLE
-                && each[each.len() - 1].is_lively()
-                && looks.iter().all(by_chance) =>
-        {
+        false if followed < LITTLE && changes(LIVELY) && looks.iter().all(by_chance) => {
             Standing::Not(followed)
         }
         false if looks.iter().all(|it| it.far.is_none()) => Standing::Untold,
@@ -140,14 +148,22 @@ pub(super) fn standing<'a>(
     }
 }
 
+/// Whether a torque mostly holds a load.
+fn holds(torque: &[f64]) -> bool {
+    let n = torque.len() as f64;
+    let mean = torque.iter().sum::<f64>() / n;
+    let square = torque.iter().map(|it| it * it).sum::<f64>() / n;
+    square - mean * mean < (HOLDS * mean).powi(2)
+}
+
 impl Averaged {
-    /// Whether the speed changes enough to ask for a torque that does; over long windows, in which
-    /// the noise of a speed from differences is small.
-    fn is_lively(&self) -> bool {
+    /// Whether the speed changes by more than that share of its root mean square; over long windows,
+    /// in which the noise of a speed from differences is small.
+    fn changes_by(&self, limit: f64) -> bool {
         let n = self.speed.len() as f64;
         let mean = self.speed.iter().sum::<f64>() / n;
         let square = self.speed.iter().map(|speed| speed * speed).sum::<f64>() / n;
-        square - mean * mean > LIVELY * LIVELY * square
+        square - mean * mean > limit * limit * square
     }
 
     /// The columns of the balance; the inertia's of either sign where it is `free`.

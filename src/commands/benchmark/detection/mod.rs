@@ -42,7 +42,7 @@ pub(super) struct OfDetection {
     #[arg(long, value_name = "N", default_value_t = 200)]
     machines: usize,
     /// Healthy samples that false alarms are counted on, for each detector.
-    #[arg(long, value_name = "N", default_value_t = 2_000_000)]
+    #[arg(long, value_name = "N", default_value_t = 4_000_000)]
     healthy: usize,
     /// Folder for the recordings that delays are measured on, some 60 MB of CSV, for detectors of other
     /// people (tools/other_detectors.py).

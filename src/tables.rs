@@ -3,7 +3,7 @@
 //! Plain text of at most 80 columns, without colours, so that it reads the same in a log.
 
 use comfy_table::{Cell, CellAlignment, ContentLineStyle, LineStyle, Table, TableStyle};
-use drivescope_scenarios::results::{Method, StudyResults};
+use drivescope_scenarios::results::{DetectorKind, IN_PAPER, StudyResults};
 use drivescope_scenarios::trials::{Detectable, HiddenEffect};
 
 use crate::report::words::{
@@ -16,7 +16,7 @@ use crate::report::words::{
 /// where the eye is when the program ends.
 pub fn study(study: &StudyResults) -> String {
     let mut text = setting(study);
-    for method in Method::IN_PAPER {
+    for method in IN_PAPER {
         let title = format!("Table 1, {}", method.label());
         text += &section(&title, &detection(study, method));
     }
@@ -46,7 +46,7 @@ pub fn study(study: &StudyResults) -> String {
         text += "fmpy was not run: tools/compare_fmpy adds its rows\n";
     }
     text.push('\n');
-    for method in Method::ALL {
+    for method in DetectorKind::ALL {
         text += &verdict(study, method);
         text.push('\n');
     }
@@ -129,7 +129,7 @@ fn further(study: &StudyResults) -> Table {
     table
 }
 
-fn detection(study: &StudyResults, method: Method) -> Table {
+fn detection(study: &StudyResults, method: DetectorKind) -> Table {
     let headings = ["fault", "paper's", "r_td [%]", "paper", "t_dt", "paper", "delay", "paper"];
     let mut table = table(headings, 2);
     for row in rows_of(&study.detection, method) {
@@ -164,12 +164,12 @@ fn detection(study: &StudyResults, method: Method) -> Table {
 
 fn rates(study: &StudyResults) -> Table {
     let mut table = table(["method", "r_fd [%]", "paper [%]", "designed [%]", "false alarms"], 1);
-    for method in Method::ALL {
+    for method in DetectorKind::ALL {
         table.add_row([
             method.label().to_owned(),
             percent(study.r_fd.of(method), 2),
             study.paper.r_fd.of(method).map_or_else(|| "-".into(), |rate| percent(rate, 1)),
-            if method == Method::Gmdh { "bounded".into() } else { percent(study.beta, 0) },
+            method.info().instead_of_level.map_or_else(|| percent(study.beta, 0), Into::into),
             study.healthy.alarms.of(method).to_string(),
         ]);
     }
@@ -182,7 +182,7 @@ fn levels(study: &StudyResults) -> Table {
     let own = (study.beta, &study.detection, study.r_fd);
     let others = study.levels.iter().map(|level| (level.beta, &level.detection, level.r_fd));
     for (beta, detection, r_fd) in std::iter::once(own).chain(others) {
-        for method in Method::ALL {
+        for method in DetectorKind::ALL {
             let rows = rows_of(detection, method);
             let found = rows.iter().filter(|row| row.detected()).count();
             let lowest = rows.iter().map(|row| row.r_td).reduce(f64::min);
@@ -268,7 +268,7 @@ fn identification(study: &StudyResults) -> Table {
 fn fmu(study: &StudyResults) -> Table {
     let mut table = table(["against", "runs", "difference [-]"], 1);
     let native = study.fmu.max_relative_difference_native;
-    let all = rows_of(&study.detection, Method::Mem).len().to_string();
+    let all = rows_of(&study.detection, DetectorKind::Mem).len().to_string();
     table.add_row(["native runs".to_owned(), all, difference(native)]);
     for (fmi, kind) in [(2, "CS"), (2, "ME"), (3, "CS"), (3, "ME")] {
         let found = study.fmu.fmpy.iter().filter(|row| row.fmi == fmi && row.kind == kind);

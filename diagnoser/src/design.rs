@@ -4,7 +4,8 @@ use thiserror::Error;
 
 use crate::arx::{Arx, ArxError, Orders, leaves_half};
 use crate::data::{Data, DataError};
-use crate::diagnoser::{Diagnoser, ModelError};
+use crate::detectors::{ConstantThreshold, ModelError, Stored};
+use crate::diagnoser::Diagnoser;
 use crate::file::SCHEMA;
 use crate::gmdh::RobustGmdh;
 use crate::interface::Interface;
@@ -12,7 +13,7 @@ use crate::model::Model;
 use crate::model_error::BandDesign;
 use crate::network::{Structure, Training, TrainingError, train};
 use crate::signal_model::{Start, residual};
-use crate::threshold::{Confidence, ConstantThreshold};
+use crate::threshold::Confidence;
 
 /// What the residual is modelled with.
 #[derive(Debug, Clone, PartialEq)]
@@ -174,6 +175,7 @@ impl Diagnoser {
         };
         let (bands, outlasts) = measured(&error_model, &design, (run_up, start))?;
         let constant = ConstantThreshold::design(&design, run_up)?;
+        let detectors = Stored::design(&design, run_up, confidence)?;
         let model_error = ModelError::centred(&error_model, &bands, outlasts);
         let diagnoser = Self {
             schema: SCHEMA,
@@ -190,6 +192,7 @@ impl Diagnoser {
             windows: None,
             range: None,
             bank: None,
+            detectors,
         };
         Ok((diagnoser, DesignReport { bands, orders, one_step_sse }))
     }
@@ -243,8 +246,9 @@ mod tests {
     use super::*;
     use crate::data::data;
     use crate::detector::DetectorError;
-    use crate::diagnoser::ThresholdKind;
+    use crate::detectors::DetectorKind;
     use crate::file::FileError;
+    use crate::flaw::Flaw;
     use crate::gmdh::{BoundOptions, Gmdh, GmdhOptions};
     use crate::interface::Channel;
     use crate::testing::{PERIOD, closed_loop, multisine};
@@ -270,7 +274,7 @@ mod tests {
         let (open, closed) = (multisine(500, 1), closed_loop(1500, 2, usize::MAX, 0.0));
         let (open, closed) = (data(&open), data(&closed));
         let diagnoser = designed(&closed);
-        for kind in [ThresholdKind::Gmdh, ThresholdKind::RecurrentModelError] {
+        for kind in [DetectorKind::Gmdh, DetectorKind::MemRecurrent] {
             let refusal = diagnoser.detector(kind).unwrap_err();
             assert!(matches!(refusal, DetectorError::Missing { .. }), "{refusal}");
         }
@@ -293,15 +297,18 @@ mod tests {
         diagnoser.save(&path).unwrap();
         let loaded = Diagnoser::load(&path).unwrap();
         assert_eq!(loaded, diagnoser);
-        for kind in [ThresholdKind::Gmdh, ThresholdKind::RecurrentModelError] {
+        for kind in [DetectorKind::Gmdh, DetectorKind::MemRecurrent] {
             let run = |diagnoser: &Diagnoser| diagnoser.detector(kind).unwrap().run(&closed);
             assert_eq!(run(&loaded), run(&diagnoser));
         }
         let mut open_set = robust;
         open_set.bounds[0].set.parts[0].facets.truncate(3);
         let broken = Diagnoser { gmdh: Some(open_set), ..diagnoser };
-        assert_eq!(broken.detector(ThresholdKind::Gmdh).err(), Some(DetectorError::DamagedBounds));
+        assert_eq!(broken.detector(DetectorKind::Gmdh).err(), Some(DetectorError::DamagedBounds));
         broken.save(&path).unwrap();
-        assert!(matches!(Diagnoser::load(&path), Err(FileError::Bounds { .. })));
+        assert!(matches!(
+            Diagnoser::load(&path),
+            Err(FileError::Flaw { flaw: Flaw::Bounds(_), .. })
+        ));
     }
 }

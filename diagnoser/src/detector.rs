@@ -4,9 +4,10 @@ use thiserror::Error;
 
 use crate::data::Data;
 use crate::decision::{RunRule, Trace};
+use crate::detectors::{Judged, ResidualTest};
 use crate::memory::{Memory, MemoryError, Walk};
 use crate::signal_model::SignalModel;
-use crate::threshold::Threshold;
+use crate::threshold::Band;
 
 /// What a detector says about one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,32 +62,27 @@ pub enum DetectorError {
     },
 }
 
-/// A process model, a threshold and the decision, running; its clone is its state.
+/// A process model, a test of its residual and the decision, running; its clone is its state.
 #[derive(Debug, Clone)]
 pub struct Detector<M, T> {
     model: M,
-    threshold: T,
+    test: T,
     rule: RunRule,
     window: usize,
     run_up: usize,
     sample: usize,
 }
 
-impl<M: SignalModel, T: Threshold> Detector<M, T> {
+impl<M: SignalModel, T: ResidualTest> Detector<M, T> {
     /// A detector at its start. During the first `run_up` samples the models settle from rest to
     /// where the drive is, and nothing is judged; `window` exceedances in a row declare a fault.
-    pub fn new(
-        model: M,
-        threshold: T,
-        window: usize,
-        run_up: usize,
-    ) -> Result<Self, DetectorError> {
+    pub fn new(model: M, test: T, window: usize, run_up: usize) -> Result<Self, DetectorError> {
         let outputs = model.outputs();
         if outputs != 1 {
             return Err(DetectorError::Outputs { outputs });
         }
         let rule = RunRule::new(window);
-        let mut detector = Self { model, threshold, rule, window, run_up, sample: 0 };
+        let mut detector = Self { model, test, rule, window, run_up, sample: 0 };
         detector.reset();
         Ok(detector)
     }
@@ -94,7 +90,7 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
     /// Back to the start.
     pub fn reset(&mut self) {
         self.model.reset();
-        self.threshold.reset();
+        self.test.reset();
         self.rule.reset();
         self.sample = 0;
     }
@@ -113,7 +109,7 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
             return Err(DetectorError::NotFinite { sample: 0 });
         }
         self.model.settle(u);
-        self.threshold.settle(u);
+        self.test.settle(u);
         Ok(())
     }
 
@@ -129,11 +125,27 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
             return Err(DetectorError::NotFinite { sample });
         }
         let residual = y - self.model.step(u)[0];
-        let band = self.threshold.band(u);
-        let exceeds = sample >= self.run_up && band.is_exceeded_by(residual);
+        let Judged { band, exceeds } = self.test.step(u, residual);
+        let is_judged = sample >= self.run_up;
+        if !is_judged {
+            self.test.disregard();
+        }
+        let exceeds = is_judged && exceeds;
         let declared = self.rule.step(exceeds);
         self.sample += 1;
         Ok(Verdict { residual, lower: band.lower, upper: band.upper, exceeds, declared })
+    }
+
+    /// The sample that was taken last is not judged: its residual is to count for nothing later.
+    #[inline]
+    pub fn disregard(&mut self) {
+        self.test.disregard();
+    }
+
+    /// What the residual of a healthy machine was expected to be at the sample of that verdict, the
+    /// last one, output unit.
+    pub fn expected(&self, verdict: &Verdict) -> f64 {
+        self.test.middle(Band { lower: verdict.lower, upper: verdict.upper })
     }
 
     /// Runs over whole signals from the start: the same steps in a loop.
@@ -159,7 +171,7 @@ impl<M: SignalModel, T: Threshold> Detector<M, T> {
 impl<M: Memory, T: Memory> Memory for Detector<M, T> {
     fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
         self.model.walk(walk)?;
-        self.threshold.walk(walk)?;
+        self.test.walk(walk)?;
         self.rule.walk(walk)?;
         self.sample.walk(walk)
     }
@@ -174,7 +186,7 @@ mod tests {
     use crate::data::Column;
     use crate::model_error::ErrorBands;
     use crate::testing::noise;
-    use crate::threshold::{Band, Confidence};
+    use crate::threshold::Confidence;
 
     fn detector() -> Detector<crate::arx::ArxRun, ErrorBands<crate::arx::ArxRun>> {
         let model = Arc::new(Arx { a: vec![-0.8], b: vec![vec![1.0, 0.5]], constant: 0.1 });

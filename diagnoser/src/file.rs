@@ -3,16 +3,15 @@
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use drivescope_recording::write_whole;
 use serde::Deserialize;
 use thiserror::Error;
 
 use crate::bank::BankDesign;
+use crate::detectors::DetectorKind;
 use crate::diagnoser::Diagnoser;
-use crate::gmdh::BoundError;
-use crate::model::Model;
+use crate::flaw::Flaw;
 
 /// Version of the file format that this code writes: 3, since it may hold a bank.
 pub const SCHEMA: u32 = 3;
@@ -57,31 +56,14 @@ pub enum FileError {
         /// Version in the file.
         found: u32,
     },
-    /// The parts of a model do not fit together or not the interface.
-    #[error("{}: the {which} does not fit the {inputs} inputs and one output of the interface", path.display())]
-    Shape {
+    /// A part of it cannot run, or has no meaning.
+    #[error("{}: {flaw}", path.display())]
+    Flaw {
         /// The file.
         path: PathBuf,
-        /// Which model.
-        which: &'static str,
-        /// Inputs of the interface.
-        inputs: usize,
-    },
-    /// A model explodes in free run.
-    #[error("{}: the {which} is unstable in free run: train the diagnoser again", path.display())]
-    Unstable {
-        /// The file.
-        path: PathBuf,
-        /// Which model.
-        which: &'static str,
-    },
-    /// Parameter sets of the GMDH network that are none.
-    #[error("{}: GMDH network: {source}", path.display())]
-    Bounds {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with them.
-        source: BoundError,
+        /// What is wrong.
+        #[source]
+        flaw: Flaw,
     },
     /// Known faults whose parts do not fit together.
     #[error("{}: the known faults do not fit together or not the {inputs} inputs and the residual: train the diagnoser again", path.display())]
@@ -90,18 +72,6 @@ pub enum FileError {
         path: PathBuf,
         /// Inputs of the interface.
         inputs: usize,
-    },
-    /// A number without meaning.
-    #[error("{}: {key} = {value} must be {must}", path.display())]
-    Value {
-        /// The file.
-        path: PathBuf,
-        /// Where it stands.
-        key: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        must: &'static str,
     },
 }
 
@@ -150,32 +120,18 @@ impl Diagnoser {
     }
 
     fn check(&self, path: &Path) -> Result<(), FileError> {
-        let path = || path.to_path_buf();
+        let flawed = |flaw| FileError::Flaw { path: path.into(), flaw };
         let inputs = self.interface.inputs.len();
-        let gmdh = self.gmdh.as_ref().map(|gmdh| Model::Gmdh(Arc::clone(&gmdh.network)));
-        let recurrent = self.recurrent_error.as_ref().map(|error| &error.model);
-        let models: [(&'static str, Option<&Model>); 4] = [
-            ("process model", Some(&self.model)),
-            ("error model", Some(&self.model_error.model)),
-            ("recurrent error model", recurrent),
-            ("GMDH network", gmdh.as_ref()),
-        ];
-        for (which, model) in models.into_iter().filter_map(|(w, model)| Some((w, model?))) {
-            if inputs == 0 || model.signals() != Some((inputs, 1)) {
-                return Err(FileError::Shape { path: path(), which, inputs });
-            }
-            if !model.is_stable() {
-                return Err(FileError::Unstable { path: path(), which });
-            }
-        }
-        if let Some(gmdh) = &self.gmdh {
-            let bounds = gmdh.bands().map(|_| ());
-            bounds.map_err(|source| FileError::Bounds { path: path(), source })?;
-        }
+        Flaw::of_model("process model", &self.model, inputs).map_err(flawed)?;
+        DetectorKind::ALL.into_iter().try_for_each(|kind| kind.check(self)).map_err(flawed)?;
         if self.faults.as_ref().is_some_and(|faults| !faults.is_valid(inputs)) {
-            return Err(FileError::Faults { path: path(), inputs });
+            return Err(FileError::Faults { path: path.into(), inputs });
         }
-        let recurrent = self.recurrent_error.as_ref().map_or(1.0, |error| error.deviation);
+        self.numbers().map_err(flawed)
+    }
+
+    /// Refuses numbers without meaning.
+    fn numbers(&self) -> Result<(), Flaw> {
         let bank = self.bank.as_ref();
         let of_bank = |value: fn(&BankDesign) -> f64| bank.map_or(1.0, value);
         let positive = [
@@ -186,21 +142,9 @@ impl Diagnoser {
             ("bank.limits.squares", of_bank(|bank| bank.limits.squares)),
             ("bank.noise.omega", of_bank(|bank| bank.noise.omega)),
             ("bank.noise.torque_time", of_bank(|bank| bank.noise.torque_time)),
-            ("recurrent_error.deviation", recurrent),
             ("interface.period_s", self.interface.period_s),
-            ("model_error.deviation", self.model_error.deviation),
-            ("constant.deviation", self.constant.deviation),
             ("window", self.window as f64),
         ];
-        let without_meaning =
-            positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
-        if let Some((key, value)) = without_meaning {
-            return Err(FileError::Value { path: path(), key, value, must: "positive" });
-        }
-        if !self.constant.mean.is_finite() {
-            let (key, value) = ("constant.mean", self.constant.mean);
-            return Err(FileError::Value { path: path(), key, value, must: "finite" });
-        }
-        Ok(())
+        positive.into_iter().try_for_each(|(key, value)| Flaw::unless_positive(key, value))
     }
 }

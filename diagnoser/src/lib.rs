@@ -3,7 +3,7 @@
 //! ```text
 //!  u ──┬──> SignalModel ── y_m ──> r = y - y_m ──> band exceeded? ──> 50 in a row? ──> declared
 //!  y ──┼───────────────────────────────^                ^
-//!      └──> Threshold: constant, or error model y_e +- t_beta v
+//!      └──> detector of the residual: constant band, error model y_e +- t_beta v, ...
 //! ```
 //!
 //! Nothing here knows a drive: a diagnoser is trained on recordings of healthy signals and sees
@@ -29,8 +29,10 @@ mod data;
 mod decision;
 mod design;
 mod detector;
+mod detectors;
 mod diagnoser;
 mod file;
+mod flaw;
 mod gmdh;
 mod history;
 mod identification;
@@ -59,10 +61,15 @@ pub use data::{Column, Data, DataError};
 pub use decision::{Detection, RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
 pub use detector::{Detector, DetectorError, Verdict};
-pub use diagnoser::{Diagnoser, DiagnosisError, ModelError, Refusal, ThresholdKind, ThresholdRun};
+pub use detectors::{
+    ConstantThreshold, DetectorKind, DetectorRun, Elsewhere, Info, Judged, ModelError, Refusal,
+    ResidualDetector, ResidualTest, Stored,
+};
+pub use diagnoser::{Diagnoser, DiagnosisError};
 /// When a Levenberg-Marquardt search stops.
 pub use drivescope_numerics::Limits;
 pub use file::{FileError, SCHEMA};
+pub use flaw::Flaw;
 pub use gmdh::{
     Activation, BoundError, BoundOptions, Gmdh, GmdhBands, GmdhError, GmdhNeuron, GmdhOptions,
     GmdhReport, GmdhRun, LayerRow, LocallyRecurrent, NeuronBounds, NeuronOrders, Orthants,
@@ -89,7 +96,7 @@ pub use range::{OperatingRange, RangeWatch};
 pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, Start, free_run, residual};
-pub use threshold::{Band, Confidence, ConfidenceError, ConstantThreshold, Threshold};
+pub use threshold::{Band, Confidence, ConfidenceError, Threshold};
 pub use windows::{
     Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, Rest, WindowError, WindowWatch, Windows,
 };

@@ -210,7 +210,7 @@ fn long_parts<'a>(data: &Data<'a>, run_up: usize) -> Vec<Data<'a>> {
 mod tests {
     use super::*;
     use crate::data::data;
-    use crate::diagnoser::ThresholdKind;
+    use crate::detectors::DetectorKind;
     use crate::interface::Channel;
     use crate::testing::{PERIOD, Run, closed_loop, multisine};
     use crate::threshold::Confidence;
@@ -234,12 +234,7 @@ mod tests {
         assert!(recurrent_error.is_some() && gmdh.unwrap().kept >= 2);
         let (faulty, healthy) =
             (closed_loop(5000, 5, 4000, 0.05), closed_loop(5000, 6, usize::MAX, 0.0));
-        for kind in [
-            ThresholdKind::ModelError,
-            ThresholdKind::RecurrentModelError,
-            ThresholdKind::Constant,
-            ThresholdKind::Gmdh,
-        ] {
+        for kind in DetectorKind::ALL {
             let run = |run: &Run| diagnoser.detector(kind).unwrap().run(&data(run)).unwrap();
             let r_td = run(&faulty).exceedance_rate(4000..5000).unwrap();
             assert!(r_td > 0.97, "{kind:?}: r_td {r_td}");

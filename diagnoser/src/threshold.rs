@@ -4,7 +4,7 @@ use drivescope_numerics::normal_quantile;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::data::{Data, DataError};
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Lower and upper bound of a residual, in the unit of the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +45,13 @@ impl Threshold for Band {
     #[inline]
     fn band(&mut self, _: &[f64]) -> Band {
         *self
+    }
+}
+
+/// Nothing of it changes.
+impl Memory for Band {
+    fn walk(&mut self, _: &mut Walk) -> Result<(), MemoryError> {
+        Ok(())
     }
 }
 
@@ -96,36 +103,6 @@ impl From<Confidence> for f64 {
     }
 }
 
-/// Constant thresholds: mean +- t_beta std of a healthy residual.
-///
-/// Source: K. Patan and T. Parisini, J. Process Control 15 (2005), 67-79.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ConstantThreshold {
-    /// Mean of the healthy residual, output unit.
-    pub mean: f64,
-    /// Standard deviation of the healthy residual, output unit.
-    pub deviation: f64,
-    /// Samples of the design set, run-up excluded.
-    pub samples: usize,
-}
-
-impl ConstantThreshold {
-    /// Designs the thresholds on a healthy residual (the output of `healthy`) from `run_up` on.
-    pub fn design(healthy: &Data, run_up: usize) -> Result<Self, DataError> {
-        healthy.require_samples(run_up + 2, "the design of a threshold after its run-up")?;
-        let values = healthy.judged(healthy.output().values, run_up);
-        let (mean, deviation) = mean_and_deviation(&values);
-        Ok(Self { mean, deviation, samples: values.len() })
-    }
-
-    /// The band at a significance level.
-    pub fn band(&self, confidence: Confidence) -> Band {
-        let half = confidence.t_beta() * self.deviation;
-        Band { lower: self.mean - half, upper: self.mean + half }
-    }
-}
-
 /// Mean and standard deviation (divisor n - 1).
 pub(crate) fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
@@ -137,35 +114,10 @@ pub(crate) fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Column;
-    use crate::testing::noise;
-
-    #[test]
-    fn beta_of_healthy_samples_lies_outside() {
-        let mut values = vec![1e6; 100];
-        values.extend(noise(20_000, 1).iter().map(|e| 3.0 * e - 7.0));
-        let column = Column { name: "r", values: &values };
-        let healthy = Data::new(vec![column], column).unwrap();
-        let design = ConstantThreshold::design(&healthy, 100).unwrap();
-        assert_eq!(design.samples, 20_000);
-        for beta in [0.05, 0.01] {
-            let band = design.band(Confidence::new(beta).unwrap());
-            let fresh = noise(20_000, 2);
-            let outside = fresh.iter().filter(|e| band.is_exceeded_by(3.0 * **e - 7.0)).count();
-            // Three standard deviations of a binomial share.
-            let spread = 3.0 * (beta * (1.0 - beta) / 20_000.0).sqrt();
-            assert!((outside as f64 / 20_000.0 - beta).abs() < spread, "{outside} at {beta}");
-        }
-    }
 
     #[test]
     fn nonsense_is_refused() {
         assert!(Band { lower: -1.0, upper: 1.0 }.is_exceeded_by(f64::NAN));
         assert_eq!(Confidence::new(1.5), Err(ConfidenceError { beta: 1.5 }));
-        let values = [1.0, 2.0, 3.0];
-        let column = Column { name: "r", values: &values };
-        let data = Data::new(vec![column], column).unwrap();
-        let error = ConstantThreshold::design(&data, 2).unwrap_err();
-        assert!(matches!(error, DataError::TooFew { needed: 4, samples: 3, .. }));
     }
 }

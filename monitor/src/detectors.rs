@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use drivescope_diagnoser::{
-    Band, Confidence, Data, Diagnoser, KnownFaults, LagRun, Memory, MemoryError, Naming,
-    OperatingRange, RangeWatch, RunRule, Walk,
+    Band, Confidence, Data, DetectorError, DetectorKind, Diagnoser, KnownFaults, LagRun, Memory,
+    MemoryError, Naming, OperatingRange, RangeWatch, Walk,
 };
 
 use crate::declaration::Declaration;
@@ -12,9 +12,8 @@ use crate::error::MonitorError;
 use crate::found::{Fault, Found};
 use crate::method::Method;
 use crate::monitor::Happened;
-use crate::of_residual::{OfResidual, offset, starts_up};
+use crate::of_residual::{OfResidual, starts_up};
 use crate::of_windows::OfWindows;
-use crate::outside::Outside;
 use crate::state::{Shown, State};
 
 /// The methods at work, and the naming of what the one that was asked for declares.
@@ -61,30 +60,10 @@ impl Detectors {
         baseline: Option<(&str, &Data)>,
     ) -> Result<Self, MonitorError> {
         let confidence = beta.map(Confidence::new).transpose()?.unwrap_or(diagnoser.confidence);
-        let methods = Method::OF_PAPER.into_iter().filter(|method| method.is_held(diagnoser));
-        let methods = methods.filter_map(|method| Some((method, method.threshold()?)));
-        let each = methods.map(|(method, kind)| {
-            let mut detector = diagnoser.detector_at(kind, confidence)?;
-            let beta = (method != Method::Gmdh).then_some(confidence.beta());
-            let offset = match baseline {
-                Some((_, data)) => offset(&mut detector, data, diagnoser.run_up)?,
-                None => 0.0,
-            };
-            detector.reset();
-            Ok(OfResidual {
-                refused: !diagnoser.explains(kind) && method != asked,
-                settling: diagnoser.run_up_of(kind),
-                detector,
-                rule: RunRule::new(diagnoser.window),
-                offset,
-                last_outside: 0.0,
-                counted: Outside::default(),
-                found: Found::new(method, beta),
-                standing: false,
-                shown: Shown::default(),
-            })
-        });
-        let each = each.collect::<Result<_, MonitorError>>()?;
+        let held = DetectorKind::ALL.into_iter().filter(|kind| kind.is_held(diagnoser));
+        let healthy = baseline.map(|(_, data)| data);
+        let each = held.map(|kind| OfResidual::new(diagnoser, kind, (asked, confidence), healthy));
+        let each = each.collect::<Result<_, DetectorError>>()?;
         let windows = diagnoser.windows.as_ref().zip(baseline).map(|(windows, (name, data))| {
             match windows.baseline_of(data) {
                 Ok(of) => {
@@ -97,7 +76,13 @@ impl Detectors {
             }
         });
         let windows = windows.transpose()?.flatten();
-        if (asked == Method::Windows && windows.is_none()) || !asked.is_held(diagnoser) {
+        // A bank is not looked for here.
+        let is_there = match asked {
+            Method::Bank => true,
+            Method::Windows => windows.is_some(),
+            Method::Residual(kind) => kind.is_held(diagnoser),
+        };
+        if !is_there {
             return Err(MonitorError::Missing { method: asked });
         }
         let window = diagnoser.window;
@@ -159,7 +144,7 @@ impl Detectors {
             let (declared, verdict) = one.step((u, y, time), (self.of_segment, beyond))?;
             let of_asked = one.found.method == self.asked;
             if declared && !one.standing {
-                let from = time - (self.window as f64 - 1.0) * self.period_s;
+                let from = time - (one.window as f64 - 1.0) * self.period_s;
                 let sample = self.samples + 1;
                 one.found.declare(Declaration { sample, ..Declaration::unknown(from, time) });
                 happened.push(Happened::Declared(one.found.method));
@@ -174,7 +159,7 @@ impl Detectors {
                 one.found.end(one.last_outside, &mut one.standing);
             }
             // Symptoms are residuals of the process model; a GMDH network has others.
-            if one.found.method == Method::Constant {
+            if one.found.method == Method::Residual(DetectorKind::Constant) {
                 residual = verdict.residual;
             }
             stands |= declared && verdict.exceeds && of_asked;
@@ -245,9 +230,9 @@ impl Detectors {
         let (samples, run_up, beyond) = (self.samples, self.run_up, self.beyond);
         // Most of the run was never shown.
         let unknown = 2 * beyond > samples.saturating_sub(run_up);
-        let of_paper = self.each.into_iter().map(|one| (one.found, one.counted));
+        let of_residual = self.each.into_iter().map(|one| (one.found, one.counted));
         let windows = self.windows.into_iter().map(|windows| (windows.found, windows.counted));
-        let methods = windows.chain(of_paper).map(|(mut found, counted)| {
+        let methods = windows.chain(of_residual).map(|(mut found, counted)| {
             found.judged = counted.judged;
             found.outside = counted.outside;
             found.exceedance_rate = counted.share();

@@ -1,19 +1,22 @@
-//! A detector of the paper at work.
+//! A detector of the residual at work.
 
 use drivescope_diagnoser::{
-    Data, Detector, DetectorError, Memory, MemoryError, ModelRun, RunRule, ThresholdRun, Verdict,
-    Walk,
+    Confidence, Data, Detector, DetectorError, DetectorKind, DetectorRun, Diagnoser, Memory,
+    MemoryError, ModelRun, RunRule, Verdict, Walk,
 };
 
 use crate::found::Found;
+use crate::method::Method;
 use crate::outside::Outside;
 use crate::state::Shown;
 
 /// A detector with what it found so far.
 #[derive(Debug, Clone)]
 pub(crate) struct OfResidual {
-    pub(crate) detector: Detector<ModelRun, ThresholdRun>,
+    pub(crate) detector: Detector<ModelRun, DetectorRun>,
     pub(crate) rule: RunRule,
+    /// Exceedances in a row that declare a fault.
+    pub(crate) window: usize,
     /// Its error model explains nothing: it is not used.
     pub(crate) refused: bool,
     /// Samples at the start of a segment in which its models settle.
@@ -29,6 +32,37 @@ pub(crate) struct OfResidual {
 }
 
 impl OfResidual {
+    /// A detector that the diagnoser holds, at its start; `healthy` is a run of the machine or day.
+    pub(crate) fn new(
+        diagnoser: &Diagnoser,
+        kind: DetectorKind,
+        (asked, confidence): (Method, Confidence),
+        healthy: Option<&Data>,
+    ) -> Result<Self, DetectorError> {
+        let method = Method::Residual(kind);
+        let mut detector = diagnoser.detector_at(kind, confidence)?;
+        let offset = match healthy {
+            Some(data) => offset(&mut detector, data, diagnoser.run_up)?,
+            None => 0.0,
+        };
+        detector.reset();
+        let has_level = kind.info().instead_of_level.is_none();
+        let window = diagnoser.window_of(kind);
+        Ok(Self {
+            detector,
+            rule: RunRule::new(window),
+            window,
+            refused: !diagnoser.explains(kind) && method != asked,
+            settling: diagnoser.run_up_of(kind),
+            offset,
+            last_outside: 0.0,
+            counted: Outside::default(),
+            found: Found::new(method, has_level.then_some(confidence.beta())),
+            standing: false,
+            shown: Shown::default(),
+        })
+    }
+
     /// A new segment begins.
     pub(crate) fn begin(&mut self) {
         self.rule.reset();
@@ -46,6 +80,9 @@ impl OfResidual {
             self.detector.settle(u)?;
         }
         let verdict = self.detector.step(u, y - self.offset)?;
+        if beyond {
+            self.detector.disregard();
+        }
         let exceeds = verdict.exceeds && !beyond;
         if sample >= self.settling && !beyond {
             self.counted.step(1, usize::from(exceeds));
@@ -81,9 +118,9 @@ pub(crate) fn starts_up(samples: usize, run_up: usize) -> bool {
     samples > 2 * run_up
 }
 
-/// What the middle of a detector's band is off the residual by, over a baseline.
-pub(crate) fn offset(
-    detector: &mut Detector<ModelRun, ThresholdRun>,
+/// What a detector expects of a healthy residual is off by, over a baseline.
+fn offset(
+    detector: &mut Detector<ModelRun, DetectorRun>,
     data: &Data,
     run_up: usize,
 ) -> Result<f64, DetectorError> {
@@ -97,7 +134,7 @@ pub(crate) fn offset(
             }
             let verdict = detector.step(&u, data.output().values[k])?;
             if !starts_up(segment.len(), run_up) || k - segment.start >= run_up {
-                sum += verdict.residual - 0.5 * (verdict.lower + verdict.upper);
+                sum += verdict.residual - detector.expected(&verdict);
                 taken += 1.0;
             }
         }

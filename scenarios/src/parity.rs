@@ -13,7 +13,7 @@ use crate::cosimulated::Follower;
 use crate::experiment::{Experiment, Stream};
 use crate::faults::{Fault, twelve};
 use crate::native::ClosedLoops;
-use crate::results::{ByMethod, DetectionRow, FaultName, Method, TorqueReading};
+use crate::results::{ByDetector, DetectionRow, DetectorKind, FaultName, TorqueReading};
 use crate::study::{
     Designed, Judgement, SAMPLES, Signals, StudyError, Watch, false_rate_of, row_of,
 };
@@ -96,7 +96,7 @@ pub struct FaultRow {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodRows {
     /// The method.
-    pub method: Method,
+    pub method: DetectorKind,
     /// Seeds in which all twelve faults were detected.
     pub all_detected: Share,
     /// r_fd over the seeds' healthy runs.
@@ -147,9 +147,9 @@ pub struct Parity {
 
 /// What one seed gave.
 struct OfSeed {
-    faults: Vec<ByMethod<DetectionRow>>,
-    r_fd: ByMethod,
-    alarms: ByMethod<usize>,
+    faults: Vec<ByDetector<DetectionRow>>,
+    r_fd: ByDetector,
+    alarms: ByDetector<usize>,
     always: (Vec<DetectionRow>, f64),
     shuffled: DetectionRow,
 }
@@ -177,7 +177,7 @@ pub fn parity(
             found
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let methods = Method::ALL.map(|method| method_rows(method, &faults, &of_seeds));
+    let methods = DetectorKind::ALL.map(|method| method_rows(method, &faults, &of_seeds));
     let n = of_seeds.len();
     let mean =
         |values: &dyn Fn(&OfSeed) -> f64| of_seeds.iter().map(values).sum::<f64>() / n as f64;
@@ -224,24 +224,24 @@ fn of_seed(
     };
     let judged = loops.run(&inputs).iter().map(judge).collect::<Result<Vec<_>, _>>()?;
     let (healthy, faulty) = (&judged[0], &judged[1..]);
-    let always = |judgement: &Judgement| judgement.trace(Method::Mem).with_bands_scaled(0.0);
+    let always = |judgement: &Judgement| judgement.trace(DetectorKind::Mem).with_bands_scaled(0.0);
     let row = |(fault, judgement): (&Fault, &Judgement)| {
-        ByMethod::from_fn(|method| judgement.row(method, fault))
+        ByDetector::from_fn(|method| judgement.row(method, fault))
     };
     let always_rows = faults
         .iter()
         .zip(faulty)
-        .map(|(fault, judgement)| row_of(&always(judgement), Method::Mem, fault));
+        .map(|(fault, judgement)| row_of(&always(judgement), DetectorKind::Mem, fault));
     Ok(OfSeed {
         faults: faults.iter().zip(faulty).map(row).collect(),
-        r_fd: ByMethod::from_fn(|method| healthy.false_rate(method)),
-        alarms: ByMethod::from_fn(|method| healthy.alarms(method)),
+        r_fd: ByDetector::from_fn(|method| healthy.false_rate(method)),
+        alarms: ByDetector::from_fn(|method| healthy.alarms(method)),
         always: (always_rows.collect(), false_rate_of(&always(healthy))),
-        shuffled: healthy.row(Method::Mem, &faults[0]),
+        shuffled: healthy.row(DetectorKind::Mem, &faults[0]),
     })
 }
 
-fn method_rows(method: Method, faults: &[Fault], seeds: &[OfSeed]) -> MethodRows {
+fn method_rows(method: DetectorKind, faults: &[Fault], seeds: &[OfSeed]) -> MethodRows {
     let n = seeds.len();
     let count =
         |hit: &dyn Fn(&OfSeed) -> bool| Share::new(seeds.iter().filter(|s| hit(s)).count(), n);

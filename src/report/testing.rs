@@ -54,8 +54,8 @@ fn names() -> impl Iterator<Item = FaultName> {
 
 /// Results as a study gives them; fmpy was not run.
 pub(crate) fn study() -> StudyResults {
-    let row = |(k, fault): (usize, FaultName), method: Method| {
-        let late = if method == Method::Mem { 0 } else { 3 };
+    let row = |(k, fault): (usize, FaultName), method: DetectorKind| {
+        let late = if method == DetectorKind::Mem { 0 } else { 3 };
         let delay = 51 + (k * 5) % 9 + late;
         DetectionRow {
             fault,
@@ -66,7 +66,7 @@ pub(crate) fn study() -> StudyResults {
             false_alarms: 0,
         }
     };
-    let detection: Vec<DetectionRow> = Method::ALL
+    let detection: Vec<DetectionRow> = DetectorKind::ALL
         .into_iter()
         .flat_map(|method| names().enumerate().map(move |fault| row(fault, method)))
         .collect();
@@ -86,9 +86,14 @@ pub(crate) fn study() -> StudyResults {
         })
         .collect();
     let paper = FAULTS.iter().flat_map(|f| {
-        [(Method::Mem, f.mem), (Method::Constant, f.constant)].map(|(method, (r_td, t_dt))| {
-            PaperRow { label: f.label.into(), method, r_td: r_td / 100.0, t_dt }
-        })
+        [(DetectorKind::Mem, f.mem), (DetectorKind::Constant, f.constant)].map(
+            |(method, (r_td, t_dt))| PaperRow {
+                label: f.label.into(),
+                method,
+                r_td: r_td / 100.0,
+                t_dt,
+            },
+        )
     });
     StudyResults {
         hidden_effect: None,
@@ -119,9 +124,14 @@ pub(crate) fn study() -> StudyResults {
             samples: 90_000,
             runs: 16,
             run_up: 375,
-            alarms: ByMethod::from_fn(|_| 0),
+            alarms: ByDetector::from_fn(|_| 0),
         },
-        r_fd: ByMethod { mem: 0.0502, mem_recurrent: 0.051, constant: 0.0493, gmdh: 0.0 },
+        r_fd: ByDetector::from_fn(|kind| match kind {
+            DetectorKind::Mem => 0.0502,
+            DetectorKind::MemRecurrent => 0.051,
+            DetectorKind::Constant => 0.0493,
+            _ => 0.0,
+        }),
         model: ModelSummary {
             process_model: "ARX (n_a = 4, n_b = 4), free run from C_m".into(),
             training_samples: 3000,
@@ -156,8 +166,8 @@ pub(crate) fn study() -> StudyResults {
         },
         levels: vec![LevelRows {
             beta: 0.01,
-            r_fd: ByMethod::from_fn(|_| 0.0101),
-            alarms: ByMethod::from_fn(|_| 0),
+            r_fd: ByDetector::from_fn(|_| 0.0101),
+            alarms: ByDetector::from_fn(|_| 0),
             detection,
             readings: Vec::new(),
         }],

@@ -3,7 +3,7 @@
 use drivescope_discovery::{BothUnexplained, OutputFits, Unexplained};
 use drivescope_plant::drive::Motion;
 use drivescope_scenarios::results::{
-    DetectionRow, FaultName, Method, PaperRow, StudyResults, TorqueReading,
+    DetectionRow, DetectorKind, FaultName, PaperRow, StudyResults, TorqueReading,
 };
 
 /// `tacho +5 %`.
@@ -136,7 +136,7 @@ pub(crate) fn torque(reading: TorqueReading) -> &'static str {
 }
 
 /// The rows of one method.
-pub(crate) fn rows_of(rows: &[DetectionRow], method: Method) -> Vec<&DetectionRow> {
+pub(crate) fn rows_of(rows: &[DetectionRow], method: DetectorKind) -> Vec<&DetectionRow> {
     rows.iter().filter(|row| row.method == method).collect()
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn rows_of(rows: &[DetectionRow], method: Method) -> Vec<&DetectionRo
 pub(crate) fn paper_row<'a>(
     study: &'a StudyResults,
     label: &str,
-    method: Method,
+    method: DetectorKind,
 ) -> Option<&'a PaperRow> {
     study.paper.detection.iter().find(|row| row.label == label && row.method == method)
 }
@@ -157,7 +157,7 @@ pub(crate) fn paper_delay(study: &StudyResults, row: &PaperRow) -> i64 {
 
 /// What a method found, in one line: `12 of 12 faults detected by model error modelling, 0 false
 /// alarms in 5000 healthy samples`.
-pub(crate) fn verdict(study: &StudyResults, method: Method) -> String {
+pub(crate) fn verdict(study: &StudyResults, method: DetectorKind) -> String {
     let rows = rows_of(&study.detection, method);
     let found = rows.iter().filter(|row| row.detected()).count();
     let alarms = study.healthy.alarms.of(method);
@@ -288,12 +288,13 @@ mod tests {
         let mut found = study();
         let line = "12 of 12 faults detected by model error modelling, 0 false alarms in 90000 \
                     healthy samples";
-        assert_eq!(verdict(&found, Method::Mem), line);
-        let missed = found.detection.iter_mut().find(|row| row.method == Method::Mem).unwrap();
+        assert_eq!(verdict(&found, DetectorKind::Mem), line);
+        let missed =
+            found.detection.iter_mut().find(|row| row.method == DetectorKind::Mem).unwrap();
         missed.false_alarms = 1;
-        found.healthy.alarms.mem = 1;
+        *found.healthy.alarms.get_mut(DetectorKind::Mem) = 1;
         let line = "11 of 12 faults detected by model error modelling, 1 false alarm in 90000 \
                     healthy samples, 1 declaration before a fault began";
-        assert_eq!(verdict(&found, Method::Mem), line);
+        assert_eq!(verdict(&found, DetectorKind::Mem), line);
     }
 }

@@ -9,6 +9,7 @@ use crate::arx::{Arx, Orders};
 use crate::data::data;
 use crate::design::{Design, DesignError, DesignReport, ErrorModel};
 use crate::file::FileError;
+use crate::flaw::Flaw;
 use crate::interface::Channel;
 use crate::network::{Structure, Trained, Training, train};
 use crate::testing::{PERIOD, Run, closed_loop, multisine};
@@ -65,7 +66,7 @@ fn designed() -> &'static (Diagnoser, DesignReport) {
     &DESIGNED
 }
 
-fn diagnosed(seed: u64, fault: f64, kind: ThresholdKind) -> Trace {
+fn diagnosed(seed: u64, fault: f64, kind: DetectorKind) -> Trace {
     let run = closed_loop(SAMPLES, seed, ONSET, fault);
     designed().0.diagnose(&recording(&run), kind).unwrap()
 }
@@ -73,7 +74,7 @@ fn diagnosed(seed: u64, fault: f64, kind: ThresholdKind) -> Trace {
 #[test]
 fn a_five_per_cent_fault_leaves_the_bands_and_health_does_not() {
     for (seed, fault) in [(21, 0.05), (22, -0.05), (23, 0.2)] {
-        let trace = diagnosed(seed, fault, ThresholdKind::ModelError);
+        let trace = diagnosed(seed, fault, DetectorKind::Mem);
         let r_td = trace.exceedance_rate(ONSET..SAMPLES).unwrap();
         assert!(r_td > 0.98, "fault {fault}: r_td {r_td}");
         let t_dt = trace.declarations()[0];
@@ -86,7 +87,7 @@ fn health_exceeds_as_often_as_designed_whatever_the_span_is_called() {
     // Labels shuffled: the "fault's" span of a run without a fault yields beta, not r_td.
     let (mut r_td, mut r_fd) = (0.0, 0.0);
     for seed in 31..39 {
-        let trace = diagnosed(seed, 0.0, ThresholdKind::ModelError);
+        let trace = diagnosed(seed, 0.0, DetectorKind::Mem);
         r_td += trace.exceedance_rate(ONSET..SAMPLES).unwrap() / 8.0;
         r_fd += trace.exceedance_rate(RUN_UP..ONSET).unwrap() / 8.0;
         assert!(trace.declarations().is_empty(), "seed {seed}");
@@ -100,7 +101,7 @@ fn a_band_around_nothing_alarms_always_and_its_r_fd_says_so() {
     let mut broken = designed().0.clone();
     broken.model_error.deviation = 1e-9;
     let run = closed_loop(SAMPLES, 25, ONSET, 0.05);
-    let trace = broken.diagnose(&recording(&run), ThresholdKind::ModelError).unwrap();
+    let trace = broken.diagnose(&recording(&run), DetectorKind::Mem).unwrap();
     assert!(trace.exceedance_rate(ONSET..SAMPLES).unwrap() > 0.999);
     assert!(trace.exceedance_rate(RUN_UP..ONSET).unwrap() > 0.999);
     assert!(trace.declarations()[0] < ONSET);
@@ -125,7 +126,7 @@ fn bands_stand_about_the_middle_of_the_design_data() {
         let designed = Diagnoser::design(interface(), model, &data(&shifted), &data(&widths), &how);
         let (diagnoser, report) = designed.unwrap();
         assert!((report.bands.mean - 4.0).abs() < 1.5, "{report:?}");
-        let mut detector = diagnoser.detector(ThresholdKind::ModelError).unwrap();
+        let mut detector = diagnoser.detector(DetectorKind::Mem).unwrap();
         let verdicts = detector.run(&data(&widths)).unwrap().verdicts;
         let off = |v: &crate::detector::Verdict| v.residual - 0.5 * (v.lower + v.upper);
         let mean = verdicts[RUN_UP..].iter().map(off).sum::<f64>() / DESIGN_SAMPLES as f64;
@@ -146,7 +147,7 @@ fn a_one_step_prediction_would_absorb_the_fault() {
     let left: Vec<f64> = residual.iter().zip(&predicted).map(|(r, p)| r - p).collect();
     let (_, deviation) = crate::threshold::mean_and_deviation(&left[RUN_UP..ONSET]);
     let outside = left[ONSET..].iter().filter(|e| e.abs() > 1.96 * deviation).count();
-    let free_run = diagnosed(26, 0.05, ThresholdKind::ModelError);
+    let free_run = diagnosed(26, 0.05, DetectorKind::Mem);
     let r_td = free_run.exceedance_rate(ONSET..SAMPLES).unwrap();
     let absorbed = outside as f64 / (SAMPLES - ONSET) as f64;
     assert!(r_td > 0.99 && absorbed < 0.95, "one step {absorbed}, free run {r_td}");
@@ -154,7 +155,7 @@ fn a_one_step_prediction_would_absorb_the_fault() {
 
 #[test]
 fn constant_thresholds_hold_their_level_on_health() {
-    let trace = diagnosed(27, 0.1, ThresholdKind::Constant);
+    let trace = diagnosed(27, 0.1, DetectorKind::Constant);
     let r_fd = trace.exceedance_rate(RUN_UP..ONSET).unwrap();
     assert!(r_fd < 0.05 + 4.0 * RATE_SPREAD, "{r_fd}");
     assert!(trace.exceedance_rate(ONSET..SAMPLES).unwrap() > 0.98);
@@ -171,7 +172,7 @@ fn orders_by_aic_and_a_recurrent_error_model_serve_as_well() {
         let (diagnoser, report) = design(&how).unwrap();
         assert!(report.bands.deviation < 1.2 * designed().1.bands.deviation, "{report:?}");
         let run = closed_loop(SAMPLES, 28, ONSET, -0.05);
-        let trace = diagnoser.diagnose(&recording(&run), ThresholdKind::ModelError).unwrap();
+        let trace = diagnoser.diagnose(&recording(&run), DetectorKind::Mem).unwrap();
         let r_td = trace.exceedance_rate(ONSET..SAMPLES).unwrap();
         let r_fd = trace.exceedance_rate(RUN_UP..ONSET).unwrap();
         assert!(r_td > 0.95, "{r_td}");
@@ -188,7 +189,7 @@ fn a_saved_diagnoser_gives_the_same_bits() {
     let loaded = Diagnoser::load(&path).unwrap();
     assert_eq!(&loaded, diagnoser);
     let run = recording(&closed_loop(1000, 29, 800, 0.05));
-    for kind in [ThresholdKind::ModelError, ThresholdKind::Constant] {
+    for kind in [DetectorKind::Mem, DetectorKind::Constant] {
         assert_eq!(loaded.diagnose(&run, kind), diagnoser.diagnose(&run, kind));
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "a temporary file stayed");
@@ -218,11 +219,20 @@ fn a_file_that_cannot_run_is_refused() {
         *arx = Model::Arx(Arc::new(Arx { a: vec![-1.5], b: vec![vec![1.0]], constant: 0.0 }));
     };
     let error = refused(&|d| unstable(&mut d.model));
-    assert!(matches!(error, FileError::Unstable { which: "process model", .. }), "{error}");
+    assert!(
+        matches!(error, FileError::Flaw { flaw: Flaw::Unstable { which: "process model" }, .. }),
+        "{error}"
+    );
     let error = refused(&|d| unstable(&mut d.model_error.model));
-    assert!(matches!(error, FileError::Unstable { which: "error model", .. }), "{error}");
+    assert!(
+        matches!(error, FileError::Flaw { flaw: Flaw::Unstable { which: "error model" }, .. }),
+        "{error}"
+    );
     let error = refused(&|d| d.interface.inputs.push(Channel::new("I_m", "A")));
-    assert!(matches!(error, FileError::Shape { inputs: 2, .. }), "{error}");
+    assert!(
+        matches!(error, FileError::Flaw { flaw: Flaw::Shape { inputs: 2, .. }, .. }),
+        "{error}"
+    );
     let error = refused(&|d| d.schema = 4);
     assert!(matches!(error, FileError::Schema { found: 4, .. }), "{error}");
     let error = refused(&|d| d.model_error.deviation = -1.0);
@@ -242,7 +252,7 @@ fn other_signals_are_refused() {
     let mut renamed = recording(&run);
     renamed.signals[0].name = "u".into();
     let diagnoser = &designed().0;
-    let kind = ThresholdKind::ModelError;
+    let kind = DetectorKind::Mem;
     let refusal = diagnoser.diagnose(&renamed, kind).unwrap_err();
     assert!(matches!(
         refusal,

@@ -16,7 +16,8 @@ use super::separability::Separability;
 use super::symptoms::{FaultSymptoms, SymptomError, Symptoms};
 use crate::data::Data;
 use crate::detector::DetectorError;
-use crate::diagnoser::{Diagnoser, ThresholdKind};
+use crate::detectors::DetectorKind;
+use crate::diagnoser::Diagnoser;
 use crate::identification::thresholds_off;
 
 /// Symptoms of a fault that are learned and that are held out, at most: the paper's number.
@@ -131,7 +132,7 @@ impl Diagnoser {
     fn standing(&self, run: &FaultyRun) -> Result<(Vec<Vec<f64>>, f64), FaultsError> {
         let recording = || run.recording.to_owned();
         let mut detector = self
-            .detector(ThresholdKind::ModelError)
+            .detector(DetectorKind::Mem)
             .map_err(|source| FaultsError::Detector { recording: recording(), source })?;
         let trace = detector
             .run(&run.data)
@@ -193,7 +194,7 @@ mod tests {
     fn named(diagnoser: &Diagnoser, fault: f64, seed: u64) -> crate::isolation::Named {
         let run = closed_loop(2000, seed, ONSET, fault);
         let data = data(&run);
-        let mut detector = diagnoser.detector(ThresholdKind::ModelError).unwrap();
+        let mut detector = diagnoser.detector(DetectorKind::Mem).unwrap();
         let known = diagnoser.faults.clone().unwrap();
         let mut naming = Naming::new(known, diagnoser.constant.band(diagnoser.confidence));
         assert!(naming.named().is_none());

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use drivescope_diagnoser::{Column as Signal, Confidence, Data, ThresholdKind};
+use drivescope_diagnoser::{Column as Signal, Confidence, Data, DetectorKind};
 use drivescope_recording::dataset::Values;
 
 use super::*;
@@ -77,7 +77,7 @@ fn a_row_says_what_the_detectors_say_of_its_signals() {
         diagnoser.confidence = Confidence::new(scenario.settings.beta).expect("a level");
         diagnoser.run_up = plan.run_up;
         let (from, _) = scenario.faulty().expect("there is always one");
-        let methods = [("constant", ThresholdKind::Constant), ("bands", ThresholdKind::ModelError)];
+        let methods = [("constant", DetectorKind::Constant), ("bands", DetectorKind::Mem)];
         for (name, kind) in methods {
             let trace = diagnoser.detector(kind).expect("it has one").run(&data).expect("it runs");
             let found = trace.detection(from);

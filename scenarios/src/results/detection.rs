@@ -1,53 +1,17 @@
-//! What every method detected, and its false alarms.
+//! What every detector detected, and its false alarms.
 
-use drivescope_diagnoser::ThresholdKind;
+use drivescope_diagnoser::DetectorKind;
 use serde::{Deserialize, Serialize};
 
-use super::{FaultName, TorqueReading};
+use super::{ByDetector, FaultName, TorqueReading};
 
-/// A way of watching the residual.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// Adaptive bands by model error modelling, ARX error model.
-    Mem,
-    /// The same with a recurrent error model.
-    MemRecurrent,
-    /// Constant thresholds.
-    Constant,
-    /// Intervals of the GMDH network with bounded parameters.
-    Gmdh,
-}
-
-impl Method {
-    /// Every method of the study, in the order of the tables.
-    pub const ALL: [Self; 4] = [Self::Mem, Self::MemRecurrent, Self::Constant, Self::Gmdh];
-    /// Those of which the paper has figures.
-    pub const IN_PAPER: [Self; 2] = [Self::Mem, Self::Constant];
-
-    /// The threshold of a diagnoser that it is.
-    pub fn kind(self) -> ThresholdKind {
-        match self {
-            Self::Mem => ThresholdKind::ModelError,
-            Self::MemRecurrent => ThresholdKind::RecurrentModelError,
-            Self::Constant => ThresholdKind::Constant,
-            Self::Gmdh => ThresholdKind::Gmdh,
-        }
-    }
-
-    /// Name for people.
-    pub fn label(self) -> &'static str {
-        self.kind().label()
-    }
-}
-
-/// How one method saw one fault.
+/// How one detector saw one fault.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DetectionRow {
     /// The fault.
     pub fault: FaultName,
-    /// The method.
-    pub method: Method,
+    /// The detector.
+    pub method: DetectorKind,
     /// Share of faulty samples outside the threshold.
     pub r_td: f64,
     /// Sample at which the fault was declared, none if it was not; a run of exceedances that most
@@ -71,7 +35,7 @@ impl DetectionRow {
 pub struct ReadingRows {
     /// The reading.
     pub torque: TorqueReading,
-    /// One row a fault and method.
+    /// One row a fault and detector.
     pub detection: Vec<DetectionRow>,
 }
 
@@ -80,66 +44,14 @@ pub struct ReadingRows {
 pub struct LevelRows {
     /// Significance level beta.
     pub beta: f64,
-    /// Share of healthy samples outside, by method.
-    pub r_fd: ByMethod,
+    /// Share of healthy samples outside, by detector.
+    pub r_fd: ByDetector,
     /// Faults declared on healthy runs.
-    pub alarms: ByMethod<usize>,
-    /// One row a fault and method.
+    pub alarms: ByDetector<usize>,
+    /// One row a fault and detector.
     pub detection: Vec<DetectionRow>,
     /// The rows of the other readings.
     pub readings: Vec<ReadingRows>,
-}
-
-/// A number for each method.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ByMethod<T = f64> {
-    /// Model error modelling, ARX error model.
-    pub mem: T,
-    /// The same with a recurrent error model.
-    pub mem_recurrent: T,
-    /// Constant thresholds.
-    pub constant: T,
-    /// Robust GMDH network.
-    pub gmdh: T,
-}
-
-impl<T> ByMethod<T> {
-    /// One value a method.
-    pub fn from_fn(mut value: impl FnMut(Method) -> T) -> Self {
-        Self {
-            mem: value(Method::Mem),
-            mem_recurrent: value(Method::MemRecurrent),
-            constant: value(Method::Constant),
-            gmdh: value(Method::Gmdh),
-        }
-    }
-
-    /// The one of this method.
-    pub fn get(&self, method: Method) -> &T {
-        match method {
-            Method::Mem => &self.mem,
-            Method::MemRecurrent => &self.mem_recurrent,
-            Method::Constant => &self.constant,
-            Method::Gmdh => &self.gmdh,
-        }
-    }
-
-    /// The one of this method, to change.
-    pub fn get_mut(&mut self, method: Method) -> &mut T {
-        match method {
-            Method::Mem => &mut self.mem,
-            Method::MemRecurrent => &mut self.mem_recurrent,
-            Method::Constant => &mut self.constant,
-            Method::Gmdh => &mut self.gmdh,
-        }
-    }
-}
-
-impl<T: Copy> ByMethod<T> {
-    /// The one of this method.
-    pub fn of(&self, method: Method) -> T {
-        *self.get(method)
-    }
 }
 
 /// Healthy evaluation runs.
@@ -152,7 +64,7 @@ pub struct HealthySummary {
     /// Samples of each run that are not judged, from its start.
     pub run_up: usize,
     /// Faults declared.
-    pub alarms: ByMethod<usize>,
+    pub alarms: ByDetector<usize>,
 }
 
 /// A run beside the twelve: other kinds of faults, or several at once.
@@ -160,6 +72,6 @@ pub struct HealthySummary {
 pub struct FurtherRun {
     /// The faults, as they were typed.
     pub faults: String,
-    /// One row a method.
+    /// One row a detector.
     pub detection: Vec<DetectionRow>,
 }

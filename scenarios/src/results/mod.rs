@@ -1,5 +1,6 @@
 //! What a study finds, as `study.json` holds it. Fractions unless a name says per cent.
 
+mod by_detector;
 mod detection;
 mod fmu;
 mod isolation;
@@ -13,9 +14,10 @@ use serde::{Deserialize, Serialize};
 use crate::profile::Profile;
 use crate::trials::HiddenEffect;
 
-pub use detection::{
-    ByMethod, DetectionRow, FurtherRun, HealthySummary, LevelRows, Method, ReadingRows,
-};
+pub use by_detector::ByDetector;
+pub use detection::{DetectionRow, FurtherRun, HealthySummary, LevelRows, ReadingRows};
+/// A way of watching the residual.
+pub use drivescope_diagnoser::DetectorKind;
 pub use fmu::{FmpyRow, FmuSummary};
 pub use isolation::{
     IdentificationRow, IsolationTable, Merge, Pair, SeparabilitySummary, SizeGroup, SymptomPoints,
@@ -23,7 +25,7 @@ pub use isolation::{
 pub use models::{
     GmdhSummary, ModelSummary, RecurrentErrorSummary, StructureSummary, TheoremRow, TheoremSummary,
 };
-pub use paper::{PaperFigures, PaperRates, PaperRow};
+pub use paper::{DESCRIBED, IN_PAPER, PaperFigures, PaperRates, PaperRow};
 pub use pictures::Pictures;
 pub use setting::{DriveSummary, FaultName, FaultSpan, NoiseSummary, TorqueReading};
 
@@ -52,7 +54,7 @@ pub struct StudyResults {
     pub profile: String,
     /// Samples in a row outside the threshold that declare a fault.
     pub window: usize,
-    /// One row a fault and method.
+    /// One row a fault and detector.
     pub detection: Vec<DetectionRow>,
     /// The rows of the other readings.
     pub readings: Vec<ReadingRows>,
@@ -63,8 +65,8 @@ pub struct StudyResults {
     pub levels: Vec<LevelRows>,
     /// False alarms on healthy runs.
     pub healthy: HealthySummary,
-    /// Share of healthy samples outside the threshold, by method.
-    pub r_fd: ByMethod,
+    /// Share of healthy samples outside the threshold, by detector.
+    pub r_fd: ByDetector,
     /// How the process model was found and how good it is.
     pub model: ModelSummary,
     /// Structures of the process model that were compared, the paper's among them.

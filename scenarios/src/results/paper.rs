@@ -2,7 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Method;
+use super::DetectorKind;
+
+/// The detectors of which the paper has figures.
+pub const IN_PAPER: [DetectorKind; 2] = [DetectorKind::Mem, DetectorKind::Constant];
+/// Those that it describes without figures for this motor.
+pub const DESCRIBED: [DetectorKind; 2] = [DetectorKind::MemRecurrent, DetectorKind::Gmdh];
 
 /// Figures of the reference paper, for the tables.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,11 +33,11 @@ pub struct PaperRates {
 
 impl PaperRates {
     /// The one of this method, if the paper has it.
-    pub fn of(&self, method: Method) -> Option<f64> {
+    pub fn of(&self, method: DetectorKind) -> Option<f64> {
         match method {
-            Method::Mem => Some(self.mem),
-            Method::Constant => Some(self.constant),
-            Method::MemRecurrent | Method::Gmdh => None,
+            DetectorKind::Mem => Some(self.mem),
+            DetectorKind::Constant => Some(self.constant),
+            _ => None,
         }
     }
 }
@@ -43,7 +48,7 @@ pub struct PaperRow {
     /// The paper's label.
     pub label: String,
     /// The method.
-    pub method: Method,
+    pub method: DetectorKind,
     /// Share of faulty samples outside the threshold.
     pub r_td: f64,
     /// Sample of the declaration.

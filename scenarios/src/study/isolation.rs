@@ -15,7 +15,7 @@ use crate::experiment::{Experiment, Stream};
 use crate::faults::{Fault, SPAN, twelve};
 use crate::native::ClosedLoops;
 use crate::results::{
-    IsolationTable, Merge, Method, Pair, SeparabilitySummary, SymptomPoints, TorqueReading,
+    DetectorKind, IsolationTable, Merge, Pair, SeparabilitySummary, SymptomPoints, TorqueReading,
 };
 
 /// Samples of a fault that a classifier is trained on, as in the paper.
@@ -58,7 +58,7 @@ pub(super) fn isolate(
         .map(|(fault, signals, judgement)| {
             let span = declared(fault);
             let count = span.len();
-            let trace = judgement.trace(Method::Constant);
+            let trace = judgement.trace(DetectorKind::Constant);
             let samples = symptoms_of(&signals.data()?, trace, span, count)?;
             Ok(FaultSymptoms { fault: fault.name.shown(), samples })
         })
@@ -172,8 +172,7 @@ pub(crate) fn symptoms(
     let of_fault = |(fault, run): (&Fault, _)| -> Result<FaultSymptoms, StudyError> {
         let signals = Signals::of(run);
         let data = signals.data()?;
-        let kind = drivescope_diagnoser::ThresholdKind::Constant;
-        let trace = diagnoser.detector(kind)?.run(&data)?;
+        let trace = diagnoser.detector(DetectorKind::Constant)?.run(&data)?;
         let samples = symptoms_of(&data, &trace, declared(fault), LEARNED)?;
         Ok(FaultSymptoms { fault: fault.name.shown(), samples })
     };

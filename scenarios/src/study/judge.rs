@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use drivescope_diagnoser::{
-    Detection, Detector, DetectorError, Diagnoser, ModelRun, ThresholdRun, Trace, Verdict,
+    Detection, Detector, DetectorError, DetectorRun, Diagnoser, ModelRun, Trace, Verdict,
     fault_size,
 };
 use drivescope_recording::Recording;
@@ -12,14 +12,12 @@ use super::design::values;
 use super::{SAMPLES, StudyError};
 use crate::cosimulated::Follower;
 use crate::faults::Fault;
-use crate::results::{ByMethod, DetectionRow, Method, Pictures};
+use crate::results::{ByDetector, DetectionRow, DetectorKind, Pictures};
 
 /// All detectors at work on one run.
 pub struct Watch {
-    detectors: ByMethod<Detector<ModelRun, ThresholdRun>>,
-    verdicts: ByMethod<Vec<Verdict>>,
-    run_up: usize,
-    window: usize,
+    /// One a detector of the registry, in its order, with its verdicts.
+    each: Vec<(Detector<ModelRun, DetectorRun>, Trace)>,
 }
 
 impl Watch {
@@ -28,34 +26,25 @@ impl Watch {
     /// # Errors
     /// A diagnoser that lacks one.
     pub fn new(diagnoser: &Diagnoser) -> Result<Self, DetectorError> {
-        let detector = |method: Method| diagnoser.detector(method.kind());
-        let detectors = ByMethod {
-            mem: detector(Method::Mem)?,
-            mem_recurrent: detector(Method::MemRecurrent)?,
-            constant: detector(Method::Constant)?,
-            gmdh: detector(Method::Gmdh)?,
-        };
-        let verdicts = ByMethod::from_fn(|_| Vec::with_capacity(SAMPLES));
-        Ok(Self { detectors, verdicts, run_up: diagnoser.run_up, window: diagnoser.window })
+        let run_up = diagnoser.run_up;
+        let each = DetectorKind::ALL.into_iter().map(|kind| {
+            let (verdicts, window) = (Vec::with_capacity(SAMPLES), diagnoser.window_of(kind));
+            Ok((diagnoser.detector(kind)?, Trace { verdicts, run_up, window }))
+        });
+        Ok(Self { each: each.collect::<Result<_, _>>()? })
     }
 
     /// What was found over the run.
     pub fn judgement(self) -> Judgement {
-        let Self { mut verdicts, run_up, window, .. } = self;
-        let traces = ByMethod::from_fn(|method| Trace {
-            verdicts: std::mem::take(verdicts.get_mut(method)),
-            run_up,
-            window,
-        });
-        Judgement { traces }
+        let mut traces = self.each.into_iter().map(|(_, trace)| trace);
+        Judgement { traces: ByDetector::from_fn(|_| traces.next().expect("one a detector")) }
     }
 }
 
 impl Follower for Watch {
     fn sample(&mut self, c_m: f64, t: f64) -> Result<(), DetectorError> {
-        for method in Method::ALL {
-            let verdict = self.detectors.get_mut(method).step(&[c_m], t)?;
-            self.verdicts.get_mut(method).push(verdict);
+        for (detector, trace) in &mut self.each {
+            trace.verdicts.push(detector.step(&[c_m], t)?);
         }
         Ok(())
     }
@@ -64,48 +53,48 @@ impl Follower for Watch {
 /// The verdicts over one run.
 #[derive(Debug, Clone)]
 pub struct Judgement {
-    traces: ByMethod<Trace>,
+    traces: ByDetector<Trace>,
 }
 
 impl Judgement {
     /// The verdicts of one method.
-    pub fn trace(&self, method: Method) -> &Trace {
+    pub fn trace(&self, method: DetectorKind) -> &Trace {
         self.traces.get(method)
     }
 
-    /// The same run at another significance level, its quantile `factor` times the own one; the
-    /// bounded-error intervals of the GMDH network know no such level.
+    /// The same run at another significance level, its quantile `factor` times the own one; what
+    /// knows no such level stays.
     pub(super) fn at_level(&self, factor: f64) -> Self {
-        let scaled = |method| match method {
-            Method::Gmdh => self.traces.gmdh.clone(),
-            method => self.trace(method).with_bands_scaled(factor),
+        let scaled = |kind: DetectorKind| match kind.info().instead_of_level {
+            Some(_) => self.trace(kind).clone(),
+            None => self.trace(kind).with_bands_scaled(factor),
         };
-        Self { traces: ByMethod::from_fn(scaled) }
+        Self { traces: ByDetector::from_fn(scaled) }
     }
 
     /// Share of samples outside the threshold after the run-up.
-    pub fn false_rate(&self, method: Method) -> f64 {
+    pub fn false_rate(&self, method: DetectorKind) -> f64 {
         false_rate_of(self.trace(method))
     }
 
     /// Faults declared over the run: a declaration that stands counts once.
-    pub fn alarms(&self, method: Method) -> usize {
+    pub fn alarms(&self, method: DetectorKind) -> usize {
         self.trace(method).declarations().len()
     }
 
     /// The row of the detection table.
-    pub fn row(&self, method: Method, fault: &Fault) -> DetectionRow {
+    pub fn row(&self, method: DetectorKind, fault: &Fault) -> DetectionRow {
         row_of(self.trace(method), method, fault)
     }
 
     /// The size of the symptom (27) in constant thresholds.
     pub(super) fn symptom(&self, fault: &Fault) -> Result<f64, StudyError> {
-        Ok(fault_size(&self.traces.constant, fault.from..fault.until)?)
+        Ok(fault_size(self.trace(DetectorKind::Constant), fault.from..fault.until)?)
     }
 
     /// The traces for the report.
     pub(super) fn picture(&self, fault: Option<&Fault>, signals: &Recording) -> Pictures {
-        let verdicts = &self.traces.mem.verdicts;
+        let verdicts = &self.trace(DetectorKind::Mem).verdicts;
         let of = |get: fn(&Verdict) -> f64| verdicts.iter().map(get).collect();
         Pictures {
             fault: fault.map(|fault| fault.name.clone()),
@@ -114,13 +103,13 @@ impl Judgement {
             residual: of(|v| v.residual),
             lower: of(|v| v.lower),
             upper: of(|v| v.upper),
-            declared: fault.and_then(|fault| self.row(Method::Mem, fault).t_dt),
+            declared: fault.and_then(|fault| self.row(DetectorKind::Mem, fault).t_dt),
         }
     }
 }
 
 /// The row of the detection table that a run of verdicts gives.
-pub fn row_of(trace: &Trace, method: Method, fault: &Fault) -> DetectionRow {
+pub fn row_of(trace: &Trace, method: DetectorKind, fault: &Fault) -> DetectionRow {
     let Detection { t_dt, false_alarms } = trace.detection(fault.from);
     DetectionRow {
         fault: fault.name.clone(),

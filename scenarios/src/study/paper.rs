@@ -1,6 +1,6 @@
 //! Figures of the reference paper (Patan, Witczak and Korbicz, 2008), Tables 1 to 3.
 
-use crate::results::{Method, PaperFigures, PaperRates, PaperRow, SizeGroup};
+use crate::results::{DetectorKind, PaperFigures, PaperRates, PaperRow, SizeGroup};
 
 /// Label, then r_td in per cent and t_dt by model error modelling and by constant thresholds.
 type Row = (&'static str, (f64, usize), (f64, usize));
@@ -78,9 +78,14 @@ pub(super) fn figures() -> PaperFigures {
         row
     };
     let detection = TABLE_1.into_iter().flat_map(|(label, mem, constant)| {
-        [(Method::Mem, mem), (Method::Constant, constant)].map(|(method, (per_cent, t_dt))| {
-            PaperRow { label: label.to_owned(), method, r_td: per_cent / 100.0, t_dt }
-        })
+        [(DetectorKind::Mem, mem), (DetectorKind::Constant, constant)].map(
+            |(method, (per_cent, t_dt))| PaperRow {
+                label: label.to_owned(),
+                method,
+                r_td: per_cent / 100.0,
+                t_dt,
+            },
+        )
     });
     PaperFigures {
         detection: detection.collect(),

@@ -10,9 +10,9 @@ use super::{Judged, RUN_UP, Run, SAMPLES, Study, StudyError, StudyOptions, isola
 use crate::experiment::Experiment;
 use crate::faults::{Fault, SPAN};
 use crate::results::{
-    ByMethod, DetectionRow, DriveSummary, FaultName, FaultSpan, FmuSummary, FurtherRun,
-    HealthySummary, IdentificationRow, LevelRows, Method, NoiseSummary, ReadingRows, StudyResults,
-    TheoremSummary, TorqueReading,
+    ByDetector, DetectionRow, DetectorKind, DriveSummary, FaultName, FaultSpan, FmuSummary,
+    FurtherRun, HealthySummary, IdentificationRow, LevelRows, NoiseSummary, ReadingRows,
+    StudyResults, TheoremSummary, TorqueReading,
 };
 
 /// Significance levels of the tables, beside the one that was asked for.
@@ -20,8 +20,8 @@ const LEVELS: [f64; 2] = [0.05, 0.01];
 
 /// Everything that depends on the significance level.
 struct Level {
-    r_fd: ByMethod,
-    alarms: ByMethod<usize>,
+    r_fd: ByDetector,
+    alarms: ByDetector<usize>,
     detection: Vec<DetectionRow>,
     readings: Vec<ReadingRows>,
 }
@@ -40,12 +40,12 @@ fn level(judged: &[Judged], torque: TorqueReading, at: impl Fn(&Judgement) -> Ju
                 _ => None,
             })
         };
-        Method::ALL.into_iter().flat_map(of_method).collect()
+        DetectorKind::ALL.into_iter().flat_map(of_method).collect()
     };
     let others = TorqueReading::ALL.into_iter().filter(|reading| *reading != torque);
     Level {
-        r_fd: ByMethod::from_fn(|m| healthy.iter().map(|j| j.false_rate(m)).sum::<f64>() / count),
-        alarms: ByMethod::from_fn(|m| healthy.iter().map(|j| j.alarms(m)).sum()),
+        r_fd: ByDetector::from_fn(|m| healthy.iter().map(|j| j.false_rate(m)).sum::<f64>() / count),
+        alarms: ByDetector::from_fn(|m| healthy.iter().map(|j| j.alarms(m)).sum()),
         detection: rows(torque),
         readings: others.map(|torque| ReadingRows { torque, detection: rows(torque) }).collect(),
     }
@@ -57,7 +57,7 @@ fn further(judged: &[Judged]) -> Vec<FurtherRun> {
         let Run::Further(name, faults, _) = &judged.run else { return None };
         // What counts is that something is declared: the span is that of all of them.
         let fault = faults.first()?;
-        let rows = Method::ALL.into_iter().map(|method| {
+        let rows = DetectorKind::ALL.into_iter().map(|method| {
             let row = judged.judgement.row(method, fault);
             DetectionRow { fault: FaultName { label: name.clone(), ..row.fault }, ..row }
         });

@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use drivescope_diagnoser::bank::Row;
-use drivescope_diagnoser::{Detector, DetectorError, ModelRun, ThresholdRun};
+use drivescope_diagnoser::{Detector, DetectorError, DetectorRun, ModelRun};
 
-use crate::results::Method;
+use crate::results::DetectorKind;
 use crate::study::Designed;
 
 /// Samples from the start from rest in which the models settle, within the baseline.
@@ -13,7 +13,7 @@ const SETTLED: usize = 500;
 
 /// A detector of the paper along the rows of one machine.
 pub(super) struct Along {
-    detector: Detector<ModelRun, ThresholdRun>,
+    detector: Detector<ModelRun, DetectorRun>,
     last: VecDeque<f64>,
     window: usize,
     offset: f64,
@@ -23,11 +23,11 @@ impl Along {
     /// One value for every row after the baseline.
     pub(super) fn over(
         designed: &Designed,
-        method: Method,
+        method: DetectorKind,
         (rows, baseline, per_si): (&[Row], usize, f64),
     ) -> Result<Vec<f64>, DetectorError> {
         let window = designed.diagnoser.window;
-        let detector = designed.diagnoser.detector(method.kind())?;
+        let detector = designed.diagnoser.detector(method)?;
         let mut along = Self { detector, last: VecDeque::new(), window, offset: 0.0 };
         let (mut sum, mut taken) = (0.0, 0.0);
         let mut made = Vec::with_capacity(rows.len().saturating_sub(baseline));

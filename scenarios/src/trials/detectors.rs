@@ -5,7 +5,7 @@
 //! from the middle of the band, in half widths. It declares a fault where that is above a limit; at
 //! limit 1 this is the paper's rule, and other limits are designed from the tail over healthy machines,
 //! as the bank's are. Every detector gets the same baseline of each machine: its mean residual there is
-//! taken off.
+//! taken off. A sequential test has no such distance, and is not among them.
 
 use drivescope_diagnoser::DetectorError;
 use drivescope_diagnoser::bank::{Tail, Verified};
@@ -19,7 +19,7 @@ use super::healthy::{HealthyRow, WATCHED, held};
 use super::{ARL_0, TrialError};
 use crate::parity::{Share, Spread};
 use crate::profile::Profile;
-use crate::results::Method;
+use crate::results::DetectorKind;
 use crate::study::Designed;
 
 /// Samples after which another exceedance is another alarm.
@@ -119,7 +119,7 @@ fn of_fault(mechanism: &str, size: f64, found: &[Found]) -> FaultDelays {
 fn healthy_values(
     bench: &Bench,
     designed: &Designed,
-    method: Method,
+    method: DetectorKind,
     machines: std::ops::Range<usize>,
 ) -> Result<Vec<Vec<f64>>, TrialError> {
     let (baseline, per_si) = lengths(bench);
@@ -142,7 +142,7 @@ fn lengths(bench: &Bench) -> (usize, f64) {
 fn of_paper(
     bench: &Bench,
     designed: &Designed,
-    method: Method,
+    method: DetectorKind,
     machines: usize,
 ) -> Result<DetectorRow, TrialError> {
     let design = healthy_values(bench, designed, method, 0..DESIGN_MACHINES)?;
@@ -208,6 +208,11 @@ fn of_bank(bench: &Bench, known: &[DelayRow], machines: usize) -> DetectorRow {
     }
 }
 
+/// Those detectors that are a distance from the middle of a band.
+pub(super) fn compared() -> impl Iterator<Item = DetectorKind> {
+    DetectorKind::ALL.into_iter().filter(|kind| !kind.info().is_sequential)
+}
+
 /// The curves of the detectors of a study and of a bank over machines of one kind, with false alarms on
 /// `samples` healthy ones; `step` is called after each detector.
 pub(super) fn curves(
@@ -221,7 +226,7 @@ pub(super) fn curves(
     let machines = samples.div_ceil(WATCHED);
     let mut detectors = vec![of_bank(bench, &known, machines)];
     step()?;
-    for method in Method::ALL {
+    for method in compared() {
         detectors.push(of_paper(bench, designed, method, machines)?);
         step()?;
     }

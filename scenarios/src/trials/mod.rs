@@ -132,8 +132,10 @@ pub struct Trials {
     pub healthy: Healthy,
 }
 
-/// Steps of [`detectors`], for a progress bar.
-pub const DETECTOR_STEPS: u64 = 6;
+/// Steps of [`detectors`], for a progress bar: the bank's delays, its false alarms, and the others.
+pub fn detector_steps() -> u64 {
+    2 + detectors::compared().count() as u64
+}
 
 /// Delays of all detectors at equal mean times between false alarms: of the bank of a drive, of the
 /// detectors that a study designed for it, and of one that knows machine and mechanism; the recordings

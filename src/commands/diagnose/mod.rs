@@ -12,7 +12,7 @@ pub(crate) mod words;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use drivescope_diagnoser::{Channel, Diagnoser, ThresholdKind};
+use drivescope_diagnoser::{Channel, DetectorKind, Diagnoser};
 use drivescope_monitor::{Finished, Found, Method, Monitor, MonitorError, Options};
 use drivescope_recording::Recording;
 
@@ -119,16 +119,16 @@ impl Diagnose {
 
     /// The method that was asked for, or the best that there is.
     fn asked(&self, diagnoser: &Diagnoser, baseline: bool, session: &Session) -> Method {
-        for (method, kind) in [
-            (Method::Mem, ThresholdKind::ModelError),
-            (Method::MemRecurrent, ThresholdKind::RecurrentModelError),
-        ] {
-            let there = method == Method::Mem || diagnoser.recurrent_error.is_some();
-            if let Some(refusal) = diagnoser.refusal(kind).filter(|_| there) {
+        for kind in DetectorKind::ALL {
+            if let Some(refusal) = diagnoser.refusal(kind) {
                 session.remark(format_args!(
                     "{}: {refusal}: not used{}",
-                    method.label(),
-                    if self.method == Some(method) { " unless asked for, as now" } else { "" }
+                    kind.label(),
+                    if self.method == Some(Method::Residual(kind)) {
+                        " unless asked for, as now"
+                    } else {
+                        ""
+                    }
                 ));
             }
         }
@@ -187,7 +187,7 @@ impl Diagnose {
         let window = diagnoser.window;
         let Finished { samples, run_up, beyond, machine, methods } = monitor.finish();
         let judged = samples.saturating_sub(run_up);
-        if asked.threshold().is_some() && judged < window {
+        if matches!(asked, Method::Residual(_)) && judged < window {
             return Err(Failure::Usage {
                 what: format!(
                     "{name}: {samples} samples, of which the first {run_up} only settle the models: \

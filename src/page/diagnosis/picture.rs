@@ -1,7 +1,7 @@
 //! The figure of a watched recording: residual and band, the bank's innovations, declared faults.
 
-use drivescope_diagnoser::Diagnoser;
 use drivescope_diagnoser::bank::TWO_SIDED_95;
+use drivescope_diagnoser::{DetectorKind, Diagnoser};
 use drivescope_monitor::{Declaration, Method, Monitor};
 use drivescope_recording::Recording;
 
@@ -35,7 +35,10 @@ impl Traces {
         let best = Method::best(diagnoser, false);
         Self {
             // A bank has no band of its own about the residual of the models.
-            method: best.threshold().map_or(Method::Constant, |_| best),
+            method: match best {
+                Method::Residual(_) => best,
+                _ => Method::Residual(DetectorKind::Constant),
+            },
             output: (output.name.clone(), output.unit.clone()),
             time: (0..recording.len()).map(|k| recording.time(k)).collect(),
             measured: measured.map_or_else(Vec::new, |it| it.values.clone()),

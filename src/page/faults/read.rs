@@ -1,6 +1,6 @@
 //! Names and numbers out of the JSON of results, whatever is there.
 
-use drivescope_scenarios::results::Method;
+use drivescope_scenarios::results::DetectorKind;
 use serde_json::Value;
 
 use crate::report::page::minus;
@@ -43,9 +43,7 @@ pub(super) fn word_of<'a>(results: &'a Value, section: &str, key: &str) -> &'a s
 
 /// What people call a method; one that nobody knows by its name in the results.
 pub(super) fn name_of(method: &Value) -> String {
-    let known =
-        Method::ALL.into_iter().find(|it| serde_json::to_value(it).is_ok_and(|it| it == *method));
-    if let Some(known) = known {
+    if let Some(known) = method.as_str().and_then(DetectorKind::find) {
         return known.label().to_owned();
     }
     method.as_str().map_or_else(|| method.to_string(), |name| name.replace('_', " "))

@@ -2,7 +2,7 @@
 //! readings of the torque fault.
 
 use drivescope_scenarios::results::{
-    DetectionRow, FaultName, Method, Pictures, ReadingRows, StudyResults,
+    DESCRIBED, DetectionRow, DetectorKind, FaultName, IN_PAPER, Pictures, ReadingRows, StudyResults,
 };
 use maud::{Markup, html};
 
@@ -30,6 +30,7 @@ pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
                 "sensor or mechanism that fails; the label is the paper's."
             }
             (others(study))
+            (beyond(study))
             (further(study))
             (figure("delays", delays(study).svg(), "Delays to declaration", &html! {
                 "Delay from the fault's begin to its declaration. A mark near the dashed line means "
@@ -62,32 +63,32 @@ fn table_1(study: &StudyResults, pictures: &[Pictures]) -> Markup {
         tr {
             th.name rowspan="3" scope="col" { "Fault" }
             th.name rowspan="3" scope="col" { "Label" }
-            @for method in Method::IN_PAPER {
+            @for method in IN_PAPER {
                 th.group.start colspan="6" scope="colgroup" { (title(method)) }
             }
         }
         tr {
-            @for _ in Method::IN_PAPER {
+            @for _ in IN_PAPER {
                 th.group.start colspan="2" scope="colgroup" { (math("r_td [%]")) }
                 th.group.start colspan="2" scope="colgroup" { (math("t_dt [sample]")) }
                 th.group.start colspan="2" scope="colgroup" { "delay [samples]" }
             }
         }
         tr {
-            @for _ in 0..3 * Method::IN_PAPER.len() {
+            @for _ in 0..3 * IN_PAPER.len() {
                 th.start scope="col" { "ours" }
                 th.theirs scope="col" { "paper" }
             }
         }
     };
-    let faults = rows_of(&study.detection, Method::Mem);
+    let faults = rows_of(&study.detection, DetectorKind::Mem);
     let body = html! {
         @for (place, row) in faults.iter().enumerate() {
             @let part = place > 0 && faults[place - 1].fault.kind != row.fault.kind;
             tr.part[part] {
                 th scope="row" { (linked(&row.fault, pictures)) }
                 td.name { (label(&row.fault.label)) }
-                @for method in Method::IN_PAPER {
+                @for method in IN_PAPER {
                     (cells(study, &row.fault, method))
                 }
             }
@@ -96,7 +97,7 @@ fn table_1(study: &StudyResults, pictures: &[Pictures]) -> Markup {
     table("Table 1. Detection, ours beside the paper's", &head, &body)
 }
 
-fn title(method: Method) -> String {
+fn title(method: DetectorKind) -> String {
     let mut title = method.label().to_owned();
     title[..1].make_ascii_uppercase();
     title
@@ -117,13 +118,13 @@ fn linked(name: &FaultName, pictures: &[Pictures]) -> Markup {
 fn row_of<'a>(
     study: &'a StudyResults,
     name: &FaultName,
-    method: Method,
+    method: DetectorKind,
 ) -> Option<&'a DetectionRow> {
     study.detection.iter().find(|row| row.method == method && row.fault == *name)
 }
 
 /// Six cells: r_td, t_dt and delay, each ours and the paper's.
-fn cells(study: &StudyResults, name: &FaultName, method: Method) -> Markup {
+fn cells(study: &StudyResults, name: &FaultName, method: DetectorKind) -> Markup {
     let dagger = html! { span.dagger { "†" } };
     let none = html! { "\u{2013}" };
     let row = row_of(study, name, method);
@@ -167,7 +168,7 @@ fn delays(study: &StudyResults) -> Rows {
         Some(row) => Value::Number(paper_delay(study, row) as f64),
         None => Value::Missing("not in the paper".into()),
     };
-    let faults = rows_of(&study.detection, Method::Mem);
+    let faults = rows_of(&study.detection, DetectorKind::Mem);
     let most = study.detection.iter().filter_map(|row| row.delay).max().unwrap_or(0) as f64;
     let series = |label: &str, ink, mark, lane| Series { label: label.into(), ink, mark, lane };
     Rows {
@@ -188,8 +189,7 @@ fn delays(study: &StudyResults) -> Rows {
             .iter()
             .map(|row| {
                 let name = &row.fault;
-                let values =
-                    Method::IN_PAPER.into_iter().flat_map(|m| [ours(name, m), paper(name, m)]);
+                let values = IN_PAPER.into_iter().flat_map(|m| [ours(name, m), paper(name, m)]);
                 let title = format!("{}  {}", minus(&fault(name)), label(&name.label));
                 (title, values.collect())
             })
@@ -199,17 +199,37 @@ fn delays(study: &StudyResults) -> Rows {
 
 /// The methods that the paper describes without figures for this motor.
 fn others(study: &StudyResults) -> Markup {
-    let methods: Vec<Method> =
-        Method::ALL.into_iter().filter(|method| !Method::IN_PAPER.contains(method)).collect();
+    let caption = "The paper's other methods, of which it gives no figures";
+    html! {
+        (side_by_side(study, caption, &DESCRIBED))
+        p.note {
+            "The recurrent error model takes the place of the ARX one in (6), (7). The GMDH network "
+            "(Section 2.3) brings its own intervals (19): they hold for every parameter that the healthy "
+            "data allow, know no significance level, and are wider for it."
+        }
+    }
+}
+
+/// The detectors that the paper does not know.
+fn beyond(study: &StudyResults) -> Markup {
+    let of_paper = |kind: &DetectorKind| IN_PAPER.contains(kind) || DESCRIBED.contains(kind);
+    let kinds: Vec<_> = DetectorKind::ALL.into_iter().filter(|kind| !of_paper(kind)).collect();
+    html! {
+        @if !kinds.is_empty() { (side_by_side(study, "Detectors beside the paper's", &kinds)) }
+    }
+}
+
+/// Every fault under each of those methods.
+fn side_by_side(study: &StudyResults, caption: &str, methods: &[DetectorKind]) -> Markup {
     let head = html! {
         tr {
             th.name rowspan="2" scope="col" { "Fault" }
-            @for method in &methods {
+            @for method in methods {
                 th.group.start colspan="3" scope="colgroup" { (title(*method)) }
             }
         }
         tr {
-            @for _ in &methods {
+            @for _ in methods {
                 th.start scope="col" { (math("r_td [%]")) }
                 th scope="col" { (math("t_dt [sample]")) }
                 th scope="col" { "delay [samples]" }
@@ -217,10 +237,10 @@ fn others(study: &StudyResults) -> Markup {
         }
     };
     let body = html! {
-        @for row in rows_of(&study.detection, Method::Mem) {
+        @for row in rows_of(&study.detection, DetectorKind::Mem) {
             tr {
                 th scope="row" { (minus(&fault(&row.fault))) }
-                @for method in &methods {
+                @for method in methods {
                     @let row = row_of(study, &row.fault, *method);
                     td.start { @if let Some(row) = row { (percent(row.r_td, 1)) } @else { "\u{2013}" } }
                     td {
@@ -242,14 +262,7 @@ fn others(study: &StudyResults) -> Markup {
             }
         }
     };
-    html! {
-        (table("The paper's other methods, of which it gives no figures", &head, &body))
-        p.note {
-            "The recurrent error model takes the place of the ARX one in (6), (7). The GMDH network "
-            "(Section 2.3) brings its own intervals (19): they hold for every parameter that the healthy "
-            "data allow, know no significance level, and are wider for it."
-        }
-    }
+    table(caption, &head, &body)
 }
 
 /// The section on other significance levels.
@@ -269,7 +282,7 @@ pub(super) fn levels(study: &StudyResults) -> Markup {
     let others = study.levels.iter().map(|l| (l.beta, &l.detection, l.r_fd, l.alarms));
     let body = html! {
         @for (beta, detection, r_fd, alarms) in std::iter::once(own).chain(others) {
-            @for (place, method) in Method::ALL.into_iter().enumerate() {
+            @for (place, method) in DetectorKind::ALL.into_iter().enumerate() {
                 tr.part[place == 0] {
                     th scope="row" { (math("beta =")) " " (percent(beta, 0)) " %" }
                     td.name { (method.label()) }
@@ -326,12 +339,12 @@ fn readings_table(readings: &[ReadingRows]) -> Markup {
     let head = html! {
         tr {
             th.name rowspan="2" scope="col" { "Reading" }
-            @for method in Method::ALL {
+            @for method in DetectorKind::ALL {
                 th.group.start colspan="3" scope="colgroup" { (title(method)) }
             }
         }
         tr {
-            @for _ in Method::ALL {
+            @for _ in DetectorKind::ALL {
                 th.start scope="col" { "detected" }
                 th scope="col" { (math("lowest r_td [%]")) }
                 th scope="col" { "longest delay [samples]" }
@@ -342,7 +355,7 @@ fn readings_table(readings: &[ReadingRows]) -> Markup {
         @for reading in readings {
             tr {
                 th scope="row" { (math(torque(reading.torque))) }
-                @for method in Method::ALL {
+                @for method in DetectorKind::ALL {
                     (found(&rows_of(&reading.detection, method)))
                 }
             }

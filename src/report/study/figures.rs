@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use drivescope_scenarios::results::{Pictures, StudyResults};
+use drivescope_scenarios::results::{DetectorKind, Pictures, StudyResults};
 use maud::{Markup, html};
 
 use super::picture::outside;
@@ -94,16 +94,17 @@ fn healthy_figure(study: &StudyResults, picture: &Pictures) -> Markup {
             panel("(b) r", vec![band(picture, &shown), residual()]),
         ],
     };
-    let (ours, paper) = (study.r_fd, study.paper.r_fd);
+    let paper = study.paper.r_fd;
+    let [constant, mem] = [DetectorKind::Constant, DetectorKind::Mem].map(|it| study.r_fd.of(it));
     figure(
         "figure-3",
         drawn.svg(),
         "Figure 3, from our run",
         &html! {
             "Fig. 3: a healthy residual (a) with constant thresholds, " (math("r_fd"))
-            " = " (number(ours.constant)) " over " (count(study.healthy.runs, "run")) " (paper: "
+            " = " (number(constant)) " over " (count(study.healthy.runs, "run")) " (paper: "
             (given(paper.constant)) "), (b) with the bands of model error modelling, " (math("r_fd"))
-            " = " (number(ours.mem)) " (paper: " (given(paper.mem)) "), both designed for "
+            " = " (number(mem)) " (paper: " (given(paper.mem)) "), both designed for "
             (percent(study.beta, 0)) " %."
         },
     )

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use drivescope_scenarios::results::{DetectionRow, Method, Pictures, StudyResults};
+use drivescope_scenarios::results::{DetectionRow, DetectorKind, Pictures, StudyResults};
 use maud::{Markup, html};
 
 use super::trace::drawing;
@@ -127,7 +127,7 @@ pub(super) fn caption(study: &StudyResults, picture: &Pictures, shown: &Range<us
         let row = |row: &&DetectionRow| row.method == method && row.fault == *name;
         study.detection.iter().find(row).map(|row| percent(row.r_td, 1))
     };
-    match (rate(Method::Mem), rate(Method::Constant)) {
+    match (rate(DetectorKind::Mem), rate(DetectorKind::Constant)) {
         (Some(mem), Some(constant)) => format!(
             "{declared} Of the faulty samples {mem} % lie outside the bands, {constant} % outside \
              the constant thresholds."

@@ -1,6 +1,6 @@
 //! False alarms, the residual, and whether the assumptions of the bands hold.
 
-use drivescope_scenarios::results::{Method, StudyResults};
+use drivescope_scenarios::results::{DetectorKind, StudyResults};
 use maud::{Markup, html};
 
 use crate::report::page::{self, math, minus, table};
@@ -29,7 +29,7 @@ fn alarms(study: &StudyResults) -> Markup {
         }
     };
     let body = html! {
-        @for method in Method::ALL {
+        @for method in DetectorKind::ALL {
             @let rows = study.detection.iter().filter(|row| row.method == method);
             @let early: usize = rows.map(|row| row.false_alarms).sum();
             @let alarms = study.healthy.alarms.of(method);
@@ -43,7 +43,10 @@ fn alarms(study: &StudyResults) -> Markup {
                     }
                 }
                 td {
-                    @if method == Method::Gmdh { "bounded" } @else { (percent(study.beta, 1)) }
+                    @match method.info().instead_of_level {
+                        Some(words) => { (words) }
+                        None => { (percent(study.beta, 1)) }
+                    }
                 }
                 td { span.alert[alarms > 0] { (alarms) } }
                 td { span.alert[early > 0] { (early) } }

@@ -1,6 +1,6 @@
 //! First and last words: what was found, where to look, how to read it.
 
-use drivescope_scenarios::results::{DetectionRow, Method, Pictures, StudyResults};
+use drivescope_scenarios::results::{DetectionRow, DetectorKind, Pictures, StudyResults};
 use maud::{Markup, html};
 
 use super::picture;
@@ -9,13 +9,13 @@ use crate::report::words::{given, lead, percent, rows_of, verdict};
 
 /// The verdict and the four figures that carry it.
 pub(super) fn headline(study: &StudyResults) -> Markup {
-    let rows = rows_of(&study.detection, Method::Mem);
+    let rows = rows_of(&study.detection, DetectorKind::Mem);
     let found = rows.iter().filter(|row| row.detected()).count();
-    let alarms = study.healthy.alarms.mem;
+    let alarms = study.healthy.alarms.of(DetectorKind::Mem);
     let class = |good: bool| if good { "good" } else { "alert" };
     html! {
-        p.verdict { (verdict(study, Method::Mem)) "." }
-        p.second { "For comparison: " (verdict(study, Method::Constant)) "." }
+        p.verdict { (verdict(study, DetectorKind::Mem)) "." }
+        p.second { "For comparison: " (verdict(study, DetectorKind::Constant)) "." }
         dl.tiles {
             div {
                 dt { "Faults detected" }
@@ -35,7 +35,7 @@ pub(super) fn headline(study: &StudyResults) -> Markup {
             div {
                 dt { (math("Healthy samples outside, r_fd")) }
                 dd {
-                    (percent(study.r_fd.mem, 2)) " %"
+                    (percent(study.r_fd.of(DetectorKind::Mem), 2)) " %"
                     span.sub {
                         "designed " (percent(study.beta, 0)) " %, paper "
                         (percent(study.paper.r_fd.mem, 1)) " %"
@@ -85,7 +85,7 @@ pub(super) fn contents(pictures: &[Pictures]) -> Markup {
 
 /// What the figures do not say by themselves.
 pub(super) fn reading(study: &StudyResults) -> Markup {
-    let (ours, paper) = (study.r_fd.mem, study.paper.r_fd.mem);
+    let (ours, paper) = (study.r_fd.of(DetectorKind::Mem), study.paper.r_fd.mem);
     section(
         "reading",
         "How to read these figures",

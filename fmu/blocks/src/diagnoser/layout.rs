@@ -104,16 +104,14 @@ impl Layout {
         of.extend(current.map(|_| Of::HasCurrent));
         of.extend([Of::Rows, Of::RowTime, Of::Decision, Of::Declared, Of::Alarms, Of::Mechanism]);
         of.extend([Of::Set, Of::Size, Of::Lower, Of::Upper, Of::Onset, Of::Noticed]);
-        for method in Method::ALL {
-            let shown = match method {
+        for method in Method::all() {
+            let used = match method {
+                // It has outputs of its own.
                 Method::Bank => false,
-                Method::Windows => diagnoser.windows.is_some() && baseline,
-                Method::MemRecurrent => diagnoser.recurrent_error.is_some(),
-                Method::Gmdh => diagnoser.gmdh.is_some(),
-                _ => true,
+                Method::Windows => true,
+                Method::Residual(kind) => method == asked || diagnoser.explains(kind),
             };
-            let used = method.threshold().is_none_or(|kind| diagnoser.explains(kind));
-            if shown && (used || method == asked) {
+            if used && method.is_held(diagnoser, baseline) {
                 of.extend(Part::OF_DETECTOR.map(|part| Of::Detector(method, part)));
             }
         }

@@ -12,9 +12,9 @@ use drivescope_fmu::description::Version;
 use drivescope_fmu::import::Fmu;
 use drivescope_scenarios::experiment::Experiment;
 use drivescope_scenarios::parity::{Broken, FaultRow, IN_TIME, MethodRows, Parity, parity};
-use drivescope_scenarios::results::{Method, TorqueReading};
+use drivescope_scenarios::results::{DetectorKind, TorqueReading};
 use drivescope_scenarios::study::design;
-use drivescope_scenarios::trials::{Curves, DETECTOR_STEPS, TrialOptions, detectors};
+use drivescope_scenarios::trials::{Curves, TrialOptions, detector_steps, detectors};
 use serde::Serialize;
 
 use super::bar::{Bar, share};
@@ -86,7 +86,7 @@ impl Run for OfDetection {
         fmu_file::write(&drive, false, Version::Two, &closed)?;
         fmu_file::write(&drive, true, Version::Two, &open)?;
         let (closed, open) = (Fmu::open(&closed).map_err(told)?, Fmu::open(&open).map_err(told)?);
-        let steps = if self.machines == 0 { 0 } else { DETECTOR_STEPS };
+        let steps = if self.machines == 0 { 0 } else { detector_steps() };
         let all = self.designs * self.seeds + steps;
         let bar = session.progress(all, "designing, then judging seeds");
         let torque: TorqueReading = faults.torque.into();
@@ -127,7 +127,7 @@ impl Run for OfDetection {
 
 fn bars(found: &[Parity]) -> Vec<Bar> {
     let mut bars = Vec::new();
-    for method in Method::ALL {
+    for method in DetectorKind::ALL {
         let of = found.iter().flat_map(|parity| &parity.methods);
         let of = of.filter(|rows| rows.method == method).map(|rows| rows.all_detected);
         let (hits, all) = of.fold((0, 0), |(hits, all), it| (hits + it.hits, all + it.of));
@@ -139,7 +139,7 @@ fn bars(found: &[Parity]) -> Vec<Bar> {
 }
 
 fn of_mem(found: &Parity) -> Vec<Bar> {
-    let Some(mem) = found.methods.iter().find(|rows| rows.method == Method::Mem) else {
+    let Some(mem) = found.methods.iter().find(|rows| rows.method == DetectorKind::Mem) else {
         return Vec::new();
     };
     let least = |value: &dyn Fn(&FaultRow) -> f64| {

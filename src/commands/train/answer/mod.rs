@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use drivescope_diagnoser::{
-    BandDesign, Channel, Data, FaultsReport, Gmdh, KnownFaults, Learned, StructureRow,
-    ThresholdKind, free_run,
+    BandDesign, Channel, Data, DetectorKind, FaultsReport, Gmdh, KnownFaults, Learned, Stored,
+    StructureRow, free_run,
 };
 use drivescope_scenarios::results::SizeGroup;
 use serde::Serialize;
@@ -33,6 +33,11 @@ pub(super) struct Answer {
     #[serde(skip_serializing_if = "Option::is_none")]
     recurrent_error: Option<BandsAnswer>,
     constant: ConstantAnswer,
+    /// Designs of the detectors that are not told of above or below, as the file holds them.
+    #[serde(skip_serializing_if = "Stored::is_empty")]
+    detectors: Stored,
+    #[serde(skip)]
+    designed: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     windows: Option<WindowsAnswer>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -143,7 +148,7 @@ impl Answer {
         let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
         let unit = process.network.output_scales[0].deviation;
         let start = process.starts[process.best];
-        let bands = |bands: &BandDesign, kind: ThresholdKind, orders| BandsAnswer {
+        let bands = |bands: &BandDesign, kind: DetectorKind, orders| BandsAnswer {
             orders,
             run_up: diagnoser.run_up_of(kind),
             plain: bands.plain,
@@ -155,6 +160,8 @@ impl Answer {
             normality_p: bands.normality.as_ref().map(|test| test.p_value),
         };
         let constant = diagnoser.constant.band(diagnoser.confidence);
+        let designed =
+            |kind: DetectorKind| Some(format!("{}: {}", kind.label(), kind.designed(diagnoser)?));
         let network = diagnoser.gmdh.as_ref().zip(gmdh.as_ref());
         Self {
             output,
@@ -174,13 +181,15 @@ impl Answer {
             },
             bands: bands(
                 &design.bands,
-                ThresholdKind::ModelError,
+                DetectorKind::Mem,
                 design.orders.map(|orders| [orders.n_a, orders.n_b]),
             ),
             recurrent_error: recurrent_error
                 .as_ref()
-                .map(|error| bands(error, ThresholdKind::RecurrentModelError, None)),
+                .map(|error| bands(error, DetectorKind::MemRecurrent, None)),
             constant: ConstantAnswer { lower: constant.lower, upper: constant.upper },
+            detectors: diagnoser.detectors.clone(),
+            designed: DetectorKind::ALL.into_iter().filter_map(designed).collect(),
             windows: diagnoser.windows.as_ref().map(|windows| WindowsAnswer {
                 samples: windows.samples,
                 baseline_samples: windows.baseline,

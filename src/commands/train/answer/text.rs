@@ -78,6 +78,7 @@ impl Answer {
             number(answer.constant.lower),
             number(answer.constant.upper)
         );
+        text.extend(answer.designed.iter().map(|line| format!("{line}\n")));
         if let Some(WindowsAnswer { samples, mean, spread, runs, .. }) = &answer.windows {
             text += &format!(
                 "windows of {samples} samples against a baseline, from {runs} healthy runs: mean \

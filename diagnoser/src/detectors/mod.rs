@@ -1,0 +1,17 @@
+//! Detectors of the residual: what each makes of r = y - y_m, sample by sample.
+//!
+//! One detector, one file: what it is called, how it is designed from a healthy residual, what the
+//! diagnoser file holds of it and what it says of each sample. Everything that names detectors (the
+//! file, the command line, tables, FMUs) derives from [`registry`].
+
+mod constant;
+mod gmdh;
+mod law;
+mod mem;
+mod mem_recurrent;
+mod registry;
+
+pub use constant::ConstantThreshold;
+pub use law::{Elsewhere, Info, Judged, Refusal, ResidualDetector, ResidualTest};
+pub use mem::ModelError;
+pub use registry::{DetectorKind, DetectorRun, Stored};

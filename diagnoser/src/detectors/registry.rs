@@ -1,0 +1,237 @@
+//! The list of detectors of the residual, and the dispatch from a detector at work to its test.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::law::{Info, Judged, Refusal, ResidualDetector, ResidualTest};
+use crate::data::{Data, DataError};
+use crate::detector::DetectorError;
+use crate::diagnoser::Diagnoser;
+use crate::flaw::Flaw;
+use crate::memory::{Memory, MemoryError, Walk};
+use crate::model::ModelRun;
+use crate::threshold::{Band, Confidence};
+
+/// A registered detector, as the lists of the program see it.
+struct Entry {
+    info: &'static Info,
+    start: fn(&Diagnoser, Confidence) -> Option<Started>,
+    settles: fn(&Diagnoser) -> usize,
+    refusal: fn(&Diagnoser) -> Option<Refusal>,
+    is_held: fn(&Diagnoser) -> bool,
+    check: fn(&Diagnoser) -> Result<(), Flaw>,
+    designed: fn(&Diagnoser) -> Option<String>,
+}
+
+/// The model whose residual is watched, and the test of it.
+type Started = Result<(ModelRun, DetectorRun), DetectorError>;
+
+impl Entry {
+    /// What the lists need of a detector; `run` makes it one of those at work.
+    const fn of<D: ResidualDetector>(start: fn(&Diagnoser, Confidence) -> Option<Started>) -> Self {
+        Self {
+            info: const { &D::INFO },
+            start,
+            settles: |diagnoser| D::held(diagnoser).map_or(0, D::settles),
+            refusal: |diagnoser| D::refusal(D::held(diagnoser)?, diagnoser),
+            is_held: |diagnoser| D::held(diagnoser).is_some(),
+            check: |diagnoser| {
+                let inputs = diagnoser.interface.inputs.len();
+                D::held(diagnoser).map_or(Ok(()), |held| D::check(held, inputs))
+            },
+            designed: |diagnoser| {
+                D::designed(D::held(diagnoser)?, &diagnoser.interface.output.unit)
+            },
+        }
+    }
+}
+
+macro_rules! registry {
+    ($($detector:ident in $module:ident),+ $(,)?) => {
+        /// Which detector of the residual.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum DetectorKind {
+            $(#[allow(missing_docs)] $detector,)+
+        }
+
+        impl DetectorKind {
+            /// Every detector, in the order of tables and lists.
+            pub const ALL: [Self; [$(stringify!($module)),+].len()] = [$(Self::$detector),+];
+
+            const fn entry(self) -> &'static Entry {
+                const ENTRIES: &[Entry] = &[$(Entry::of::<super::$module::$detector>(
+                    |diagnoser, confidence| {
+                        type Of = super::$module::$detector;
+                        let held = Of::held(diagnoser)?;
+                        Some(Of::start(held, confidence).map(|run| {
+                            (Of::process(held, diagnoser), DetectorRun::$detector(run))
+                        }))
+                    },
+                )),+];
+                &ENTRIES[self as usize]
+            }
+        }
+
+        /// What the diagnoser file holds of those detectors that have no key of their own there.
+        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct Stored {
+            $(
+                #[serde(skip_serializing_if = "Option::is_none")]
+                pub(crate) $module: Option<<super::$module::$detector as ResidualDetector>::Stored>,
+            )+
+        }
+
+        impl Stored {
+            /// Whether there is nothing.
+            pub fn is_empty(&self) -> bool {
+                true $(&& self.$module.is_none())+
+            }
+
+            /// Designs every detector on a healthy residual, the output of `healthy`.
+            pub(crate) fn design(
+                healthy: &Data,
+                run_up: usize,
+                confidence: Confidence,
+            ) -> Result<Self, DataError> {
+                Ok(Self {
+                    $($module: super::$module::$detector::design(healthy, run_up, confidence)?,)+
+                })
+            }
+        }
+
+        /// A detector at work.
+        #[derive(Debug, Clone)]
+        pub enum DetectorRun {
+            $(
+                #[allow(missing_docs)]
+                $detector(<super::$module::$detector as ResidualDetector>::Run),
+            )+
+        }
+
+        impl ResidualTest for DetectorRun {
+            fn reset(&mut self) {
+                match self { $(Self::$detector(run) => ResidualTest::reset(run),)+ }
+            }
+
+            fn settle(&mut self, u: &[f64]) {
+                match self { $(Self::$detector(run) => ResidualTest::settle(run, u),)+ }
+            }
+
+            #[inline]
+            fn step(&mut self, u: &[f64], residual: f64) -> Judged {
+                match self { $(Self::$detector(run) => run.step(u, residual),)+ }
+            }
+
+            #[inline]
+            fn disregard(&mut self) {
+                match self { $(Self::$detector(run) => run.disregard(),)+ }
+            }
+
+            #[inline]
+            fn middle(&self, band: Band) -> f64 {
+                match self { $(Self::$detector(run) => run.middle(band),)+ }
+            }
+        }
+
+        impl Memory for DetectorRun {
+            fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+                match self { $(Self::$detector(run) => run.walk(walk),)+ }
+            }
+        }
+    };
+}
+
+registry! {
+    Mem in mem,
+    MemRecurrent in mem_recurrent,
+    Constant in constant,
+    Gmdh in gmdh,
+}
+
+impl DetectorKind {
+    /// What it is called and how it decides.
+    pub fn info(self) -> &'static Info {
+        self.entry().info
+    }
+
+    /// Name in files and options.
+    pub fn id(self) -> &'static str {
+        self.info().id
+    }
+
+    /// Name for people.
+    pub fn label(self) -> &'static str {
+        self.info().label
+    }
+
+    /// The detector of that name.
+    pub fn find(id: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.id() == id)
+    }
+
+    /// Whether a diagnoser holds what it rests on.
+    pub fn is_held(self, diagnoser: &Diagnoser) -> bool {
+        (self.entry().is_held)(diagnoser)
+    }
+
+    /// What was designed, in a line for people; nothing if that is told elsewhere.
+    pub fn designed(self, diagnoser: &Diagnoser) -> Option<String> {
+        (self.entry().designed)(diagnoser)
+    }
+
+    /// Samples that its models need to settle.
+    pub(crate) fn settles(self, diagnoser: &Diagnoser) -> usize {
+        (self.entry().settles)(diagnoser)
+    }
+
+    /// Why it is not to be used, though it is there.
+    pub(crate) fn refusal(self, diagnoser: &Diagnoser) -> Option<Refusal> {
+        (self.entry().refusal)(diagnoser)
+    }
+
+    /// Refuses what cannot run.
+    pub(crate) fn check(self, diagnoser: &Diagnoser) -> Result<(), Flaw> {
+        (self.entry().check)(diagnoser)
+    }
+
+    /// The model whose residual it watches, and the test of it, at their start.
+    pub(crate) fn start(self, diagnoser: &Diagnoser, confidence: Confidence) -> Started {
+        let missing = DetectorError::Missing { part: self.info().part };
+        (self.entry().start)(diagnoser, confidence).unwrap_or(Err(missing))
+    }
+}
+
+/// Its id.
+impl Serialize for DetectorKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.id())
+    }
+}
+
+impl<'de> Deserialize<'de> for DetectorKind {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let id = String::deserialize(deserializer)?;
+        let known = Self::ALL.map(Self::id).join(", ");
+        let unknown = || D::Error::custom(format!("no detector `{id}`; known are {known}"));
+        Self::find(&id).ok_or_else(unknown)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_found_and_those_of_the_paper_are_in_files() {
+        for (k, kind) in DetectorKind::ALL.into_iter().enumerate() {
+            let Info { id, label, about, part, .. } = kind.info();
+            assert!(DetectorKind::ALL[..k].iter().all(|it| it.id() != *id && it.label() != *label));
+            assert_eq!(DetectorKind::find(id), Some(kind));
+            assert!(!about.is_empty() && !part.is_empty(), "{id}");
+        }
+        let ids = ["mem", "mem_recurrent", "constant", "gmdh"];
+        assert!(ids.into_iter().all(|id| DetectorKind::find(id).is_some()));
+        assert!(DetectorKind::find("bank").is_none());
+    }
+}

@@ -27,7 +27,7 @@ WINDOW = 20
 # Samples of a baseline in which a run settles from rest.
 SETTLED = 500
 ARL_0 = (1e3, 1e4)
-# Samples after which another exceedance is another alarm.
+# Samples after which an exceedance is another alarm.
 APART = 400
 LEARNED = 4000
 SEED = 1
@@ -39,7 +39,9 @@ class Autoencoder:
     def fit(self, x):
         """Learns healthy windows."""
         sizes = (8, 2, 8)
-        self.net = MLPRegressor(hidden_layer_sizes=sizes, activation="tanh", max_iter=400, random_state=SEED)
+        self.net = MLPRegressor(
+            hidden_layer_sizes=sizes, activation="tanh", max_iter=400, random_state=SEED
+        )
         self.net.fit(x, x)
         return self
 
@@ -72,9 +74,13 @@ def windows(run, baseline):
 
 
 def alarms(scores, limit):
-    """Alarms of a run, each a while after the last exceedance of the one before."""
+    """Alarms of a run, each a while after the one before; one that never ends counts again."""
     over = np.flatnonzero(scores > limit)
-    return 0 if over.size == 0 else 1 + int((np.diff(over) > APART).sum())
+    count, place = 0, 0
+    while place < over.size:
+        count += 1
+        place = np.searchsorted(over, over[place] + APART)
+    return count
 
 
 def limit_for(healthy, arl_0):

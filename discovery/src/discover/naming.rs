@@ -100,10 +100,6 @@ impl Round<'_> {
     /// Whether what was held out is the rest of a recording of the fit: positions then count from one
     /// zero, and no phase can change between them.
     fn is_one_recording(&self) -> bool {
-        let continues = |first: &Measured, next: &Measured| {
-            let end_s = first.clock.start_s + first.len() as f64 * first.period_s;
-            first.name == next.name && next.clock.start_s > end_s - first.period_s
-        };
         let fitted = &self.estimation.recordings;
         self.validation.recordings.iter().any(|next| fitted.iter().any(|it| continues(it, next)))
     }
@@ -149,5 +145,35 @@ impl Round<'_> {
         let mut set: Vec<String> = outcome.judged.iter().filter(alike).map(name).collect();
         set.dedup();
         set
+    }
+}
+
+/// Whether one is the part of a recording that comes after the other.
+fn continues(first: &Measured, next: &Measured) -> bool {
+    let end_s = first.clock.start_s + first.len() as f64 * first.period_s;
+    first.name == next.name && next.clock.start_s > end_s - first.period_s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{bench, dr300};
+
+    #[test]
+    fn the_rest_of_a_recording_is_known_from_another_one() {
+        let drive = dr300();
+        let measured = |recording| Measured::new(&drive, &recording).expect("usable");
+        let whole = bench(&drive, 2.0, 0.001);
+        let (mut first, mut rest) = (whole.clone(), whole.clone());
+        for signal in &mut first.signals {
+            signal.values.truncate(1400);
+        }
+        for signal in &mut rest.signals {
+            signal.values.drain(..1400);
+        }
+        rest.start_s += 1.4;
+        let [whole, first, rest] = [whole, first, rest].map(measured);
+        assert!(continues(&first, &rest));
+        assert!(!continues(&rest, &first) && !continues(&first, &whole));
     }
 }

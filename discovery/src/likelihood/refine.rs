@@ -114,3 +114,36 @@ pub(super) fn moved(scene: &Scene, step: &[f64], share: f64) -> Scene {
     }
     moved
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::Setting;
+    use crate::discover::Model;
+    use crate::estimate::{Evidence, Options};
+    use crate::measured::Measured;
+    use crate::observer::Observer;
+    use crate::testing::{bench, dr300, noisy};
+
+    /// The armature settles within a hundredth of a sample: that it is fast is told, and how fast is
+    /// not.
+    #[test]
+    fn a_drive_does_not_become_faster_than_its_samples_tell() {
+        let period_s = 0.001;
+        let mut truth = dr300();
+        truth.motor.l = Some(2e-6);
+        let recording = noisy(bench(&truth, 1.5, period_s), [0.01, 0.3], 5);
+        let base = dr300();
+        let measured = Measured::new(&base, &recording).expect("usable");
+        let evidence = Evidence { recordings: vec![measured], noise: vec![vec![0.01, 0.3]] };
+        let setting = Setting::new(&base, Observer::NONE);
+        let as_it_is = Options { steps: 0, ..Options::NEAR };
+        let model = Model::fit(&base, &evidence, &evidence, setting, &as_it_is, &|_| false);
+        let scene = Scene::of(&model.expect("it runs"), &evidence, &evidence);
+        let (randomness, references) = Randomness::begin(&scene).expect("it runs");
+        let found = refined(scene, &randomness, &references).expect("it runs").scene;
+        let l = found.drive.motor.l.expect("an armature");
+        assert!(l < 0.3 * base.motor.l.expect("an armature"), "{l}");
+        assert!(longest(&found.drive) >= period_s / SUBSTEPS, "{l}");
+    }
+}

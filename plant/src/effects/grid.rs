@@ -83,3 +83,50 @@ pub(super) fn slow_times(spans: &Spans) -> [f64; 3] {
     const SLOW: [f64; 3] = [0.25, 0.8, 3.0];
     SLOW.map(|share| share * spans.duration_s)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::registry::REGISTRY;
+
+    /// What recordings of a small drive span.
+    const SPANS: Spans = Spans {
+        rotary: true,
+        inertia: 1e-4,
+        resistance: 2.0,
+        dry: 0.02,
+        speed: 300.0,
+        current: 4.0,
+        heat: 30.0,
+        voltage: 24.0,
+        travel: 500.0,
+        duration_s: 8.0,
+        slow: 0.2,
+    };
+
+    /// A shape that no grid names would be weighed at its nominal value alone.
+    #[test]
+    fn every_parameter_vanishes_or_stands_in_the_grid() {
+        for spans in [SPANS, Spans { rotary: false, ..SPANS }] {
+            for entry in REGISTRY.iter().filter(|entry| entry.info.unweighed.is_none()) {
+                let shapes = (entry.info.grid)(&spans);
+                assert!(!shapes.is_empty(), "{}", entry.info.id);
+                for parameter in entry.parameters {
+                    let name = parameter.name;
+                    let vanishes =
+                        entry.info.nulls.iter().any(|(it, null)| *it == name && null.is_finite());
+                    let of =
+                        |shape: &Shape| shape.iter().find(|(it, _)| *it == name).map(|it| it.1);
+                    let in_all = shapes.iter().all(|shape| of(shape).is_some());
+                    assert!(vanishes || in_all, "{}.{name} has no shape", entry.info.id);
+                    let (low, high) = parameter.range;
+                    let possible = |value: f64| (low..=high).contains(&value);
+                    assert!(shapes.iter().filter_map(of).all(possible), "{}.{name}", entry.info.id);
+                }
+                let known = |name: &&str| entry.parameters.iter().any(|it| it.name == *name);
+                assert!(entry.info.counts.iter().all(known), "{}", entry.info.id);
+                assert!(shapes.iter().flatten().all(|(name, _)| known(name)), "{}", entry.info.id);
+            }
+        }
+    }
+}

@@ -1,22 +1,25 @@
 //! What a training says.
 
-mod text;
+mod bank;
+#[cfg(test)]
+mod tests;
+mod told;
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use drivescope_diagnoser::{
-    BandDesign, Channel, Data, FaultsReport, Gmdh, KnownFaults, Learned, StructureRow,
-    ThresholdKind, free_run,
+    BandDesign, Channel, FaultsReport, KnownFaults, Learned, StructureRow, ThresholdKind,
 };
 use drivescope_scenarios::results::SizeGroup;
 use serde::Serialize;
 
-use super::bank::BankAnswer;
-use super::models::Compared;
+pub(crate) use bank::{BankAnswer, Confusion, Separable, VerifiedAnswer};
+
+/// Sizes that were compared, and the place of the chosen ones.
+pub(crate) type Compared = (Vec<StructureRow>, usize);
 
 #[derive(Debug, Serialize)]
-pub(super) struct Answer {
+pub(crate) struct Answer {
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
     inputs: Vec<Channel>,
@@ -134,7 +137,7 @@ struct FaultAnswer {
 }
 
 impl Answer {
-    pub(super) fn new(
+    pub(crate) fn new(
         output: Option<PathBuf>,
         learned: &Learned,
         (faults, bank): (Option<&FaultsReport>, Option<&BankAnswer>),
@@ -217,17 +220,6 @@ fn structures((rows, best): &(Vec<StructureRow>, usize)) -> Vec<StructureAnswer>
         chosen: k == *best,
     };
     rows.iter().enumerate().map(answer).collect()
-}
-
-/// How far a GMDH network and its locally recurrent form (Section 2.4) run apart from rest.
-pub(super) fn recurrent_difference(network: &Arc<Gmdh>, healthy: &Data) -> Option<f64> {
-    /// Samples that are compared: state space by dense matrices is slow.
-    const COMPARED: usize = 2000;
-    let part = healthy.span(0..healthy.len().min(COMPARED));
-    let recurrent = network.locally_recurrent()?.free_run(part.inputs());
-    let own = free_run(&mut network.run(), part.inputs()).swap_remove(0);
-    let differences = own.iter().zip(&recurrent).map(|(a, b)| (a - b).abs());
-    Some(differences.fold(0.0, f64::max))
 }
 
 impl FaultsAnswer {

@@ -18,11 +18,15 @@ const ID: &str = "formula";
 /// Digits of the constants of a shape.
 const DIGITS: i32 = 4;
 
+/// What a formula gives, as in a drive file.
+pub(crate) fn target(formula: &Formula) -> &'static str {
+    let (target, _) = formula.law.parts();
+    Target::ALL.iter().find(|(_, other)| *other == target).map_or("", |(key, _)| key)
+}
+
 /// What a formula gives and its text, as in a drive file.
 pub(crate) fn law(formula: &Formula) -> String {
-    let (target, text) = formula.law.parts();
-    let key = Target::ALL.iter().find(|(_, other)| *other == target).map_or("", |(key, _)| key);
-    format!("{key} = {text}")
+    format!("{} = {}", target(formula), formula.law.parts().1)
 }
 
 /// A formula as the command line takes it, behind [`PREFIX`].

@@ -5,6 +5,7 @@
 //! answer, and returns a finding or an error; here it becomes the exit code: 0 done, 1 a finding
 //! that `--check` forbids, 2 bad input, 70 an error of the program itself, 130 stopped by the user.
 
+mod answer;
 mod benchmark;
 pub mod call;
 mod claim;

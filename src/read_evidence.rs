@@ -109,11 +109,6 @@ pub(crate) fn evidence_of(
     Ok(read)
 }
 
-/// What makes every number below worthless, a line each: remarks may have been left out.
-pub(crate) fn unusable(signals: &[SignalFinding]) -> String {
-    signals.iter().filter(|it| it.forbids()).map(|it| format!("not to be judged: {it}\n")).collect()
-}
-
 /// Names of files without their folders, as results show them; with the last folder where two
 /// would be the same.
 fn short_names(files: &[PathBuf]) -> Vec<String> {

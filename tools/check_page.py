@@ -422,11 +422,11 @@ def diagnose(page, server, check, folder, pictures):
     for wanted in ("healthy-file", "watched-file", "mark", "remove", "train"):
         check.that(wanted in reached, f"`{wanted}` is not reached by keyboard")
     page.keyboard.press("Enter")
-    verdict = page.locator(".verdict[data-verdict]")
+    verdict = page.locator("[data-verdict]")
     expect(verdict).to_have_attribute("data-verdict", "fault", timeout=PATIENCE_MS)
     at_rest(page)
     table = page.get_by_role("table", name="Declared faults").locator("tbody tr").first
-    begin = float(table.locator("td").first.inner_text())
+    begin = float(table.locator("th").first.inner_text())
     check.that(abs(begin - 8) < 0.1, f"the fault of 8 s is declared from {begin} s")
     check.that(
         page.locator("#diagnose svg.plot").count() == 1, "there is no figure of the watched run"

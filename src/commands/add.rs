@@ -60,7 +60,7 @@ impl Run for Add {
             return Err(Failure::UnknownEffect { id, known }.into());
         }
         let search = Search {
-            named_are: "added",
+            added: true,
             given: &self.drive,
             base: &base,
             output: Some(&self.output),

@@ -1,29 +1,21 @@
 //! `compare`: a model against recordings of its drive, and where it fails.
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_discovery::compare::{
-    Comparison, Curve, Finding, Options, RecordingComparison, Span, compare,
-};
-use drivescope_discovery::signals::SignalFinding;
+use drivescope_discovery::compare::{Options, compare};
 use drivescope_discovery::{
     Observer, Purpose, Setting, USUAL_BAND_HZ, evaluate, relative_force_error,
 };
-use drivescope_plant::drive::Motion;
-use drivescope_plant::units::for_motion;
-use serde::Serialize;
-use serde_json::Value;
 
 use super::{RecordingOptions, Run};
+use crate::answer::compare::{self as answer, Answer};
+use crate::answer::text;
 use crate::failure::{Ending, told};
 use crate::next::Next;
-use crate::read_evidence::{ReadEvidence, given_noise, read_evidence, unusable};
-use crate::report::compare::{self as page, compare_html};
-use crate::report::words::{fit_percent, p_value, significant};
+use crate::read_evidence::{ReadEvidence, given_noise, read_evidence};
+use crate::report::compare::compare_html;
 use crate::session::Session;
 use crate::{drive_source, output};
 
@@ -52,51 +44,6 @@ pub(crate) struct Compare {
     reading: RecordingOptions,
 }
 
-#[derive(Debug, Serialize)]
-struct Before {
-    error: f64,
-    validation_error: Option<f64>,
-}
-
-/// A span with its recording.
-#[derive(Debug, Serialize)]
-struct SpanOf<'a> {
-    recording: &'a str,
-    #[serde(flatten)]
-    span: &'a Span,
-}
-
-#[derive(Debug, Serialize)]
-struct CompareAnswer<'a> {
-    drive: &'a str,
-    /// What is wrong with the signals of the recordings.
-    signals: &'a [SignalFinding],
-    #[serde(skip)]
-    motion: Motion,
-    observer_hz: f64,
-    noise_floor: f64,
-    before: Before,
-    error_if_fitted: f64,
-    by_parameters: f64,
-    fitted: bool,
-    /// Whether its values are as good as those of least squares on the balances.
-    by_balances: bool,
-    /// By output, of the first recording, and `source`; each recording has its own below.
-    noise: BTreeMap<&'a str, Value>,
-    verdict: &'a str,
-    #[serde(rename = "where")]
-    findings: &'a [Finding],
-    tested: usize,
-    block_s: f64,
-    spans: Vec<SpanOf<'a>>,
-    recordings: &'a [RecordingComparison],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    relative_force_error: Option<f64>,
-    curves: &'a [Curve],
-    doubts: &'a [String],
-    seed: u64,
-}
-
 impl Run for Compare {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let drive = drive_source::drive(&self.drive)?;
@@ -121,46 +68,15 @@ impl Run for Compare {
             .transpose()?
             .map(|judged| judged.squares.error());
         spinner.finish_and_clear();
-        let verdict = page::verdict(&compared);
-        let mut by_name: BTreeMap<&str, Value> = BTreeMap::new();
-        for it in &noise[0] {
-            by_name.insert(it.name, Value::from(it.sd));
-            by_name.insert("source", serde_json::to_value(it.source).unwrap_or_default());
-        }
-        let spans = compared
-            .recordings
-            .iter()
-            .flat_map(|it| it.spans.iter().map(|span| SpanOf { recording: &it.name, span }));
         let first = evidence.recordings.first();
-        let answer = CompareAnswer {
-            drive: &drive.name,
-            signals: &signals,
-            motion: drive.motion,
-            observer_hz: compared.observer_hz,
-            noise_floor: compared.floor,
-            before: Before { error: compared.error, validation_error },
-            error_if_fitted: compared.error_if_fitted,
-            by_parameters: compared.by_parameters,
-            fitted: !compared.is_unfitted(),
-            by_balances: compared.by_balances,
-            noise: by_name,
-            verdict: &verdict,
-            findings: &compared.findings,
-            tested: compared.tested,
-            block_s: compared.block_s,
-            spans: spans.collect(),
-            recordings: &compared.recordings,
-            relative_force_error: first
-                .and_then(|it| relative_force_error(&drive, it, USUAL_BAND_HZ)),
-            curves: &compared.curves,
-            doubts: &doubts,
-            seed: session.seed,
-        };
+        let force = first.and_then(|it| relative_force_error(&drive, it, USUAL_BAND_HZ));
+        let seed = session.seed;
+        let setting =
+            answer::Setting::new(&drive, &evidence, &noise[0], validation_error, &doubts, seed);
+        let answer = Answer::new(&compared, &setting, &signals, force);
+        let blocks = answer.told();
         if let Some(out) = &self.out {
-            let seed = session.seed;
-            let about =
-                page::Setting::new(&drive, &evidence, &noise[0], validation_error, &doubts, seed);
-            let html = compare_html(&compared, &about);
+            let html = compare_html(&setting, &blocks);
             output::write_file(out, |file| file.write_all(html.as_bytes()))?;
         }
         let fails = compared.fails();
@@ -170,63 +86,13 @@ impl Run for Compare {
         };
         // Beyond the noise other values would explain more, whether or not a variable shows it.
         let next = match (compared.is_unfitted(), fails) {
-            (true, shown) if shown || !page::explains(&compared) => {
+            (true, shown) if shown || !answer::explains(&compared) => {
                 on(Next::new("fit")).options(" -o fitted.toml")
             }
             (_, true) => on(Next::new("discover")).options(" -o found.toml"),
             (_, false) => Next::new("export").with(&self.drive).options(" -o drive.fmu"),
         };
-        session.say(&text(&drive.name, &compared, &answer), &answer, &next)?;
+        session.say(&text(&blocks), &answer, &next)?;
         Ok(if self.check && fails { Ending::Forbidden } else { Ending::Done })
     }
-}
-
-/// The answer for a person.
-fn text(drive: &str, compared: &Comparison, answer: &CompareAnswer<'_>) -> String {
-    let mut text = String::new();
-    text += &unusable(answer.signals);
-    let name = if drive.is_empty() { "the drive" } else { drive };
-    let _ = writeln!(text, "{name}: {}", answer.verdict);
-    let _ = writeln!(text, "{}", page::remark(compared, None));
-    if let Some(error) = answer.before.validation_error {
-        let _ = writeln!(text, "Error on the recordings of --validate: {error:.4}");
-    }
-    for it in &compared.recordings {
-        let _ = writeln!(text, "{}: error {:.4}", it.name, it.error);
-        for output in &it.outputs {
-            let fit = |percent: Option<f64>| percent.map_or("constant".to_owned(), fit_percent);
-            let white = if output.autocorrelation.correlated { "not white" } else { "white" };
-            let input = if output.input_correlation.correlated { ", knows the input" } else { "" };
-            let _ = writeln!(
-                text,
-                "  {:<6} fit {:>9}, one step ahead {:>9}; rms {} {}, error {:.3}; residual \
-                 {white}{input}",
-                output.name,
-                fit(output.fit_percent),
-                fit(output.one_step_percent),
-                significant(output.rms, 5),
-                output.unit,
-                output.error
-            );
-        }
-    }
-    if !compared.findings.is_empty() {
-        let unit = for_motion(answer.motion, "rad");
-        let _ = writeln!(text, "where it fails       share  by chance  what it looks like");
-        for it in &compared.findings {
-            let period = it.period.map_or(String::new(), |it| format!(", period {it:.4} {unit}"));
-            let _ = writeln!(
-                text,
-                "  {:<14} {:>8.1} % {:>10}  {}{period}",
-                it.variable,
-                100.0 * it.share,
-                p_value(it.p_value),
-                it.words
-            );
-        }
-    }
-    for it in &answer.spans {
-        let _ = writeln!(text, "{}: {}", it.recording, it.span.sentence);
-    }
-    text
 }

@@ -26,8 +26,7 @@ mod twelve;
 use clap::{Args, Subcommand};
 
 pub(crate) use campaign::{campaign_in, campaign_traces};
-pub(crate) use diagnose::words::what as declared;
-pub(crate) use diagnose::{Answer as Diagnosed, Diagnose};
+pub(crate) use diagnose::{Diagnose, Stream};
 pub(crate) use recording_options::{RecordingOptions, at_period};
 pub(crate) use train::{Material as TrainMaterial, Plan, Trained, interface, train};
 

@@ -20,9 +20,9 @@ use super::recordings::Taken;
 use super::rung::Rung;
 use super::unit_fix::UnitFix;
 use super::work;
+use crate::answer::discover::Missing;
 use crate::evidence::Gathered;
 use crate::failure::Failure;
-use crate::report::discover::Missing;
 
 /// A drive file that the user gave, or one that was made from a recording.
 #[derive(Debug, Clone)]

@@ -6,9 +6,10 @@ use axum::response::{IntoResponse, Response};
 use super::bench::{State, words};
 use super::rung::Rung;
 use super::site::Site;
+use crate::answer::discover::Step;
 use crate::failure::Failure;
 use crate::fmu_file;
-use crate::report::discover::{Found, Step, discover_html};
+use crate::report::discover::{Found, discover_html};
 
 /// A file to be saved, or why there is none.
 pub(super) fn file(kind: &str, name: &str, content: miette::Result<Vec<u8>>) -> Response {
@@ -50,18 +51,7 @@ pub(super) fn report(state: &State, number: usize) -> Result<String, Failure> {
     while let Some(parent) = state.rungs[way[0]].parent {
         way.insert(0, parent);
     }
-    let step = |(depth, number): (usize, &usize)| {
-        let rung = &state.rungs[*number];
-        Step {
-            label: rung.label.clone(),
-            unexplained: rung.unexplained,
-            fits: rung.fits.clone(),
-            error: rung.error,
-            validation_error: rung.validation_error,
-            depth,
-        }
-    };
-    let steps: Vec<Step> = way.iter().enumerate().map(step).collect();
+    let steps: Vec<Step> = way.iter().map(|number| state.rungs[*number].step(0)).collect();
     // The first step that asked is the one whose cards tell the way.
     let asked = way.iter().find(|number| state.missing.contains_key(number));
     let before = asked.map_or(&last, |number| &state.rungs[*number]);

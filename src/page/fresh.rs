@@ -10,9 +10,9 @@ use drivescope_plant::drive::Drive;
 use super::job::Progress;
 use super::rung::Rung;
 use super::work::Basis;
+use crate::answer::compare::{OfStep, Setting as About};
 use crate::evidence::Gathered;
 use crate::failure::told;
-use crate::report::compare::{OfStep, Setting as About};
 
 /// What an estimate says of a drive.
 pub(super) struct Drawn {

@@ -7,15 +7,14 @@ use maud::{Markup, PreEscaped, html};
 use serde::{Deserialize, Serialize};
 
 use super::rung::Rung;
+use crate::answer::compare::pictures;
 use crate::failure::Failure;
-use crate::report::compare::pictures;
 use crate::report::page::minus;
 use crate::report::plot::{Dash, Ink, Layer};
 use crate::report::words::number;
 
-/// Width and height of the preview, pixels.
+/// Width of the preview, pixels.
 const WIDTH: f64 = 400.0;
-const HEIGHT: f64 = 140.0;
 /// Points of the previewed law.
 const POINTS: usize = 121;
 
@@ -155,7 +154,7 @@ impl Understood {
     }
 
     fn figure(&self, curve: &Curve) -> String {
-        let mut figure = pictures::curve_at(curve, "law", HEIGHT);
+        let mut figure = pictures::curve(curve, "law");
         let (first, last) = (curve.x.first().copied(), curve.x.last().copied());
         let (from, to) = (first.unwrap_or(0.0), last.unwrap_or(1.0));
         let point = |k: usize| {

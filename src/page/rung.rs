@@ -4,7 +4,8 @@ use drivescope_discovery::compare::Comparison;
 use drivescope_discovery::{BothUnexplained, Estimate, NotIdentifiable, OutputFits, Setting};
 use drivescope_plant::drive::Drive;
 
-use crate::report::compare::Setting as About;
+use crate::answer::compare::Setting as About;
+use crate::answer::discover::Step;
 
 /// A step of the user's way.
 #[derive(Debug)]
@@ -40,6 +41,18 @@ pub(super) struct Rung {
 }
 
 impl Rung {
+    /// As a step of a ladder that stands so deep.
+    pub(super) fn step(&self, depth: usize) -> Step {
+        Step {
+            label: self.label.clone(),
+            unexplained: self.unexplained,
+            fits: self.fits.clone(),
+            error: self.error,
+            validation_error: self.validation_error,
+            depth,
+        }
+    }
+
     /// Rungs above that one.
     pub(super) fn depth(all: &[std::sync::Arc<Self>], mut of: usize) -> usize {
         let mut depth = 0;

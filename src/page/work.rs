@@ -16,12 +16,12 @@ use super::fresh::{Drawn, Fresh};
 use super::job::{Cancelled, Progress};
 use super::recordings::Taken;
 use super::rung::Rung;
+use crate::answer::discover::Missing;
 use crate::drive_text::{with_effects, with_estimates};
 use crate::evidence::Gathered;
 use crate::failure::told;
 use crate::first_drive::{FirstDrive, Given};
 use crate::read_evidence::{ReadEvidence, evidence_of, given_noise};
-use crate::report::discover::Missing;
 
 /// Time that the browser has the processors for itself to draw what was found, before they search.
 const FIRST_LOOK: Duration = Duration::from_millis(250);
@@ -127,7 +127,7 @@ fn lacking(drive: &Drive, basis: &Basis, progress: &Progress) -> miette::Result<
     let Gathered { estimation, validation, .. } = &*basis.gathered;
     let found = discover(drive, estimation, validation, progress).map_err(told)?;
     progress.doing("done")?;
-    Ok(Missing::of(&found))
+    Ok(Missing::of(&found, false))
 }
 
 /// What a job at a rung works with.

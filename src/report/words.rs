@@ -1,6 +1,6 @@
 //! The sentences and numbers that terminal and report share.
 
-use drivescope_discovery::{BothUnexplained, OutputFits, Unexplained};
+use drivescope_discovery::{BothUnexplained, Unexplained};
 use drivescope_plant::drive::Motion;
 use drivescope_scenarios::results::{
     DetectionRow, DetectorKind, FaultName, PaperRow, StudyResults, TorqueReading,
@@ -27,6 +27,11 @@ pub(crate) fn number(value: f64) -> String {
     significant(value, 3)
 }
 
+/// An error in units of the noise: with the digits by which steps of a ladder differ.
+pub(crate) fn error(value: f64) -> String {
+    significant(value, 4)
+}
+
 /// Error, in units of the sensors' noise, up to which the noise floor is in reach, and that unit says
 /// something to a person. Of an encoder with steps of a nanometre it says nothing.
 const REACHABLE: f64 = 10.0;
@@ -47,12 +52,6 @@ pub(crate) fn balances(
         Motion::Linear => "force",
     };
     [(driving, left.torque), ("voltage", left.voltage)]
-}
-
-/// How well the outputs that move are followed, `97.2 % of omega` each.
-pub(crate) fn output_fits(fits: &OutputFits) -> Vec<String> {
-    let known = fits.iter().filter_map(|(name, fit)| Some((name, (*fit)?)));
-    known.map(|(name, fit)| format!("{} of {name}", fit_percent(fit))).collect()
 }
 
 /// The fit of an output: a percentage, or that the model overflowed.

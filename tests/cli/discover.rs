@@ -249,7 +249,7 @@ fn a_typed_law_that_overflows_is_named_and_the_rest_goes_on() {
     // As a candidate it is out, and the rest goes on.
     with("beside.toml", "0");
     let ran = done(here, &["discover", "beside.toml", "one.csv"]);
-    let line = ran.out.lines().find(|line| line.trim_start().starts_with("steep  "));
+    let line = ran.out.lines().find(|line| line.trim_start().starts_with("steep: "));
     assert!(line.is_some_and(|line| line.contains("overflows on these recordings")), "{}", ran.out);
     assert!(ran.out.contains("nothing is missing"), "{}", ran.out);
     let error = refused(here, &["add", "beside.toml", "steep", "one.csv", "-o", "no.toml"]);

@@ -69,7 +69,7 @@ fn a_recording_becomes_values_and_the_error_falls() {
     let again =
         done(here, &["fit", "wrong.toml", "one.csv", "--validate", "two.csv", "-o", "b.toml"]);
     assert!(
-        again.out.contains("std error") && again.out.contains("judged by two.csv"),
+        again.out.contains("Standard") && again.out.contains("judged by two.csv"),
         "{}",
         again.out
     );

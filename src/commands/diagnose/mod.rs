@@ -1,13 +1,11 @@
 //! `diagnose`: a diagnoser at work on a recording or on live rows from standard input.
 
-mod answer;
 mod live;
 mod method;
 mod pace;
 mod regrid;
 mod stdin;
 mod stream;
-pub(crate) mod words;
 
 use std::path::{Path, PathBuf};
 
@@ -16,10 +14,10 @@ use drivescope_diagnoser::{Channel, DetectorKind, Diagnoser};
 use drivescope_monitor::{Finished, Found, Method, Monitor, MonitorError, Options};
 use drivescope_recording::Recording;
 
-pub(crate) use self::answer::Answer;
-use self::answer::BaselineAnswer;
-use self::stream::Stream;
+pub(crate) use self::stream::Stream;
 use super::{RecordingOptions, Run, at_period};
+use crate::answer::diagnose::{Answer, BaselineAnswer};
+use crate::answer::text;
 use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
 use crate::output;
@@ -86,7 +84,7 @@ impl Run for Diagnose {
                 printed => printed?,
             }
         } else {
-            session.say(&answer.text(), &answer, &next)?;
+            session.say(&text(&answer.told()), &answer, &next)?;
         }
         let forbidden = self.check && ["fault", "abnormal"].contains(&verdict);
         Ok(if forbidden { Ending::Forbidden } else { Ending::Done })

@@ -1,6 +1,5 @@
 //! `discover`: which physical effect the model lacks; found, added, and the error falls.
 
-mod answer;
 mod report;
 mod watch;
 
@@ -12,6 +11,8 @@ use drivescope_discovery::{Discovery, Error, Evidence, Purpose, Verdict, Watch, 
 use drivescope_plant::drive::Drive;
 
 use super::Run;
+use crate::answer::discover::{Answer, Missing};
+use crate::answer::text;
 use crate::drive_source;
 use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
@@ -21,7 +22,6 @@ use crate::next::Next;
 use crate::output;
 use crate::session::Session;
 
-use answer::Answer;
 use report::report;
 use watch::Watching;
 
@@ -43,7 +43,7 @@ pub(crate) struct Discover {
 impl Run for Discover {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let search = Search {
-            named_are: "missing",
+            added: false,
             given: &self.drive,
             base: &drive_source::drive(&self.drive)?,
             output: self.output.as_ref(),
@@ -56,8 +56,8 @@ impl Run for Discover {
 
 /// Which drive, which recordings, and where what is found goes to: what `discover` and `add` share.
 pub(super) struct Search<'a> {
-    /// What the effects that are named are: missing, or added as the user wished.
-    pub(super) named_are: &'static str,
+    /// Whether the effects that are named are added as the user wished, or missing.
+    pub(super) added: bool,
     /// The drive as the user named it.
     pub(super) given: &'a str,
     /// That drive.
@@ -85,6 +85,7 @@ impl Search<'_> {
         // What was found until then is not the answer.
         interrupt::check()?;
         let found = found.map_err(told)?;
+        let missing = Missing::of(&found, self.added);
         // Of what was not judged there is no drive to write.
         let output = self.output.filter(|_| found.verdict != Verdict::NotJudged);
         if let Some(path) = output {
@@ -97,12 +98,11 @@ impl Search<'_> {
             output::write_file(path, |out| out.write_all(text.as_bytes()))?;
         }
         if let Some(path) = self.report {
-            let html = report(&found, &gathered, session.seed)?;
+            let html = report((&found, &missing), &gathered, session.seed)?;
             output::write_file(path, |out| out.write_all(html.as_bytes()))?;
         }
         let written = output.and_then(|path| session.named(path));
-        let answer =
-            Answer::new(self.base, written, &gathered, &found, self.named_are, session.seed);
+        let answer = Answer::new(self.base, written, &gathered, (&found, missing), session.seed);
         let next = match (output, found.verdict) {
             (Some(output), _) => self.evidence.on(Next::new("compare").files([output])),
             // Signals are mended first; nothing is there to be written.
@@ -115,7 +115,7 @@ impl Search<'_> {
                 self.evidence.on(again).options(" -o found.toml --out found.html")
             }
         };
-        session.say(&answer.text(), &answer, &next)?;
+        session.say(&text(&answer.told()), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

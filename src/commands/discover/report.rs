@@ -4,16 +4,21 @@ use drivescope_discovery::compare::{Comparison, Options as CompareOptions, compa
 use drivescope_discovery::{Discovery, Setting};
 use drivescope_plant::drive::Drive;
 
+use crate::answer::compare::Setting as About;
+use crate::answer::discover::{Missing, Step};
 use crate::evidence::Gathered;
 use crate::failure::told;
-use crate::report::compare::Setting as About;
-use crate::report::discover::{Found, Missing, Step, discover_html};
+use crate::report::discover::{Found, discover_html};
 
 /// One self-contained page.
 ///
 /// # Errors
 /// Recordings that cannot be compared together.
-pub(super) fn report(found: &Discovery, gathered: &Gathered, seed: u64) -> miette::Result<String> {
+pub(super) fn report(
+    (found, missing): (&Discovery, &Missing),
+    gathered: &Gathered,
+    seed: u64,
+) -> miette::Result<String> {
     let Gathered { estimation, noise, doubts, .. } = gathered;
     let compared = |drive: &Drive| -> miette::Result<Comparison> {
         let setting = Setting::new(drive, found.observer);
@@ -27,32 +32,16 @@ pub(super) fn report(found: &Discovery, gathered: &Gathered, seed: u64) -> miett
         // The cards speak of the base as it was fitted, before anything was added.
         _ => Some(compared(&found.base)?),
     };
-    let steps: Vec<Step> = found
-        .ladder
-        .iter()
-        .enumerate()
-        .map(|(depth, rung)| Step {
-            label: rung
-                .added
-                .as_ref()
-                .map_or("the base, fitted".to_owned(), |it| format!("+ {}", it.replace('_', " "))),
-            unexplained: rung.validation_unexplained,
-            fits: rung.validation_fit_percent.clone(),
-            error: rung.error,
-            validation_error: rung.validation_error,
-            depth,
-        })
-        .collect();
+    let steps: Vec<Step> = found.ladder.iter().map(Step::from).collect();
     let judged = found.ladder.last().map(|rung| rung.validation_error);
     let about = About::new(&found.drive, estimation, &noise[0], judged, doubts, seed);
     // Where the user chose the effect, nobody was asked what is missing.
     let asked = !found.ranking.is_empty() || found.named.is_empty();
-    let missing = Missing::of(found);
     Ok(discover_html(&Found {
         compared: &after,
         setting: &about,
         before: before.as_ref().unwrap_or(&after),
-        missing: asked.then_some(&missing),
+        missing: asked.then_some(missing),
         motion: found.drive.motion,
         steps: &steps,
         parameters: &found.parameters,

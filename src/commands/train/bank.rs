@@ -1,16 +1,15 @@
 //! The bank of a training: noise and limits for a drive whose equations are known.
 
 use drivescope_diagnoser::bank::{
-    BankDesign, Calibration, Event, LearnedNoise, Limits, Mechanism, Row, Separation, Verified,
+    BankDesign, Calibration, Event, Mechanism, Row, Separation, Verified,
 };
 use drivescope_monitor::bank::{self, AnyProcess, Columns, Designed, without_current};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
-use serde::Serialize;
 
+use crate::answer::train::{BankAnswer, Confusion, Separable, VerifiedAnswer};
 use crate::failure::{Failure, told};
 use crate::interrupt;
-use crate::report::words::number;
 
 /// Share of the alarms seen in the healthy recordings that the design foresees, below which the
 /// drive model is not theirs.
@@ -19,54 +18,6 @@ const FORESEEN: f64 = 0.05;
 const CHANGES: [f64; 6] = [0.75, 1.25, 0.5, 1.5, 0.0, -1.0];
 /// Size at which mechanisms are compared: of a fraction, or as a share of the greatest bias.
 const COMPARED: f64 = 0.1;
-
-/// What was found on the way.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct BankAnswer {
-    drive: String,
-    noise: LearnedNoise,
-    arl_0: f64,
-    limits: Limits,
-    horizon_samples: usize,
-    baseline_samples: usize,
-    verified: VerifiedAnswer,
-    /// What cannot be told apart at the operating point of the first recording.
-    confusions: Vec<Confusion>,
-}
-
-#[derive(Debug, Clone, Serialize)]
-struct VerifiedAnswer {
-    samples: usize,
-    alarms: usize,
-    /// Lower 95 % limit of the mean samples between alarms.
-    arl_0_at_least: f64,
-    /// Healthy samples of the recordings, baselines excluded, and alarms in them.
-    recorded: usize,
-    recorded_alarms: usize,
-}
-
-/// A mechanism and those that a fault of that size is confused with.
-#[derive(Debug, Clone, Serialize)]
-struct Confusion {
-    mechanism: String,
-    size: f64,
-    /// Whether it shows at all: an inertia does not at a constant speed.
-    shows: bool,
-    set: Vec<String>,
-    /// What a change of the set point would tell it from.
-    separable: Vec<Separable>,
-    /// The same where no current is measured, if it shows then.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    set_without_current: Option<Vec<String>>,
-}
-
-/// A mechanism of a confusion set that another speed takes out of it.
-#[derive(Debug, Clone, Serialize)]
-struct Separable {
-    mechanism: String,
-    /// Speed to change to, rad/s (m/s).
-    speed: f64,
-}
 
 /// Designs the bank of a drive on healthy recordings.
 ///
@@ -216,50 +167,4 @@ fn confusions(process: &dyn AnyProcess, runs: &[Vec<Row>], design: &BankDesign) 
             .map(|without| names(without, (j, it))),
     };
     mechanisms.iter().enumerate().map(confusion).collect()
-}
-
-impl BankAnswer {
-    /// As text for a person.
-    pub(super) fn text(&self) -> String {
-        let Self { drive, noise, arl_0, limits, verified, .. } = self;
-        let mut text = format!(
-            "bank over {drive}: noise learned: speed {}, current {} A, torque {} over {} s (SI)\n\
-             limits for {arl_0:e} samples between false alarms: likelihood ratio {}, squares {}; \
-             verified: {} alarms in {} fresh healthy samples (at least {:.2e} between, 95 %), {} in \
-             the {} of the recordings\n",
-            number(noise.omega),
-            number(noise.i),
-            number(noise.torque),
-            number(noise.torque_time),
-            number(limits.ratio),
-            number(limits.squares),
-            verified.alarms,
-            verified.samples,
-            verified.arl_0_at_least,
-            verified.recorded_alarms,
-            verified.recorded,
-        );
-        for Confusion { mechanism, size, shows, set, separable, set_without_current } in
-            &self.confusions
-        {
-            if !shows {
-                text += &format!("{mechanism} of {} does not show here\n", number(*size));
-            }
-            if !set.is_empty() {
-                text += &format!("{mechanism} cannot be told from {}\n", set.join(", "));
-            }
-            for Separable { mechanism: other, speed } in separable {
-                let speed = number(*speed);
-                text += &format!("  a set point changed to {speed} (SI) tells it from {other}\n");
-            }
-            let blind = set_without_current.iter().flatten();
-            let more: Vec<&str> =
-                blind.filter(|it| !set.contains(it)).map(String::as_str).collect();
-            if !more.is_empty() {
-                text +=
-                    &format!("{mechanism}: without the current, nor from {}\n", more.join(", "));
-            }
-        }
-        text
-    }
 }

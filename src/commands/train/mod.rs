@@ -1,6 +1,5 @@
 //! `train`: healthy recordings, and labelled faulty ones, to a diagnoser file.
 
-mod answer;
 mod bank;
 mod joined;
 mod labelled;
@@ -17,6 +16,7 @@ use self::models::Models;
 use self::training::{ARL_0, BETA, RUN_UP_S, VERIFIED, WINDOW_S};
 pub(crate) use self::training::{Material, Plan, Trained, interface, train};
 use super::{RecordingOptions, Run, at_period};
+use crate::answer::text;
 use crate::failure::{Ending, told};
 use crate::next::Next;
 use crate::session::Session;
@@ -131,7 +131,7 @@ impl Run for Train {
         }
         let answer = trained.answer(session.named(&self.output));
         let next = Next::new("diagnose").files([&self.output]).options(" REC --check");
-        session.wrote(&answer.text(), &answer, &next)?;
+        session.wrote(&text(&answer.told()), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

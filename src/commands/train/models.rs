@@ -5,13 +5,11 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use drivescope_diagnoser::{
     BoundOptions, Design, ErrorModel, Limits, Method, Orders, Orthants, Recipe, Sets, Structure,
-    StructureRow, Training, Uncertain, select_structure,
+    Training, Uncertain, select_structure,
 };
 
+use crate::answer::train::Compared;
 use crate::failure::told;
-
-/// Sizes that were compared, and the place of the chosen ones.
-pub(super) type Compared = (Vec<StructureRow>, usize);
 
 /// Starts and steps of every candidate of a choice of sizes: the chosen one is trained again with
 /// more.

@@ -1,18 +1,19 @@
 //! A training, wherever it was asked for.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use drivescope_diagnoser::{
-    Channel, Confidence, Data, Design, Diagnoser, FaultsReport, FaultyRun, Interface,
-    IsolatorOptions, Learned, Sets,
+    Channel, Confidence, Data, Design, Diagnoser, FaultsReport, FaultyRun, Gmdh, Interface,
+    IsolatorOptions, Learned, Sets, free_run,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
-use super::answer::{Answer, recurrent_difference};
-use super::bank::BankAnswer;
-use super::models::{Compared, Models};
+use super::models::Models;
 use super::{bank, joined};
+use crate::answer::block::Block;
+use crate::answer::train::{Answer, BankAnswer, Compared};
 use crate::failure::{Failure, told};
 use crate::interrupt;
 use crate::session::Session;
@@ -78,9 +79,9 @@ pub(crate) struct Trained {
 }
 
 impl Trained {
-    /// As text for a person; the diagnoser is in that file.
-    pub(crate) fn text(&self, output: &Path) -> String {
-        self.answer(Some(output.to_owned())).text()
+    /// The answer in blocks.
+    pub(crate) fn told(&self) -> Vec<Block> {
+        self.answer(None).told()
     }
 
     /// As an answer of the command.
@@ -237,4 +238,13 @@ fn pair<'a>(data: &[Data<'a>], parts: (usize, usize)) -> Option<[Data<'a>; 2]> {
         }
         [first, second, ..] => Some([first.clone(), second.clone()]),
     }
+}
+
+/// How far a GMDH network and its locally recurrent form (Section 2.4) run apart from rest.
+fn recurrent_difference(network: &Arc<Gmdh>, healthy: &Data) -> Option<f64> {
+    const COMPARED: usize = 2000; // State space by dense matrices is slow.
+    let part = healthy.span(0..healthy.len().min(COMPARED));
+    let recurrent = network.locally_recurrent()?.free_run(part.inputs());
+    let own = free_run(&mut network.run(), part.inputs()).swap_remove(0);
+    Some(own.iter().zip(&recurrent).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max))
 }

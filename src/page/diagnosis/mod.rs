@@ -17,7 +17,8 @@ pub(super) use view::view;
 
 use super::bench::{Bench, State, words};
 use super::recordings::Taken;
-use crate::commands::{Diagnosed, Trained};
+use crate::answer::diagnose::Answer;
+use crate::commands::Trained;
 
 /// Name of the diagnoser on the command lines that do the same.
 pub(super) const FILE: &str = "diagnoser.toml";
@@ -50,7 +51,7 @@ pub(super) struct Ready {
 #[derive(Debug)]
 struct Judged {
     /// The answer, or why there is none.
-    answer: Result<Diagnosed, String>,
+    answer: Result<Answer, String>,
     /// The figure of it.
     figure: Option<String>,
 }

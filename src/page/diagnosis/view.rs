@@ -1,19 +1,16 @@
 //! The view of training and diagnosing.
 
-use std::path::Path;
-
-use drivescope_monitor::{Declaration, Found, UNKNOWN};
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::super::bench::State;
 use super::super::command_line::file_of;
 use super::super::upload;
 use super::{FILE, Judged, Material, Ready};
-use crate::commands::{Diagnosed, declared};
+use crate::answer::block::{Block, Picture, Plot};
+use crate::answer::html;
 use crate::next::Next;
 use crate::page::recordings::Taken;
-use crate::report::page::{minus, table};
-use crate::report::words::percent;
+use crate::report::page::table;
 
 /// The whole view.
 pub(in crate::page) fn view(state: &State) -> String {
@@ -124,7 +121,7 @@ fn trained(ready: &Ready) -> Markup {
             }
             details {
                 summary { "What the training came to" }
-                pre tabindex="0" { (ready.trained.text(Path::new(FILE))) }
+                (html::page(&ready.trained.told(), &|_| None))
             }
             p.exports {
                 a.button href="diagnoser/toml" download=(FILE) { "Diagnoser file" }
@@ -133,6 +130,13 @@ fn trained(ready: &Ready) -> Markup {
             }
         }
     }
+}
+
+/// The figure of a recording.
+fn drawn(svg: &str, recording: &str) -> Block {
+    let title = format!("Residual and declared faults of {recording}");
+    let (svg, caption) = (svg.to_owned(), String::new());
+    Block::Figure(Picture { plot: Plot::Drawn { title, svg }, caption })
 }
 
 fn watched(number: usize, material: &Material) -> Markup {
@@ -145,73 +149,13 @@ fn watched(number: usize, material: &Material) -> Markup {
                     button type="button" data-diagnose="judge" { "Watch it now" } },
                 Some(Judged { answer: Err(problem), .. }) => p.problem { (problem) },
                 Some(Judged { answer: Ok(answer), figure }) => {
-                    p.verdict data-verdict=(answer.verdict) { (verdict(answer)) }
-                    @if let Some(why) = &answer.why { p.second { (why) "." } }
-                    @if let Some(svg) = figure {
-                        figure { div.scroll role="region" tabindex="0" aria-label={ "Residual and declared faults of " (material.name) } {
-                            (PreEscaped(svg.as_str()))
-                        } }
+                    div data-verdict=(answer.verdict) {
+                        (html::page(&answer.with_figure(figure.as_deref().map(|it| drawn(it, &material.name))), &|_| None))
                     }
-                    (declarations(&answer.declarations))
-                    (methods(&answer.methods))
                 }
             }
         }
     }
-}
-
-/// One sentence.
-fn verdict(answer: &Diagnosed) -> String {
-    let count = answer.declarations.len();
-    match (answer.verdict, answer.declarations.last()) {
-        ("fault", Some(last)) if count == 1 => {
-            format!("Fault since {:.3} s: {}", last.from, minus(&declared(last)))
-        }
-        ("fault", Some(last)) => {
-            format!(
-                "{count} faults declared, the last since {:.3} s: {}",
-                last.from,
-                minus(&declared(last))
-            )
-        }
-        ("abnormal", _) => "Abnormal: far more lies outside than in health".to_owned(),
-        ("healthy", _) => "Healthy".to_owned(),
-        _ => "Not judged".to_owned(),
-    }
-}
-
-fn declarations(all: &[Declaration]) -> Markup {
-    let head = html! { tr {
-        th scope="col" { "From [s]" } th scope="col" { "To [s]" } th scope="col" { "Noticed [s]" }
-        th.name scope="col" { "Mechanism and size, 95 % interval" } th.name scope="col" { "It may also be" }
-    } };
-    let body = html! { @for it in all { tr {
-        td { (format!("{:.3}", it.from)) }
-        td { (it.to.map_or("stands".to_owned(), |to| format!("{to:.3}"))) }
-        td { (format!("{:.3}", it.noticed)) }
-        td.words {
-            @let alone = Declaration { set: Vec::new(), ..it.clone() };
-            @if it.mechanism == UNKNOWN { "no known cause" } @else { (minus(&declared(&alone))) }
-        }
-        td.words { (it.set.iter().filter(|other| **other != it.mechanism).cloned().collect::<Vec<_>>().join(", ")) }
-    } } };
-    html! { @if !all.is_empty() { (table("Declared faults", &head, &body)) } }
-}
-
-fn methods(methods: &[Found]) -> Markup {
-    let head = html! { tr {
-        th.name scope="col" { "Method" } th.name scope="col" { "Verdict" }
-        th scope="col" { "Outside [%]" } th scope="col" { "Healthy [%]" } th scope="col" { "Declared" }
-    } };
-    let share = |share: Option<f64>| share.map_or("\u{2013}".to_owned(), |it| percent(it, 2));
-    let body = html! { @for it in methods { tr {
-        th scope="row" { (it.method.label()) }
-        td.name { (it.verdict.replace('_', " ")) }
-        td { (share(it.exceedance_rate)) }
-        td { (share(it.beta)) }
-        td { (it.declarations.len()) }
-    } } };
-    table("Every method", &head, &body)
 }
 
 /// What does the same on a command line.

@@ -7,20 +7,19 @@ mod spark;
 
 use std::collections::BTreeMap;
 
-use drivescope_discovery::{BothUnexplained, OutputFits};
 use maud::{Markup, html};
 
 use data::data;
 pub(super) use failing::within;
-use failing::{panels, spans, white};
+use failing::{over_what, when, white};
 
 use super::bench::State;
 use super::command_line::file_of;
 use super::rung::Rung;
-use crate::report::compare::{remark, tables, verdict};
-use crate::report::discover::{Step, cards, ladder, parameters};
-use crate::report::page::minus;
-use crate::report::words::number;
+use crate::answer::block::{Block, Key};
+use crate::answer::compare::summary;
+use crate::answer::discover::{Step, ladder};
+use crate::answer::{html, not_told, parameters};
 
 /// What the browser looks at.
 #[derive(Debug, Clone, Copy)]
@@ -36,29 +35,17 @@ pub(super) fn pieces(state: &State, view: View) -> BTreeMap<&'static str, String
     let mut pieces = BTreeMap::from([("data", data(state).into_string())]);
     let Some(rung) = state.rungs.get(view.rung) else { return pieces };
     let found = state.missing.get(&view.rung);
+    let told = |blocks: &[Block]| html::page(blocks, &offered);
+    let compared = &rung.compared;
     let shown = [
-        (
-            "verdict",
-            html! {
-                p.verdict { (verdict(&rung.compared)) }
-                p.second { (remark(&rung.compared, rung.about.step)) }
-                (tables::tiles(&rung.compared, &rung.about))
-            },
-        ),
-        ("spans", spans(&rung.compared, view.recording)),
-        (
-            "where",
-            html! {
-                h3 { "Where it fails" }
-                (tables::findings(&rung.compared))
-                (panels(&rung.compared, "where"))
-            },
-        ),
-        ("white", white(&rung.compared, view.recording)),
+        ("verdict", told(&summary(compared, &rung.about))),
+        ("spans", told(&when(compared, view.recording))),
+        ("where", told(&over_what(compared, rung.about.motion))),
+        ("white", told(&white(compared, view.recording))),
         (
             "cards",
             match found {
-                Some(missing) => cards(missing, &rung.compared.curves, &add_button),
+                Some(missing) => told(&missing.told(&compared.curves)),
                 None => html! {
                     p { "What this model lacks has not been asked yet. "
                         button type="button" data-do="learn" { "Ask the library" } }
@@ -66,17 +53,7 @@ pub(super) fn pieces(state: &State, view: View) -> BTreeMap<&'static str, String
             },
         ),
         ("ladder", steps(state, view.rung)),
-        (
-            "parameters",
-            html! {
-                h3 { "Parameters of this step" }
-                (parameters(&rung.parameters, &|it| html! {
-                    input.value type="text" inputmode="decimal" value=(plain(it.value)) size="11"
-                        data-parameter=(it.name) aria-label={ "value of " (it.name) ", " (it.unit) };
-                }))
-                (untold(rung))
-            },
-        ),
+        ("parameters", of_step(rung)),
         ("take", take(view.rung, rung)),
     ];
     pieces.extend(shown.map(|(place, piece)| (place, piece.into_string())));
@@ -90,47 +67,49 @@ fn plain(value: f64) -> String {
     if (1e-3..1e5).contains(&short.abs()) { short.to_string() } else { format!("{short:e}") }
 }
 
-fn add_button(effect: &str) -> Markup {
-    let words = if effect == "learned" { "the curve".to_owned() } else { effect.replace('_', " ") };
-    html! { button.add type="button" data-do="add" data-effect=(effect) { "Add " (words) } }
+/// What may be done with what is shown.
+fn offered(key: &Key) -> Option<Markup> {
+    Some(match key {
+        Key::Effect(effect) => {
+            let words = if effect == "learned" { "the curve" } else { effect };
+            html! { button.add type="button" data-do="add" data-effect=(effect) { "Add " (words) } }
+        }
+        Key::Law { target, text, head } => {
+            html! { code data-law=(text) data-target=(target) { (head) } }
+        }
+        Key::Parameter { name, unit, value } => html! {
+            input.value type="text" inputmode="decimal" value=(plain(*value)) size="11"
+                data-parameter=(name) aria-label={ "value of " (name) ", " (unit) };
+        },
+        Key::Span { from, to, sentence } => html! {
+            button.link type="button" data-from=(from) data-to=(to) { (sentence) }
+        },
+        Key::Step(_) => return None,
+    })
 }
 
 /// Every rung, to go back to, fork and compare.
 fn steps(state: &State, now: usize) -> Markup {
-    let all: Vec<Step> = state
-        .rungs
-        .iter()
-        .enumerate()
-        .map(|(number, rung)| Step {
-            label: rung.label.clone(),
-            // A narrow window has no room for more than the errors; the report tells it.
-            unexplained: BothUnexplained { torque: None, voltage: None },
-            fits: OutputFits::new(),
-            error: rung.error,
-            validation_error: rung.validation_error,
-            depth: Rung::depth(&state.rungs, number),
-        })
-        .collect();
-    ladder(state.rungs[now].drive.motion, &all, &|number| {
-        html! {
-            @if number == now { strong { "shown" } }
-            @else {
-                button type="button" data-rung=(number) { "Go to" } " "
-                button type="button" data-ghost=(number) { "Compare" }
-            }
-        }
+    let each = state.rungs.iter().enumerate();
+    let all: Vec<Step> =
+        each.map(|(number, rung)| rung.step(Rung::depth(&state.rungs, number))).collect();
+    html::page(&ladder(state.rungs[now].drive.motion, &all), &|key| match key {
+        Key::Step(number) if *number == now => Some(html! { strong { "shown" } }),
+        Key::Step(number) => Some(html! {
+            button type="button" data-rung=(number) { "Go to" } " "
+            button type="button" data-ghost=(number) { "Compare" }
+        }),
+        _ => None,
     })
 }
 
-fn untold(rung: &Rung) -> Markup {
+/// The parameters of a step, and what the recordings do not tell of them.
+fn of_step(rung: &Rung) -> Markup {
+    let known = rung.parameters.iter().map(|it| (it, String::new()));
+    let mut blocks = vec![Block::Heading("Parameters of this step".to_owned()), parameters(known)];
+    blocks.extend(not_told(&rung.not_identifiable));
     html! {
-        @for it in &rung.not_identifiable {
-            p.note {
-                (it.parameter) " is not told by these recordings"
-                @if !it.with.is_empty() { " apart from " (it.with.join(", ")) }
-                ": it was kept at " (minus(&number(it.kept))) "."
-            }
-        }
+        (html::page(&blocks, &offered))
         p {
             button type="button" data-do="fit" { "Fit again" }
             span.note { " A value that you change makes a new step, nothing fitted." }

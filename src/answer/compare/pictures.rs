@@ -4,12 +4,12 @@ use drivescope_discovery::compare::{Correlation, Curve, RecordingComparison};
 use drivescope_recording::Clock;
 
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Span};
-use crate::report::words::{capital, number};
+use crate::report::words::{capital, error, number};
 
 /// Height of a panel of signals, of residuals, of a curve, of correlations.
 const SIGNAL: f64 = 130.0;
 const RESIDUAL: f64 = 80.0;
-const CURVE: f64 = 150.0;
+const CURVE: f64 = 130.0;
 const CORRELATION: f64 = 90.0;
 
 fn line(label: &str, points: Vec<(f64, f64)>, ink: Ink) -> Layer {
@@ -50,7 +50,7 @@ pub(super) fn recording(it: &RecordingComparison, clock: &Clock, place: usize) -
     Figure {
         id: format!("recording-{place}-plot"),
         title: format!("Model and measurement, {}", it.name),
-        description: format!("Outputs and residuals over time; error {}", number(it.error)),
+        description: format!("Outputs and residuals over time; error {}", error(it.error)),
         x: Axis::new("time", "s"),
         spans: it
             .spans
@@ -62,13 +62,8 @@ pub(super) fn recording(it: &RecordingComparison, clock: &Clock, place: usize) -
     }
 }
 
-/// What is missing over a variable, as the figure of that number.
-pub(super) fn curve(it: &Curve, place: usize) -> Figure {
-    curve_at(it, &format!("curve-{place}"), CURVE)
-}
-
-/// The same under that name, unique on its page, and of that height in pixels.
-pub(crate) fn curve_at(it: &Curve, id: &str, height: f64) -> Figure {
+/// What is missing over a variable, under a name that is unique on its page.
+pub(crate) fn curve(it: &Curve, id: &str) -> Figure {
     let points = it.x.iter().zip(&it.value).map(|(x, y)| (*x, *y)).collect();
     let ends = it.lower.iter().zip(&it.upper);
     let band = it.x.iter().zip(ends).map(|(x, (low, high))| (*x, *low, *high)).collect();
@@ -92,7 +87,7 @@ pub(crate) fn curve_at(it: &Curve, id: &str, height: f64) -> Figure {
         spans: Vec::new(),
         markers: Vec::new(),
         panels: vec![Panel {
-            height,
+            height: CURVE,
             y: Axis::new(format!("missing {quantity}"), &it.unit),
             layers: vec![
                 Layer::Band { label: "95 %".to_owned(), points: band, ink: Ink::Blue },
@@ -104,10 +99,15 @@ pub(crate) fn curve_at(it: &Curve, id: &str, height: f64) -> Figure {
     }
 }
 
+/// Points at which the band of a curve leaves zero out.
+pub(super) fn outside(it: &Curve) -> usize {
+    let ends = it.lower.iter().zip(&it.upper);
+    ends.filter(|(low, high)| **low > 0.0 || **high < 0.0).count()
+}
+
 /// What a curve says.
 pub(crate) fn caption(it: &Curve) -> String {
-    let outside = it.lower.iter().zip(&it.upper).filter(|(low, high)| **low > 0.0 || **high < 0.0);
-    let count = outside.count();
+    let count = outside(it);
     let largest = it.value.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let words = capital(it.words);
     match count {
@@ -122,7 +122,7 @@ pub(crate) fn caption(it: &Curve) -> String {
 }
 
 /// The residual's correlation with itself and with the input, of every output.
-pub(crate) fn correlations(it: &RecordingComparison, place: usize) -> Figure {
+pub(super) fn correlations(it: &RecordingComparison, place: usize) -> Figure {
     let panel = |name: String, of: &Correlation| {
         let points = of.lags.iter().zip(&of.values).map(|(x, y)| (*x, *y)).collect();
         let band = of.lags.iter().zip(&of.bands).map(|(x, band)| (*x, -band, *band)).collect();

@@ -1,11 +1,30 @@
 //! Declarations and decisions in words.
 
-use drivescope_monitor::{Decision, Declaration, Fault};
+use drivescope_monitor::{Decision, Declaration, Fault, UNKNOWN};
 
 use crate::report::words::{number, percent};
 
-/// What a declared fault is.
-pub(crate) fn what(declaration: &Declaration) -> String {
+/// What a declared fault is, and what it cannot be told from.
+pub(super) fn what(declaration: &Declaration) -> String {
+    let others = others(declaration);
+    let others = match others.as_slice() {
+        [] => String::new(),
+        some => format!("; it cannot be told from {}", some.join(", ")),
+    };
+    alone(declaration) + &others
+}
+
+/// What else it may be.
+pub(super) fn others(declaration: &Declaration) -> Vec<&str> {
+    let all = declaration.set.iter().map(String::as_str);
+    all.filter(|it| *it != declaration.mechanism).collect()
+}
+
+/// A declared fault: mechanism, size, and its 95 % interval.
+pub(super) fn alone(declaration: &Declaration) -> String {
+    if declaration.mechanism == UNKNOWN {
+        return "no known cause".to_owned();
+    }
     let mut text = declaration.mechanism.clone();
     if let (Some(size), Some([low, high])) = (declaration.size, declaration.interval) {
         let (per, unit) = match declaration.unit.as_deref() {
@@ -21,26 +40,11 @@ pub(crate) fn what(declaration: &Declaration) -> String {
             text += &format!(", growing by {} {unit} a second", number(per * rate));
         }
     }
-    let others: Vec<&str> = declaration
-        .set
-        .iter()
-        .map(String::as_str)
-        .filter(|it| **it != declaration.mechanism)
-        .collect();
-    if !others.is_empty() {
-        text += &format!("; it cannot be told from {}", others.join(", "));
-    }
     text
 }
 
-/// A declared fault in a line.
-pub(crate) fn line(declaration: &Declaration) -> String {
-    let until = declaration.to.map_or_else(|| "the end".to_owned(), |to| format!("{to:.3} s"));
-    format!("{:.3} s to {until}: {}", declaration.from, what(declaration))
-}
-
 /// A decision of the bank in a line.
-pub(super) fn decision(decision: &Decision) -> String {
+pub(crate) fn decision(decision: &Decision) -> String {
     let Decision { time, decision, symptom, declaration } = decision;
     let symptom = symptom.as_deref().unwrap_or("excess");
     match *decision {

@@ -1,22 +1,25 @@
 //! What a training says.
 
-mod text;
+mod bank;
+#[cfg(test)]
+mod tests;
+mod told;
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use drivescope_diagnoser::{
-    BandDesign, Channel, Data, DetectorKind, FaultsReport, Gmdh, KnownFaults, Learned, Stored,
-    StructureRow, free_run,
+    BandDesign, Channel, DetectorKind, FaultsReport, KnownFaults, Learned, Stored, StructureRow,
 };
 use drivescope_scenarios::results::SizeGroup;
 use serde::Serialize;
 
-use super::bank::BankAnswer;
-use super::models::Compared;
+pub(crate) use bank::{BankAnswer, Confusion, Separable, VerifiedAnswer};
+
+/// Sizes that were compared, and the place of the chosen ones.
+pub(crate) type Compared = (Vec<StructureRow>, usize);
 
 #[derive(Debug, Serialize)]
-pub(super) struct Answer {
+pub(crate) struct Answer {
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
     inputs: Vec<Channel>,
@@ -36,8 +39,9 @@ pub(super) struct Answer {
     /// Designs of the detectors that are not told of above or below, as the file holds them.
     #[serde(skip_serializing_if = "Stored::is_empty")]
     detectors: Stored,
+    /// The same detectors with their designs in words.
     #[serde(skip)]
-    designed: Vec<String>,
+    designed: Vec<(&'static str, String)>,
     #[serde(skip_serializing_if = "Option::is_none")]
     windows: Option<WindowsAnswer>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -139,7 +143,7 @@ struct FaultAnswer {
 }
 
 impl Answer {
-    pub(super) fn new(
+    pub(crate) fn new(
         output: Option<PathBuf>,
         learned: &Learned,
         (faults, bank): (Option<&FaultsReport>, Option<&BankAnswer>),
@@ -160,8 +164,7 @@ impl Answer {
             normality_p: bands.normality.as_ref().map(|test| test.p_value),
         };
         let constant = diagnoser.constant.band(diagnoser.confidence);
-        let designed =
-            |kind: DetectorKind| Some(format!("{}: {}", kind.label(), kind.designed(diagnoser)?));
+        let designed = |kind: DetectorKind| Some((kind.label(), kind.designed(diagnoser)?));
         let network = diagnoser.gmdh.as_ref().zip(gmdh.as_ref());
         Self {
             output,
@@ -226,17 +229,6 @@ fn structures((rows, best): &(Vec<StructureRow>, usize)) -> Vec<StructureAnswer>
         chosen: k == *best,
     };
     rows.iter().enumerate().map(answer).collect()
-}
-
-/// How far a GMDH network and its locally recurrent form (Section 2.4) run apart from rest.
-pub(super) fn recurrent_difference(network: &Arc<Gmdh>, healthy: &Data) -> Option<f64> {
-    /// Samples that are compared: state space by dense matrices is slow.
-    const COMPARED: usize = 2000;
-    let part = healthy.span(0..healthy.len().min(COMPARED));
-    let recurrent = network.locally_recurrent()?.free_run(part.inputs());
-    let own = free_run(&mut network.run(), part.inputs()).swap_remove(0);
-    let differences = own.iter().zip(&recurrent).map(|(a, b)| (a - b).abs());
-    Some(differences.fold(0.0, f64::max))
 }
 
 impl FaultsAnswer {

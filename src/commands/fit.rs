@@ -1,7 +1,5 @@
 //! `fit`: the parameters of a drive from recordings, with their standard errors.
 
-mod answer;
-
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -10,6 +8,8 @@ use drivescope_discovery::{Evidence, Options, Purpose, Setting, evaluate, fit};
 use drivescope_plant::drive::Drive;
 
 use super::Run;
+use crate::answer::fit::{Answer, Judged};
+use crate::answer::text;
 use crate::drive_source;
 use crate::drive_text::with_estimates;
 use crate::evidence::{EvidenceOptions, Gathered};
@@ -17,7 +17,6 @@ use crate::failure::{Ending, told};
 use crate::next::Next;
 use crate::output;
 use crate::session::Session;
-use answer::{Answer, Judged};
 
 /// Estimate the parameters of a drive from recordings, with standard errors.
 #[derive(Debug, Args)]
@@ -54,9 +53,9 @@ impl Run for Fit {
             judge(&fitted.drive, validation, true)?,
         ];
         bar.finish_and_clear();
-        let text = drive_source::text(&self.drive)?;
-        let text = with_estimates((&self.drive, &text), &fitted, &gathered)?;
-        output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
+        let given = drive_source::text(&self.drive)?;
+        let file = with_estimates((&self.drive, &given), &fitted, &gathered)?;
+        output::write_file(&self.output, |out| out.write_all(file.as_bytes()))?;
         let answer = Answer::new(
             &base,
             session.named(&self.output),
@@ -67,7 +66,7 @@ impl Run for Fit {
             session.seed,
         );
         let next = self.evidence.on(Next::new("compare").files([&self.output]));
-        session.wrote(&answer.text(), &answer, &next)?;
+        session.wrote(&text(&answer.told()), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -285,9 +285,7 @@ fn begin(
 ) -> Result<(Model, Discovery), Error> {
     let setting = Setting::of_fit(drive, estimation);
     watch.step(&Step::Doing("fitting the base drive"));
-    // Where an observer follows the motion, a base that explains its torque worse than least squares do
-    // hides what it lacks in a wrong inertia.
-    let options = Options { starts: STARTS, ..Options::default() };
+    let options = Options { starts: STARTS, balanced: false, ..Options::default() };
     let seen = |error| seen_by(watch, error);
     let model = Model::fit(drive, estimation, validation, setting, &options, &seen)?;
     let drive = &model.fitted.drive;

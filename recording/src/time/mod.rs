@@ -24,6 +24,7 @@ mod line;
 mod places;
 mod rate;
 mod rows;
+mod segments;
 mod slots;
 mod split;
 mod step;

@@ -116,7 +116,8 @@ impl Table {
         let run = run.map(|position| signals.remove(position).values);
         let arranged = {
             let columns: Vec<&[f64]> = signals.iter().map(|it| it.values.as_slice()).collect();
-            time::arrange(time, &columns, run.as_deref(), options.resample, &lines)?
+            let witnesses = time::Witnesses::among(&signals);
+            time::arrange(time, &columns, &witnesses, run.as_deref(), options.resample, &lines)?
         };
         for signal in &mut signals {
             let held = signal.is_held();

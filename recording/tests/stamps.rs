@@ -59,3 +59,26 @@ fn a_logger_of_two_steps_keeps_its_time() {
         assert!(most < 0.02, "{most} {told}");
     }
 }
+
+#[test]
+fn a_column_that_is_not_read_does_not_say_when_rows_were_sampled() {
+    let step = 0.01;
+    let stamps: Vec<f64> = (0..3000).map(|k| step * (k as f64 + 0.8 * random(k))).collect();
+    let log = |beside: usize| {
+        let mut text = String::from("time [s],theta [rad],omega [rad/s]");
+        (0..beside).for_each(|n| write!(text, ",des{n}").unwrap());
+        for (k, t) in stamps.iter().enumerate() {
+            write!(text, "\n{t:.6},{:.6},{:.6}", angle(*t), speed(*t)).unwrap();
+            // Set points, written evenly.
+            let even = step * k as f64;
+            let written = |n: usize| ((3.0 + n as f64) * even).sin();
+            (0..beside).for_each(|n| write!(text, ",{:.6}", written(n)).unwrap());
+        }
+        text
+    };
+    let (alone, _) = read(&log(0));
+    let (beside, report) = read(&log(6));
+    assert!(report.sampling.by_stamps, "{report}");
+    assert_eq!(alone.signal("omega"), beside.signal("omega"));
+    assert_eq!((alone.period_s, alone.len()), (beside.period_s, beside.len()));
+}

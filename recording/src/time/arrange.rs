@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use super::grid::{Account, held_mean, interpolated, placed, samples};
-use super::instants::Instants;
 use super::rate::{Clock, Way, common_period};
 use super::rows::{Columns, Rows, rows};
 use super::segments::{Segment, one_clock};
 use super::slots::Slots;
 use super::split::split;
 use super::ticks::Stamped;
+use super::witnesses::Witnesses;
 use crate::budget::Budget;
 use crate::clock::Break;
 use crate::error::Error;
@@ -41,14 +41,15 @@ pub(crate) struct Arranged {
 
 /// Finds out how the rows lie in time.
 ///
-/// `columns` are the signals, which tell late stamps from late samples; `run` numbers the runs;
-/// `period_s` is the sampling time that the user wants.
+/// `columns` are the signals, of which the `witnesses` tell late stamps from late samples; `run`
+/// numbers the runs; `period_s` is the sampling time that the user wants.
 ///
 /// # Errors
 /// Time that cannot be repaired, or a sampling time that cannot be.
 pub(crate) fn arrange(
     time: Vec<f64>,
     columns: &Columns<'_>,
+    witnesses: &Witnesses<'_>,
     run: Option<&[f64]>,
     period_s: Option<f64>,
     lines: &Lines,
@@ -74,7 +75,7 @@ pub(crate) fn arrange(
         let duration_s = stamped.time[stamped.time.len() - 1] - stamped.time[0];
         return Err(Error::Period { file: lines.file().to_owned(), period_s: asked_s, duration_s });
     }
-    let by_stamps = by_stamps(&clocks, &stamped.time, columns, kept.as_deref());
+    let by_stamps = by_stamps(&clocks, &stamped.time, witnesses, kept.as_deref());
     let (mut segments, account) =
         on_grid(&clocks, &back, &mut stamped.time, asked_s, by_stamps, lines)?;
     let rows: usize = segments.iter().map(|segment| segment.samples).sum();
@@ -132,7 +133,7 @@ fn runs_back(stamped: &Stamped, clocks: &[Clock], k: usize) -> bool {
 fn by_stamps(
     clocks: &[Clock],
     time: &[f64],
-    columns: &Columns<'_>,
+    witnesses: &Witnesses<'_>,
     kept: Option<&[usize]>,
 ) -> Option<bool> {
     let stamped = clocks.iter().filter(|clock| !clock.coarse);
@@ -141,7 +142,7 @@ fn by_stamps(
     if uneven.is_empty() {
         return None;
     }
-    Instants::of(time, columns, kept, &uneven).sampled_at_stamps()
+    witnesses.sampled_at_stamps(time, kept, &uneven)
 }
 
 /// Every clock's rows on the grid, and what that does to noise. Rows that were sampled evenly get

@@ -38,4 +38,5 @@ mod witnesses;
 
 pub(crate) use arrange::arrange;
 pub(crate) use grid::{held_mean, interpolated, samples};
+pub(crate) use uniform::shortest;
 pub(crate) use witnesses::Witnesses;

@@ -66,6 +66,16 @@ pub enum Error {
         /// The first line.
         place: Place,
     },
+    /// A single value a line, without a name.
+    #[error(
+        "{place}: one number a line and no names; a recording has a column for every signal: put \
+         them beside each other, a row for each sample, or put a name such as `omega [rad/s]` above \
+         these numbers and say how far apart they lie with --rows-every SECONDS"
+    )]
+    OneValue {
+        /// The first line.
+        place: Place,
+    },
     /// A row with another number of values than the header has names.
     #[error(
         "{place}: {found} values, but the header names {expected} columns; name every column once, \
@@ -116,8 +126,8 @@ pub enum Error {
     },
     /// No column is the time.
     #[error(
-        "{file}: no time column among {columns}; the first column is `time [s]`, or name it with \
-         --columns time=NAME:UNIT"
+        "{file}: no time column among {columns}; name it with --columns time=NAME:UNIT, or, where \
+         rows lie evenly, say how far apart with --rows-every SECONDS"
     )]
     MissingTime {
         file: String,
@@ -130,7 +140,7 @@ pub enum Error {
     /// Two columns of one name.
     #[error(
         "{file}: columns {first} and {second} are both called `{name}`; rename one, or leave \
-         the later one out with --columns {name}_unused={name}#2"
+         what is not meant out, as with --columns {unused}"
     )]
     DuplicateColumn {
         file: String,
@@ -139,6 +149,8 @@ pub enum Error {
         first: usize,
         /// The later one.
         second: usize,
+        /// What leaves all but the first out.
+        unused: String,
     },
     /// Two columns mapped to one signal.
     #[error(

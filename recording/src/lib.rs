@@ -19,6 +19,7 @@ mod clock;
 mod csv;
 #[cfg(feature = "containers")]
 pub mod dataset;
+mod ends;
 mod error;
 mod file;
 mod formats;

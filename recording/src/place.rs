@@ -76,6 +76,14 @@ impl Lines {
         at + (sample - k) as u64
     }
 
+    /// Without the samples before `first`, which becomes the first.
+    pub(crate) fn from(&self, first: usize) -> Lines {
+        let later = self.shifts.iter().filter(|(k, _)| *k > first);
+        let later = later.map(|(k, at)| (k - first, *at));
+        let shifts = std::iter::once((0, self.line(first))).chain(later).collect();
+        Lines { shifts, ..self.clone() }
+    }
+
     pub(crate) fn place(&self, sample: usize) -> Place {
         self.place_at(self.line(sample))
     }
@@ -99,6 +107,8 @@ mod tests {
         assert_eq!(lines.shifts.len(), 3);
         assert_eq!([0, 1, 2, 3, 4].map(|k| lines.line(k)), [2, 3, 6, 7, 9]);
         assert_eq!(lines.place(3).to_string(), "a.csv:7");
+        assert_eq!([0, 1, 2].map(|k| lines.from(2).line(k)), [6, 7, 9]);
+        assert_eq!([0, 1].map(|k| lines.from(3).line(k)), [7, 9]);
         assert_eq!(Lines::rows("b.mat").place(0).to_string(), "b.mat, row 1");
     }
 }

@@ -12,11 +12,14 @@ use serde::Serialize;
 
 use crate::rounded::rounded;
 use crate::signal::{Recording, Signal};
+use crate::time::shortest;
 
 /// Two ratios agree when they differ by less than this share: sensors are not better calibrated.
 const SAME_RATIO: f64 = 0.04;
 /// Below this correlation the two signals do not measure the same thing.
 const SAME_THING: f64 = 0.95;
+/// Share to which a sampling time that would make them agree is known.
+const ROUNDED: f64 = 0.005;
 /// Windows over which angles are differenced: long enough that quanta do not matter.
 const WINDOWS: usize = 200;
 /// One in so many samples may be a spike.
@@ -40,6 +43,9 @@ pub enum Suspicion {
         ratio: f64,
         /// What the factor is likely to mean.
         meaning: Option<String>,
+        /// How far apart rows would have to lie for the two to agree, s, where no column tells.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        rows_every_s: Option<f64>,
     },
     /// A speed that no drive reaches.
     TooFast {
@@ -58,14 +64,22 @@ pub enum Suspicion {
 impl fmt::Display for Suspicion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Suspicion::Ratio { signal, with, ratio, meaning } => {
+            Suspicion::Ratio { signal, with, ratio, meaning, rows_every_s } => {
                 write!(f, "{signal} is {ratio:.4} times what {with} says")?;
-                let end = match meaning {
-                    Some(meaning) => {
+                let end = match (meaning, rows_every_s) {
+                    (Some(meaning), _) => {
                         write!(f, ": {meaning}")?;
                         "."
                     }
-                    None => {
+                    (None, Some(every_s)) => {
+                        write!(
+                            f,
+                            ": they agree with rows {every_s} s apart, say --rows-every {every_s}; \
+                             or is it a gear, or a wrong unit or calibration"
+                        )?;
+                        "?"
+                    }
+                    (None, None) => {
                         write!(f, ": a gear, or a wrong unit or calibration")?;
                         "?"
                     }
@@ -95,6 +109,18 @@ impl fmt::Display for Suspicion {
 }
 
 impl Suspicion {
+    /// Where rows lie `period_s` apart only because somebody says so: how far apart they would
+    /// have to lie for a speed and its position to agree.
+    pub(crate) fn suggest_rows(&mut self, period_s: f64) {
+        if let Self::Ratio { with, ratio, meaning: None, rows_every_s, .. } = self
+            && *ratio > 0.0
+            && matches!(with.as_str(), "theta" | "x")
+        {
+            let every_s = period_s / *ratio;
+            *rows_every_s = Some(shortest(every_s, ROUNDED * every_s));
+        }
+    }
+
     /// Whether the units of two measured signals exclude each other: one of them is another.
     pub fn is_contradiction(&self) -> bool {
         matches!(self, Self::Ratio { with, ratio, meaning: Some(_), .. }
@@ -206,6 +232,7 @@ fn compare(
         with: with.name.clone(),
         ratio,
         meaning: meaning.map(|(_, meaning)| (*meaning).to_owned()),
+        rows_every_s: None,
     })
 }
 
@@ -266,6 +293,22 @@ mod tests {
         assert!((ratio - 14.0).abs() < 0.1 && meaning.is_none(), "a gear");
         let contradicts = |scale| suspicions(&swinging(scale, 1.0))[0].is_contradiction();
         assert_eq!([60.0 / TAU, 60.0, 14.0, -1.0].map(contradicts), [true, true, false, false]);
+    }
+
+    #[test]
+    fn rows_that_somebody_put_too_close_are_moved_apart() {
+        // True steps of 1 ms, read as 0.4 ms.
+        let mut recording = swinging(1.0, 1.0);
+        recording.period_s = 0.4e-3;
+        let mut found = suspicions(&recording);
+        found[0].suggest_rows(0.4e-3);
+        let told = found[0].to_string();
+        assert!(told.contains("rows 0.001 s apart, say --rows-every 0.001;"), "{told}");
+        assert!(!found[0].is_contradiction());
+        // A unit that explains the factor comes first.
+        let mut rpm = suspicions(&swinging(60.0 / TAU, 1.0));
+        rpm[0].suggest_rows(1e-3);
+        assert!(!rpm[0].to_string().contains("--rows-every"), "{}", rpm[0]);
     }
 
     #[test]

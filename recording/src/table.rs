@@ -1,5 +1,6 @@
 //! Columns as a file gave them, made into a recording: the one way for every format.
 
+use crate::ends;
 use crate::error::Error;
 use crate::header::{self, Header};
 use crate::look::Look;
@@ -52,12 +53,16 @@ impl Table {
         self,
         options: &ReadOptions,
     ) -> Result<(Recording, Report), Error> {
-        let Table { header, mut columns, lines, mut notes, left_out, constants, joined, .. } = self;
-        let mut period_s = self.period_s;
+        let Table { header, mut columns, lines, constants, joined, mut period_s, .. } = self;
+        let (mut notes, mut left_out) = (self.notes, self.left_out);
         let file = lines.file().to_owned();
         let looks: Vec<Look> = columns.iter().map(|values| Look::at(values)).collect();
         let mut resolved = header::resolve(&file, &header, &options.columns, &looks)?;
         notes.append(&mut resolved.notes);
+        left_out.append(&mut resolved.left_out.said);
+        for position in resolved.left_out.columns.iter().rev() {
+            columns.remove(*position);
+        }
         let samples = columns.first().map_or(0, Vec::len);
         if let Some(every_s) = options.rows_every {
             if !(every_s.is_finite() && every_s > 0.0) {
@@ -93,30 +98,38 @@ impl Table {
             return Err(Error::NoSignals { file });
         }
         let mut signals = named(&resolved, columns);
+        let (rows, mut said) = ends::cut(&mut signals, &lines);
+        left_out.append(&mut said);
+        let lines = lines.from(rows.start);
         let looks = |it: &Signal| inspect(&it.name, &it.unit, &it.values, &lines);
         let qualities = signals.iter().map(looks).collect();
-        let Some(time) = time else {
+        let Some(mut time) = time else {
             let period_s = period_s.unwrap_or_default();
-            let mut recording = Recording::new(file.clone(), 0.0, period_s, signals);
-            let mut sampling = Sampling::plain(0.0, period_s);
+            let start_s = rows.start as f64 * period_s;
+            let mut recording = Recording::new(file.clone(), start_s, period_s, signals);
+            let mut sampling = Sampling::plain(start_s, period_s);
             if let Some(asked_s) = options.resample {
                 recording = recording.resample(asked_s)?;
                 sampling =
                     Sampling { period_s: asked_s, resampled_from_s: Some(period_s), ..sampling };
             }
-            let report = Report {
+            let mut report = Report {
                 notes,
                 constants,
                 joined,
                 ..Report::of(&recording, &lines, sampling, resolved, left_out, qualities)
             };
+            report.suspicions.iter_mut().for_each(|it| it.suggest_rows(period_s));
             return Ok((recording, report));
         };
+        time.truncate(rows.end);
+        time.drain(..rows.start);
         let run = signals.iter().position(|it| it.name == SEGMENT);
         let run = run.map(|position| signals.remove(position).values);
         let arranged = {
             let columns: Vec<&[f64]> = signals.iter().map(|it| it.values.as_slice()).collect();
-            time::arrange(time, &columns, run.as_deref(), options.resample, &lines)?
+            let witnesses = time::Witnesses::among(&signals);
+            time::arrange(time, &columns, &witnesses, run.as_deref(), options.resample, &lines)?
         };
         for signal in &mut signals {
             let held = signal.is_held();

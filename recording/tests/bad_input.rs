@@ -43,13 +43,17 @@ fn rows_that_are_not_rows() {
     let error = read_csv(&b"time,i,mode\n0,1,H\n0.1,2,N\n"[..], "rec.csv", &options).unwrap_err();
     assert!(error.to_string().contains("rec.csv:2: column 3 `mode`: `H`"), "{error}");
     says("0,1\n1,2\n", &["rec.csv:1", "numbers, not names"]);
+    // The joints of a robot one after the other, perhaps.
+    let single: String = (0..40).map(|k| format!("{}.5\n", k % 7)).collect();
+    says(&single, &["rec.csv:1", "one number a line", "beside each other", "--rows-every SECONDS"]);
     // Any of the blanks may part names.
     says("time Rotor angle u\n0 1 2\n1 2 3\n", &["rec.csv:2", "3 values", "4 columns", "quote"]);
 }
 
 #[test]
 fn columns_that_cannot_be_told() {
-    says("u [V],i [A]\n0,1\n1,2\n", &["no time column", "`u`, `i`", "--columns time="]);
+    let untimed = ["no time column", "`u`, `i`", "--columns time=", "--rows-every SECONDS"];
+    says("u [V],i [A]\n0,1\n1,2\n", &untimed);
     says("time,u,u\n0,1,1\n1,2,2\n", &["columns 2 and 3", "`u`"]);
     says("time,omega [parsec]\n0,1\n1,2\n", &["`omega`", "`parsec`", "rpm", "--columns omega="]);
     let columns = Mapping::parse_list("omega=Sped:rpm").unwrap();

@@ -28,10 +28,14 @@ fn recording() -> impl Strategy<Value = Recording> {
             let columns = prop::collection::vec(prop::collection::vec(value(), samples), more + 1);
             columns.prop_map(move |columns| {
                 let named = columns.into_iter().zip(signals);
-                let signal = |(values, (name, unit)): (Vec<f64>, (&str, &str))| Signal {
-                    name: name.into(),
-                    unit: unit.into(),
-                    values,
+                let signal = |(mut values, (name, unit)): (Vec<f64>, (&str, &str))| {
+                    // What lacks at either end is left out by the reader.
+                    for end in [0, values.len() - 1] {
+                        if values[end].is_nan() {
+                            values[end] = 0.0;
+                        }
+                    }
+                    Signal { name: name.into(), unit: unit.into(), values }
                 };
                 Recording::new("", start_s, period_s, named.map(signal).collect())
             })

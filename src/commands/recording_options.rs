@@ -172,7 +172,7 @@ fn remarked(recording: Recording, report: Report, session: &Session) -> (Recordi
 
 /// What to say of units that exclude each other.
 fn contradiction(report: &Report, suspicion: &Suspicion) -> Option<Failure> {
-    let Suspicion::Ratio { signal, with, ratio, meaning: Some(meaning) } = suspicion else {
+    let Suspicion::Ratio { signal, with, ratio, meaning: Some(meaning), .. } = suspicion else {
         return None;
     };
     let column = |signal: &str| {

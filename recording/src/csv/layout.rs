@@ -130,6 +130,7 @@ fn of_lines<R: Read>(lines: &LineReader<R>, seen: &[Numbered]) -> Result<Layout,
                 Some(expected) => Error::Ragged { place, found, expected },
                 None => match nameless(seen) {
                     Some(layout) => return Ok(layout),
+                    None if found == 1 => Error::OneValue { place },
                     None => Error::NoHeader { place },
                 },
             });

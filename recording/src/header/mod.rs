@@ -6,6 +6,7 @@ mod exact;
 mod guessed;
 mod motion;
 mod naming;
+mod twins;
 mod which;
 
 pub(crate) use column::Column;
@@ -13,6 +14,7 @@ pub use column::{ColumnNote, Taken};
 pub(crate) use which::{is_known, is_signal, is_time, missing_time};
 
 use naming::Naming;
+use twins::LeftOut;
 
 use crate::error::Error;
 use crate::given::Given;
@@ -27,6 +29,8 @@ pub(crate) struct Header {
     pub(crate) time: Option<usize>,
     /// What could not be told, a sentence each.
     pub(crate) notes: Vec<String>,
+    /// Columns of the table that are none of these.
+    pub(crate) left_out: LeftOut,
 }
 
 /// Gives every column its name and unit. `looks` says what the values of the columns show, where
@@ -39,6 +43,7 @@ pub(crate) fn resolve(
 ) -> Result<Header, Error> {
     let given: Vec<Given> = texts.iter().map(|text| Given::of(text)).collect();
     let mut naming = Naming::mapped(file, given, maps, looks)?;
+    naming.leave_out_twins();
     naming.no_column_twice()?;
     // Exact names first, so that no guess takes a name that a later column carries itself.
     naming.take_exact()?;

@@ -1,6 +1,7 @@
 //! The columns of a file while they get their names: the user's word, a signal's own name, a guess.
 
 use super::column::{Column, Taken, place};
+use super::twins::LeftOut;
 use super::which::{find, listed};
 use super::{Header, NAMELESS};
 use crate::canonical::{self, Canonical};
@@ -20,6 +21,8 @@ pub(super) struct Naming<'a> {
     pub(super) used: Vec<&'a str>,
     /// What could not be told, a sentence each.
     pub(super) notes: Vec<String>,
+    /// Columns that are left out, and what is said of them.
+    pub(super) left_out: LeftOut,
 }
 
 impl<'a> Naming<'a> {
@@ -44,12 +47,14 @@ impl<'a> Naming<'a> {
             columns[position] = Some(column);
         }
         let used = maps.iter().map(|map| map.canonical.as_str()).collect();
-        Ok(Self { file, given, looks, columns, used, notes: Vec::new() })
+        let left_out = LeftOut::default();
+        Ok(Self { file, given, looks, columns, used, notes: Vec::new(), left_out })
     }
 
     /// Positions of the columns that have no name yet.
     pub(super) fn open(&self) -> Vec<usize> {
-        (0..self.given.len()).filter(|k| self.columns[*k].is_none()).collect()
+        let is_open = |k: &usize| self.columns[*k].is_none() && !self.left_out.columns.contains(k);
+        (0..self.given.len()).filter(is_open).collect()
     }
 
     /// Gives the column at `k` a name.
@@ -69,16 +74,27 @@ impl<'a> Naming<'a> {
     pub(super) fn no_column_twice(&self) -> Result<(), Error> {
         for second in self.open() {
             let column = &self.given[second];
-            let same = |(k, other): (usize, &Given)| {
-                self.columns[k].is_none() && other.name == column.name
-            };
-            if let Some(first) = self.given[..second].iter().enumerate().position(same) {
+            let same = |k: &usize| *k < second && self.given[*k].name == column.name;
+            if let Some(first) = self.open().into_iter().find(same) {
                 let (file, name) = (self.file.to_owned(), column.name.clone());
-                let (first, second) = (first + 1, second + 1);
-                return Err(Error::DuplicateColumn { file, name, first, second });
+                let (first, second, unused) = (first + 1, second + 1, self.all_unused(second));
+                return Err(Error::DuplicateColumn { file, name, first, second, unused });
             }
         }
         Ok(())
+    }
+
+    /// The mappings by which this column and those behind it that are called alike are not used.
+    fn all_unused(&self, from: usize) -> String {
+        let name = &self.given[from].name;
+        let alike = |k: &usize| self.given[*k].name == *name;
+        let number = |k: usize| 1 + (0..k).filter(alike).count();
+        let twins = self.open().into_iter().filter(|k| *k >= from && alike(k)).map(number);
+        let each = twins.map(|number| match number {
+            2 => format!("{name}_unused={name}#2"),
+            _ => format!("{name}_unused_{number}={name}#{number}"),
+        });
+        each.collect::<Vec<_>>().join(",")
     }
 
     /// Where nothing else is the time: the first column that runs like a clock.
@@ -109,7 +125,7 @@ impl<'a> Naming<'a> {
         let columns: Vec<Column> = self.columns.into_iter().flatten().collect();
         no_name_twice(self.file, &columns)?;
         let time = columns.iter().position(|column| column.note.signal == "time");
-        Ok(Header { columns, time, notes: self.notes })
+        Ok(Header { columns, time, notes: self.notes, left_out: self.left_out })
     }
 }
 

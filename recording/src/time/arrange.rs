@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use super::grid::{Account, held_mean, interpolated, placed, samples};
-use super::instants::Instants;
 use super::rate::{Clock, Way, common_period};
 use super::rows::{Columns, Rows, rows};
+use super::segments::{Segment, one_clock};
 use super::slots::Slots;
 use super::split::split;
 use super::ticks::Stamped;
+use super::witnesses::Witnesses;
 use crate::budget::Budget;
 use crate::clock::Break;
 use crate::error::Error;
@@ -16,8 +17,6 @@ use crate::place::Lines;
 use crate::report::{Sampling, Stretches};
 use crate::signal::NoiseGain;
 
-/// Pause put between segments where the clock of the later one runs back, s.
-const PAUSE_S: f64 = 1.0;
 /// More segments than one in so many rows: this is no time.
 const LEAST_ROWS: usize = 4;
 /// Rows from which on that is judged.
@@ -40,24 +39,17 @@ pub(crate) struct Arranged {
     pub(crate) noise_gain: NoiseGain,
 }
 
-/// A run without a break.
-struct Segment {
-    rows: Range<usize>,
-    start_s: f64,
-    samples: usize,
-    way: Way,
-}
-
 /// Finds out how the rows lie in time.
 ///
-/// `columns` are the signals, which tell late stamps from late samples; `run` numbers the runs;
-/// `period_s` is the sampling time that the user wants.
+/// `columns` are the signals, of which the `witnesses` tell late stamps from late samples; `run`
+/// numbers the runs; `period_s` is the sampling time that the user wants.
 ///
 /// # Errors
 /// Time that cannot be repaired, or a sampling time that cannot be.
 pub(crate) fn arrange(
     time: Vec<f64>,
     columns: &Columns<'_>,
+    witnesses: &Witnesses<'_>,
     run: Option<&[f64]>,
     period_s: Option<f64>,
     lines: &Lines,
@@ -75,14 +67,17 @@ pub(crate) fn arrange(
         gaps.add(row, lines.line(row));
     }
     let clocks = clocks(&stamped, &parts, disordered, lines)?;
+    let back: Vec<bool> =
+        (0..clocks.len()).map(|k| k > 0 && runs_back(&stamped, &clocks, k)).collect();
     let found_s = common_period(&clocks);
     let asked_s = period_s.unwrap_or(found_s);
     if !(asked_s.is_finite() && asked_s > 0.0) {
         let duration_s = stamped.time[stamped.time.len() - 1] - stamped.time[0];
         return Err(Error::Period { file: lines.file().to_owned(), period_s: asked_s, duration_s });
     }
-    let by_stamps = by_stamps(&clocks, &stamped.time, columns, kept.as_deref());
-    let (mut segments, account) = on_grid(&clocks, &mut stamped.time, asked_s, by_stamps, lines)?;
+    let by_stamps = by_stamps(&clocks, &stamped.time, witnesses, kept.as_deref());
+    let (mut segments, account) =
+        on_grid(&clocks, &back, &mut stamped.time, asked_s, by_stamps, lines)?;
     let rows: usize = segments.iter().map(|segment| segment.samples).sum();
     // The time column is one more.
     if Budget::new(lines.file()).take_table(rows, columns.len() + 1).is_err() {
@@ -129,11 +124,16 @@ fn clocks(
     Ok(clocks)
 }
 
+/// Whether a clock begins before the one before it ends, by the stamps of the file.
+fn runs_back(stamped: &Stamped, clocks: &[Clock], k: usize) -> bool {
+    stamped.stamp(clocks[k].rows.start) < stamped.stamp(clocks[k - 1].rows.end - 1)
+}
+
 /// Whether the signals say that rows were sampled at their stamps; none where they do not tell.
 fn by_stamps(
     clocks: &[Clock],
     time: &[f64],
-    columns: &Columns<'_>,
+    witnesses: &Witnesses<'_>,
     kept: Option<&[usize]>,
 ) -> Option<bool> {
     let stamped = clocks.iter().filter(|clock| !clock.coarse);
@@ -142,13 +142,14 @@ fn by_stamps(
     if uneven.is_empty() {
         return None;
     }
-    Instants::of(time, columns, kept, &uneven).sampled_at_stamps()
+    witnesses.sampled_at_stamps(time, kept, &uneven)
 }
 
 /// Every clock's rows on the grid, and what that does to noise. Rows that were sampled evenly get
 /// the times at which they were.
 fn on_grid(
     clocks: &[Clock],
+    back: &[bool],
     time: &mut [f64],
     period_s: f64,
     by_stamps: Option<bool>,
@@ -156,7 +157,10 @@ fn on_grid(
 ) -> Result<(Vec<Segment>, Account), Error> {
     let mut account = Account::default();
     let mut segments: Vec<Segment> = Vec::new();
-    for clock in clocks {
+    // A segment that is left out leaves its jump back to the next one.
+    let mut owed = false;
+    for (clock, back) in clocks.iter().zip(back) {
+        owed |= back;
         let time = &mut time[clock.rows.clone()];
         if let Some(even) = clock.even_times(period_s, by_stamps) {
             time.copy_from_slice(&even);
@@ -176,7 +180,9 @@ fn on_grid(
             Way::Places(Some(places)) => account.add_placed(places),
             Way::Stamps => account.add_stamped(time, period_s, samples),
         }
-        segments.push(Segment { rows: clock.rows.clone(), start_s: time[0], samples, way });
+        let start_s = clock.start_s(time, &way);
+        let runs_back = std::mem::take(&mut owed);
+        segments.push(Segment { rows: clock.rows.clone(), start_s, samples, way, runs_back });
     }
     if segments.is_empty() {
         return Err(Error::Period { file: lines.file().to_owned(), period_s, duration_s: 0.0 });
@@ -221,17 +227,4 @@ impl Arranged {
         breaks.remove(0);
         breaks
     }
-}
-
-/// Moves segments whose clock runs back to after the one before; how many.
-fn one_clock(segments: &mut [Segment], period_s: f64) -> usize {
-    let (mut moved, mut end_s) = (0, f64::NEG_INFINITY);
-    for segment in segments {
-        if segment.start_s < end_s + 0.5 * period_s {
-            segment.start_s = end_s + PAUSE_S.max(10.0 * period_s);
-            moved += 1;
-        }
-        end_s = segment.start_s + (segment.samples - 1) as f64 * period_s;
-    }
-    moved
 }

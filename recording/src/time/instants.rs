@@ -47,14 +47,18 @@ impl Instants {
         kept: Option<&[usize]>,
         segments: &[(Range<usize>, &Slots)],
     ) -> Self {
-        let (mut weight, mut weighted) = (0.0, 0.0);
-        for values in columns {
+        Self::together(columns.iter().filter_map(|values| {
             let value = |k: usize| values[kept.map_or(k, |kept| kept[k])];
-            let rows = differences(time, value, segments);
-            if let Some((c, variance)) = slope(&rows) {
-                weight += 1.0 / variance;
-                weighted += c / variance;
-            }
+            slope(&differences(time, value, segments))
+        }))
+    }
+
+    /// The mean of several, each with its variance.
+    pub(super) fn together(all: impl Iterator<Item = (f64, f64)>) -> Self {
+        let (mut weight, mut weighted) = (0.0, 0.0);
+        for (c, variance) in all {
+            weight += 1.0 / variance;
+            weighted += c / variance;
         }
         if weight == 0.0 {
             return Self { by_stamps: 0.0, error: f64::INFINITY };

@@ -10,8 +10,9 @@
 //! 2. [`ticks`]: where stamps are coarser than the sampling, rows of one stamp are spread;
 //! 3. [`split`]: gaps and another rate part runs into segments;
 //! 4. [`slots`]: every row gets its place on the segment's grid, lost samples leave places empty;
-//! 5. [`instants`]: the signals tell whether rows were sampled when their stamps say, or evenly
-//!    and only stamped late;
+//! 5. [`witnesses`]: the signals that the file is read for tell whether rows were sampled when
+//!    their stamps say, or evenly and only stamped late; a speed beside its position, [`motion`],
+//!    before all others;
 //! 6. [`grid`]: values are put on one grid for all segments, and what that does to white noise is
 //!    computed.
 //!
@@ -21,9 +22,11 @@ mod arrange;
 mod grid;
 mod instants;
 mod line;
+mod motion;
 mod places;
 mod rate;
 mod rows;
+mod segments;
 mod slots;
 mod split;
 mod step;
@@ -31,6 +34,9 @@ mod step;
 mod testing;
 mod ticks;
 mod uniform;
+mod witnesses;
 
 pub(crate) use arrange::arrange;
 pub(crate) use grid::{held_mean, interpolated, samples};
+pub(crate) use uniform::shortest;
+pub(crate) use witnesses::Witnesses;

@@ -15,6 +15,10 @@ const ROUNDED: f64 = 0.1;
 const NEAR: f64 = 0.5;
 /// Share of rows near their places from which on they are samples, where the signals do not tell.
 const MOST: f64 = 0.7;
+/// Steps by which a grid may miss its stamps in a way that rows which came late cannot: where only
+/// the stamps speak for it, and where the signals do or stamps are coarse.
+const ASTRAY: f64 = 1.0;
+const ASTRAY_WITH_SIGNALS: f64 = 3.0;
 /// Steps by which segments may differ in length from the common sampling time for their jitter.
 const MOST_DRIFT: f64 = 1.0;
 
@@ -69,9 +73,25 @@ impl Clock {
     /// Whether its rows were sampled evenly, whatever their stamps say; `by_stamps` is what the
     /// signals say.
     fn is_even(&self, by_stamps: Option<bool>) -> bool {
+        let Some(slots) = &self.slots else { return true };
+        // A grid that the stamps do not follow is none, whatever else speaks for it.
+        let told = self.coarse || by_stamps.is_some();
+        if slots.astray > if told { ASTRAY_WITH_SIGNALS } else { ASTRAY } {
+            return false;
+        }
         // Most rows at their places: the others came late together.
-        let by_stamps = |slots: &Slots| by_stamps.unwrap_or(slots.near < MOST);
-        self.coarse || !self.slots.as_ref().is_some_and(by_stamps)
+        self.coarse || !by_stamps.unwrap_or(slots.near < MOST)
+    }
+
+    /// When its first sample was taken, s: at the first stamp, unless that row came late and the
+    /// others say when it was due.
+    pub(super) fn start_s(&self, time: &[f64], way: &Way) -> f64 {
+        let late_s = |slots: &Slots| {
+            let departure_s = slots.departure(time, 0);
+            let is_due = matches!(way, Way::Places(_)) && !self.coarse;
+            if is_due && departure_s > NEAR * slots.line.step_s { departure_s } else { 0.0 }
+        };
+        time[0] - self.slots.as_ref().map_or(0.0, late_s)
     }
 
     /// Whether its rows are no samples of that sampling time.

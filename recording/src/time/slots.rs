@@ -19,6 +19,10 @@ const WORTH: f64 = 25.0;
 const EXACT: f64 = 1e-4;
 /// Departure from its place, in steps, up to which a row is nearest to it.
 const NEAR: f64 = 0.5;
+/// Share of rows that may be stamped early by chance: two runs that were sorted into each other.
+const EARLY: f64 = 0.05;
+/// Rows at either end by which it is judged.
+const END: usize = 8;
 /// Departure from plain numbers of rows, in steps, below which nothing was lost.
 const SURELY: f64 = 0.45;
 
@@ -33,6 +37,8 @@ pub(super) struct Slots {
     pub(super) largest_s: f64,
     /// Share of the rows that are nearer to their place than to any other.
     pub(super) near: f64,
+    /// By how many steps the grid misses the stamps in a way that rows which came late cannot.
+    pub(super) astray: f64,
 }
 
 impl Slots {
@@ -63,11 +69,13 @@ impl Slots {
     }
 
     fn at(time: &[f64], line: Line, places: Option<Vec<usize>>) -> Self {
-        let mut slots = Self { line, places, largest_s: 0.0, near: 0.0 };
+        let mut slots = Self { line, places, largest_s: 0.0, near: 0.0, astray: 0.0 };
         let departures = || (0..time.len()).map(|k| slots.departure(time, k).abs());
         let largest_s = departures().fold(0.0, f64::max);
         let near = departures().filter(|it| *it <= NEAR * line.step_s).count() as f64;
+        let steps = (0..time.len()).map(|k| slots.departure(time, k) / line.step_s).collect();
         (slots.largest_s, slots.near) = (largest_s, near / time.len() as f64);
+        slots.astray = astray(steps);
         slots
     }
 
@@ -80,6 +88,20 @@ impl Slots {
     pub(super) fn departure(&self, time: &[f64], row: usize) -> f64 {
         self.line.departure(time[row], self.place(row))
     }
+}
+
+/// The most of what rows that came late do not explain among departures from a grid, in steps:
+/// stamps before their samples, and lateness at the end that no later row makes up for.
+fn astray(mut steps: Vec<f64>) -> f64 {
+    let rows = steps.len();
+    let least = |some: &[f64]| some.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = |some: &[f64]| some.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let end = END.min(rows);
+    let late = least(&steps[rows - end..]);
+    let early = most(&steps[..end]).min(most(&steps[rows - end..]));
+    let rank = (EARLY * rows as f64) as usize;
+    let low = *steps.select_nth_unstable_by(rank, f64::total_cmp).1;
+    late.max(-early).max(-low)
 }
 
 #[cfg(test)]
@@ -119,5 +141,24 @@ mod tests {
             (0..600).map(|k| if (200..230).contains(&k) { 230.0 } else { k as f64 }).collect();
         let slots = Slots::of(&late);
         assert_eq!(slots.places, None);
+        assert!(slots.astray < 0.5, "{slots:?}");
+    }
+
+    #[test]
+    fn a_grid_that_the_stamps_do_not_follow_is_astray() {
+        // Two steps that take turns, each for a while.
+        let mut now = 0.0;
+        let mut next = |k: usize| {
+            now += if k % 80 < 40 { 0.0107 } else { 0.0200 };
+            now
+        };
+        let turns: Vec<f64> = (0..600).map(&mut next).collect();
+        assert!(Slots::of(&turns).astray > 3.0);
+        // A slower end that no later row makes up for, and rows that came late together.
+        assert!(astray((0..600).map(|k: i32| 0.3 * f64::from((k - 500).max(0))).collect()) > 3.0);
+        let together = |k: i32| if (450..550).contains(&k) { f64::from(550 - k) } else { 0.0 };
+        assert!(astray((0..600).map(together).collect()) < 0.5);
+        let jittered: Vec<f64> = (0..600).map(|k| k as f64 + 0.9 * jitter(k)).collect();
+        assert!(Slots::of(&jittered).astray < 0.5);
     }
 }

@@ -45,6 +45,11 @@ impl Stamped {
         self.stamps.is_some()
     }
 
+    /// What the file says of a row, s.
+    pub(super) fn stamp(&self, row: usize) -> f64 {
+        self.stamps.as_ref().map_or(self.time[row], |stamps| stamps[row])
+    }
+
     /// Whether some of these rows were moved.
     pub(super) fn is_spread_in(&self, rows: &Range<usize>) -> bool {
         let moved = |stamps: &Vec<f64>| stamps[rows.clone()] != self.time[rows.clone()];

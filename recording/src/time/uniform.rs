@@ -41,7 +41,7 @@ fn shortest_period(first: f64, last: f64, steps: f64) -> f64 {
 }
 
 /// The number with the fewest digits within `off` of a value.
-pub(super) fn shortest(value: f64, off: f64) -> f64 {
+pub(crate) fn shortest(value: f64, off: f64) -> f64 {
     (0..17)
         .map(|digits| format!("{value:.digits$e}"))
         .filter_map(|text| text.parse::<f64>().ok())

@@ -1,5 +1,6 @@
 //! A diagnosis in every medium.
 
+use drivescope_diagnoser::DetectorKind;
 use drivescope_monitor::{Declaration, Declared, Fault, Found, Method};
 use std::collections::BTreeMap;
 
@@ -62,7 +63,7 @@ fn answer() -> Answer {
         baseline: Some(learned),
         methods: vec![
             found(Method::Bank, vec![declaration()]),
-            found(Method::Constant, Vec::new()),
+            found(Method::Residual(DetectorKind::Constant), Vec::new()),
         ],
     }
 }

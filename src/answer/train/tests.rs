@@ -60,6 +60,8 @@ fn answer() -> Answer {
     };
     Answer {
         output: Some("diagnoser.toml".into()),
+        detectors: Stored::default(),
+        designed: vec![("another test", "threshold 7.031".to_owned())],
         inputs: vec![channel("C_m", "V")],
         watched: channel("T", "rpm"),
         period: 0.005,

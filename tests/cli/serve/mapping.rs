@@ -64,12 +64,12 @@ fn what_cannot_be_read_as_it_stands_is_completed_and_no_option_is_named() {
         ),
         (
             "two of one name",
-            log("time,u,u,omega", |t, u, w| format!("{t},{u},0,{w}")),
+            log("time,u,u,omega", |t, u, w| format!("{t},{u},{},{w}", 2.0 * u)),
             "Leave out column 3",
         ),
         (
             "two of one meaning",
-            log("time,u [V],u [mV],omega", |t, u, w| format!("{t},{u},0,{w}")),
+            log("time,u [V],u [mV],omega", |t, u, w| format!("{t},{u},{},{w}", 2.0 * u)),
             "Leave out",
         ),
         (

@@ -222,12 +222,13 @@ impl Drive {
 }
 
 fn magnitude(value: f64, typical: f64) -> f64 {
-    if value == 0.0 { typical } else { value.abs() }
+    if value == 0.0 { typical.abs() } else { value.abs() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::registry::REGISTRY;
 
     const DR300: &str = include_str!("../../scenarios/drives/dr300.toml");
     const EMPS: &str = include_str!("../../scenarios/drives/emps.toml");
@@ -278,6 +279,20 @@ mod tests {
             }
         }
         assert_eq!(before.len(), fields().count() + 3, "the three parameters of its effects");
+    }
+
+    /// A search divides by it: of a law that is at zero, or usually negative, too.
+    #[test]
+    fn the_scale_of_every_parameter_is_above_zero() {
+        for entry in REGISTRY {
+            let mut drive = drive(DR300);
+            let (id, kind) = (entry.info.id.to_owned(), entry.info.id.to_owned());
+            let zeros = entry.parameters.iter().map(|it| (it.name.to_owned(), 0.0)).collect();
+            drive.effects = vec![EffectData { kind, id, parameters: zeros, law: None }];
+            for parameter in drive.parameters() {
+                assert!(parameter.nominal > 0.0, "{}: {}", parameter.name, parameter.nominal);
+            }
+        }
     }
 
     #[test]

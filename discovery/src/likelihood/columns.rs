@@ -169,21 +169,29 @@ impl<'a> Pass<'a> {
             Maker::Series { all, yields } => {
                 yields.at(track, tick);
                 for (share, series) in room.iter_mut().zip(all.chunks(LANES)) {
-                    let row = |of: &dyn Fn(&Series) -> &Vec<f64>| -> Row {
-                        let mut row = [0.0; LANES];
-                        for (value, one) in row.iter_mut().zip(series) {
-                            *value = of(one).get(number).copied().unwrap_or(0.0);
-                        }
-                        row
+                    // What is empty in all of them stays zero.
+                    let row = |of: &dyn Fn(&Series) -> &Vec<f64>| -> Option<Row> {
+                        let some = series.iter().any(|it| !of(it).is_empty());
+                        some.then(|| {
+                            let mut row = [0.0; LANES];
+                            for (value, one) in row.iter_mut().zip(series) {
+                                *value = of(one).get(number).copied().unwrap_or(0.0);
+                            }
+                            row
+                        })
                     };
-                    let (torque, voltage) = (row(&|it| &it.torque), row(&|it| &it.voltage));
-                    for (place, state) in share.state.iter_mut().enumerate().take(LOAD) {
-                        *state = [0.0; LANES];
-                        add(state, yields.torque[place], &torque);
-                        add(state, yields.voltage[place], &voltage);
+                    share.state[..LOAD].fill([0.0; LANES]);
+                    for (row, yields) in [
+                        (row(&|it| &it.torque), &yields.torque),
+                        (row(&|it| &it.voltage), &yields.voltage),
+                    ] {
+                        let Some(row) = row else { continue };
+                        for (state, yields) in share.state[..LOAD].iter_mut().zip(yields) {
+                            add(state, *yields, &row);
+                        }
                     }
                     for (sensor, shown) in share.shown.iter_mut().enumerate() {
-                        *shown = row(&|it| &it.shown[sensor]);
+                        row(&|it| &it.shown[sensor]).into_iter().for_each(|row| *shown = row);
                     }
                 }
             }
@@ -214,7 +222,7 @@ impl<'a> Pass<'a> {
             see(shares);
             let values = first.inverse_sd.iter().filter(|it| **it > 0.0).count() * count;
             let place = written..written + values;
-            widest(Filtered { tracks, number, shares, all: &mut all, blocks, place });
+            widest(Filtered { tracks, number, shares, count, all: &mut all, blocks, place });
             written += values;
         }
         self.errors = all;
@@ -227,6 +235,7 @@ struct Filtered<'a> {
     tracks: &'a [&'a Track],
     number: usize,
     shares: &'a [Share],
+    count: usize,
     all: &'a mut [Vec<Rows>],
     blocks: &'a mut [Vec<f64>],
     place: Range<usize>,
@@ -237,7 +246,7 @@ impl Work for Filtered<'_> {
     fn run(self) {
         for ((track, errors), block) in self.tracks.iter().zip(self.all).zip(self.blocks) {
             let block = &mut block[self.place.clone()];
-            filter(track, &track.ticks[self.number], self.shares, errors, block);
+            filter(track, &track.ticks[self.number], (self.shares, self.count), errors, block);
         }
     }
 }
@@ -245,13 +254,18 @@ impl Work for Filtered<'_> {
 /// What a filter makes of shares of changes at a tick: whitened values of each measured one, and the
 /// errors that the changes leave in the state.
 #[inline(always)]
-fn filter(track: &Track, tick: &Tick, shares: &[Share], errors: &mut [Rows], block: &mut [f64]) {
+fn filter(
+    track: &Track,
+    tick: &Tick,
+    (shares, count): (&[Share], usize),
+    errors: &mut [Rows],
+    mut block: &mut [f64],
+) {
     let step = track.step(tick);
-    let measured = block.len() / tick.inverse_sd.iter().filter(|it| **it > 0.0).count().max(1);
-    let mut written = block.chunks_exact_mut(measured.max(1));
     for sensor in (0..SENSORS).filter(|it| tick.inverse_sd[*it] > 0.0) {
         // The gains stand one after the other: each sensor sees what the ones before left.
-        let Some(written) = written.next() else { return };
+        let written;
+        (written, block) = block.split_at_mut(count);
         for ((error, share), written) in
             errors.iter_mut().zip(shares).zip(written.chunks_mut(LANES))
         {
@@ -272,9 +286,6 @@ fn filter(track: &Track, tick: &Tick, shares: &[Share], errors: &mut [Rows], blo
         }
     }
     for (error, share) in errors.iter_mut().zip(shares) {
-        let mut next = share.state;
-        step.transition.add_times(&track.wandering.whole_of(error), &mut next);
-        track.wandering.carry_columns(error, &mut next);
-        *error = next;
+        track.wandering.advance(&step.transition, error, &share.state);
     }
 }

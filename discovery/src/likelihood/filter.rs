@@ -161,15 +161,14 @@ impl Work for Carried<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { covariance, step, wandering } = self;
-        let over = |columns: &Rows| {
-            let mut next = NO_ROWS;
-            step.transition.add_times(&wandering.whole_of(columns), &mut next);
-            wandering.carry_columns(columns, &mut next);
-            next
-        };
-        let half = over(covariance);
+        wandering.advance(&step.transition, covariance, &NO_ROWS);
         // As the covariance is symmetric, so is the whole.
-        let turned = std::array::from_fn(|row| std::array::from_fn(|column| half[column][row]));
-        *covariance = over(&turned);
+        let half = *covariance;
+        for (row, values) in covariance.iter_mut().enumerate() {
+            for (value, column) in values.iter_mut().zip(&half) {
+                *value = column[row];
+            }
+        }
+        wandering.advance(&step.transition, covariance, &NO_ROWS);
     }
 }

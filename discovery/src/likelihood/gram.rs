@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::integrate::{Work, widest};
 use drivescope_plant::model::{CURRENT, SPEED};
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 use rayon::prelude::*;
@@ -216,20 +217,37 @@ pub(crate) struct Gram {
 #[derive(Clone)]
 struct Multiplied {
     with_background: DMatrix<f64>,
-    /// Each group of its columns, counted from its first.
-    own: Vec<(Range<usize>, DMatrix<f64>)>,
+    /// Of each column with those that stand so many places behind it, as far as a group reaches: of
+    /// small groups that is less than all, and goes over the columns as they lie in memory.
+    apart: Vec<Vec<f64>>,
 }
 
 impl Multiplied {
-    /// Adds the products of `count` columns with the background and within each group.
+    /// Adds the products of `count` columns with the background and with each other.
     fn add(&mut self, block: &[f64], count: usize, background: &DMatrix<f64>) {
         let width = background.ncols();
-        let rows = DMatrixView::from_slice(block, count, width);
         let columns = Turned::from_slice_with_strides(block, width, count, count, 1);
         self.with_background.gemm(1.0, background, &columns, 1.0);
-        for (group, products) in &mut self.own {
-            let (first, count) = (group.start, group.len());
-            products.gemm(1.0, &rows.rows(first, count), &columns.columns(first, count), 1.0);
+        widest(OfNeighbours { block, count, apart: &mut self.apart });
+    }
+}
+
+/// Adds to the products of each column with those so many places behind it.
+struct OfNeighbours<'a> {
+    block: &'a [f64],
+    count: usize,
+    apart: &'a mut [Vec<f64>],
+}
+
+impl Work for OfNeighbours<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for row in self.block.chunks_exact(self.count) {
+            for (places, products) in self.apart.iter_mut().enumerate() {
+                for ((product, a), b) in products.iter_mut().zip(row).zip(&row[places..]) {
+                    *product += a * b;
+                }
+            }
         }
     }
 }
@@ -237,6 +255,8 @@ impl Multiplied {
 /// The columns of a source on their way along a track, under each of the filters.
 struct Judged<'a> {
     pass: Pass<'a>,
+    /// The groups of its columns, counted from its first.
+    groups: Vec<Range<usize>>,
     /// Sums of the squares of the sizes of its columns.
     sizes: Vec<Row>,
     /// Its whitened columns along a few ticks, the values of a sensor one after the other.
@@ -253,9 +273,9 @@ impl<'a> Judged<'a> {
     ) -> Self {
         let pass = Pass::new(drive, recording, source);
         let with_background = DMatrix::zeros(background + 1, pass.len());
-        let products = vec![Multiplied { with_background, own: Vec::new() }; filters];
+        let products = vec![Multiplied { with_background, apart: Vec::new() }; filters];
         let sizes = vec![[0.0; LANES]; pass.len().div_ceil(LANES)];
-        Self { pass, sizes, blocks: vec![Vec::new(); filters], products }
+        Self { pass, groups: Vec::new(), sizes, blocks: vec![Vec::new(); filters], products }
     }
 
     fn fill(&mut self, along: &Along<'_>, ticks: Range<usize>, width: usize) {
@@ -354,15 +374,17 @@ pub(crate) fn gram<'a>(
 fn group(others: &mut [Judged<'_>], groups: &[usize]) {
     let mut counts = groups.iter();
     for one in others {
-        let mut next = 0;
-        while next < one.pass.len() {
+        let (columns, mut next) = (one.pass.len(), 0);
+        while next < columns {
             let Some(count) = counts.next() else { return };
-            for products in &mut one.products {
-                products.own.push((next..next + count, DMatrix::zeros(*count, *count)));
-            }
+            one.groups.push(next..next + count);
             next += count;
         }
-        debug_assert_eq!(next, one.pass.len(), "a group has one source");
+        debug_assert_eq!(next, columns, "a group has one source");
+        let reach = one.groups.iter().map(Range::len).max().unwrap_or(0);
+        for products in &mut one.products {
+            products.apart = (0..reach).map(|places| vec![0.0; columns - places]).collect();
+        }
     }
 }
 
@@ -386,10 +408,12 @@ impl Gram {
             let count = one.pass.len();
             let products = &one.products[filter];
             with_background.columns_mut(first, count).copy_from(&products.with_background);
-            let shift = |(group, products): &(Range<usize>, DMatrix<f64>)| {
-                (first + group.start..first + group.end, products.clone())
+            let of_group = |group: &Range<usize>| {
+                let of = |a: usize, b: usize| products.apart[a.abs_diff(b)][group.start + a.min(b)];
+                let own = DMatrix::from_fn(group.len(), group.len(), of);
+                (first + group.start..first + group.end, own)
             };
-            own.extend(products.own.iter().map(shift));
+            own.extend(one.groups.iter().map(of_group));
             first += count;
         }
         Self { products: Products { with_background, own }, size: sizes.collect(), samples }

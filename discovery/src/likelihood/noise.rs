@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use super::rows::{Rows, add};
-use super::state::{CYCLE, LOAD, SENSORS, STATES, VOLTAGE, Vector};
+use super::rows::{LANES, Rows, Upper, add};
+use super::state::{CYCLE, LOAD, SENSORS, VOLTAGE, Vector};
 
 /// A load that oscillates at a frequency with an amplitude and a phase that wander (the stochastic
 /// cycle of Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, ch. 2).
@@ -98,16 +98,6 @@ impl Wandering {
         whole
     }
 
-    /// The same of columns.
-    #[inline(always)]
-    pub(super) fn whole_of(&self, columns: &Rows) -> Rows {
-        let mut whole = *columns;
-        if self.turned.is_some() {
-            add(&mut whole[LOAD], 1.0, &columns[CYCLE]);
-        }
-        whole
-    }
-
     /// Writes the disturbances one sample later.
     pub(super) fn carry(&self, from: &Vector, to: &mut Vector) {
         to[LOAD] = self.left[0] * from[LOAD];
@@ -118,17 +108,24 @@ impl Wandering {
         }
     }
 
-    /// The same of columns.
+    /// Columns of the state one sample later, with what is added to the states before the disturbances.
     #[inline(always)]
-    pub(super) fn carry_columns(&self, from: &Rows, to: &mut Rows) {
-        for (state, left) in [LOAD, VOLTAGE].into_iter().zip(self.left) {
-            to[state] = from[state].map(|value| left * value);
-        }
+    pub(super) fn advance(&self, transition: &Upper, columns: &mut Rows, added: &Rows) {
+        let mut load = columns[LOAD];
         if let Some([cos, sin]) = self.turned {
-            for lane in 0..STATES {
-                let (phase, quadrature) = (from[CYCLE][lane], from[CYCLE + 1][lane]);
-                to[CYCLE][lane] = cos * phase + sin * quadrature;
-                to[CYCLE + 1][lane] = cos * quadrature - sin * phase;
+            let [phase, quadrature] = [columns[CYCLE], columns[CYCLE + 1]];
+            add(&mut load, 1.0, &phase);
+            transition.advance(columns, &load, added);
+            for lane in 0..LANES {
+                columns[CYCLE][lane] = cos * phase[lane] + sin * quadrature[lane];
+                columns[CYCLE + 1][lane] = cos * quadrature[lane] - sin * phase[lane];
+            }
+        } else {
+            transition.advance(columns, &load, added);
+        }
+        for (state, left) in [LOAD, VOLTAGE].into_iter().zip(self.left) {
+            for value in &mut columns[state] {
+                *value *= left;
             }
         }
     }

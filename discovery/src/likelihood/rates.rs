@@ -9,7 +9,6 @@ use drivescope_plant::drive::Drive;
 
 use super::direction::Direction;
 use super::plant::Plant;
-use super::rows::NO_ROWS;
 use super::share::{A_PASS, Share};
 use super::track::{Tick, Track};
 use crate::measured::Measured;
@@ -48,8 +47,7 @@ impl<'a> Rates<'a> {
             share.shown = plant.shown(&tick.predicted, constant).map(|it| it.d);
         }
         plant.rates(&tick.mean, self.direction.at(tick.sample), constant);
-        share.state = NO_ROWS;
-        track.step(tick).input.add_times(&plant.rate_rows(), &mut share.state);
+        share.state = track.step(tick).input.product(&plant.rate_rows());
         plant.advance();
     }
 }

@@ -1,6 +1,8 @@
 //! Matrices of the filter's states, times several columns at once.
 
-use super::state::{LOAD, STATES, Vector};
+use drivescope_plant::model::{CURRENT, OWN, POSITION, SPEED};
+
+use super::state::{LOAD, STATES, VOLTAGE, Vector};
 
 /// Columns that are handled together.
 pub(crate) const LANES: usize = 8;
@@ -35,10 +37,10 @@ pub(crate) fn product(a: &Rows, b: &Rows) -> Rows {
     product
 }
 
-/// Adds the product of a matrix with columns to as many rows as it has. To multiply by the entries
-/// that are 0 costs less than to leave them out: each sum stays in a register.
+/// Adds the product of a square matrix with columns. To multiply by the entries that are 0 costs less
+/// than to leave them out: each sum stays in a register.
 #[inline(always)]
-fn add_product<const N: usize>(a: &[Row; N], b: &Rows, sums: &mut Rows) {
+fn add_product(a: &Rows, b: &Rows, sums: &mut Rows) {
     for (sum, factors) in sums.iter_mut().zip(a) {
         let mut total = *sum;
         for (factor, row) in factors.iter().zip(b) {
@@ -54,27 +56,78 @@ pub(crate) fn times(matrix: &Rows, column: &Vector) -> Vector {
     Vector::from_iterator(matrix.iter().map(of))
 }
 
+/// The states of a drive whose effects have none: few have own ones, and to leave those out costs a
+/// third.
+const WITHOUT_OWN: [usize; OWN + 2] = [CURRENT, SPEED, POSITION, LOAD, VOLTAGE];
+const ALL: [usize; STATES] = [0, 1, 2, 3, 4, 5, LOAD, VOLTAGE];
+
 /// A matrix with a row for each state before the disturbances, and a column for each state.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Upper([Row; LOAD]);
+pub(crate) struct Upper {
+    rows: [Row; LOAD],
+    /// Whether own states have a part in it.
+    own: bool,
+}
 
 impl Upper {
     /// The first `rows` rows of a matrix, the others 0.
     pub(crate) fn of(matrix: &Rows, rows: usize) -> Self {
         let row = |row: usize| if row < rows { matrix[row] } else { [0.0; STATES] };
-        Self(std::array::from_fn(row))
+        let rows: [Row; LOAD] = std::array::from_fn(row);
+        let is_own = |row: usize| {
+            let of_own = if row < OWN { OWN..LOAD } else { 0..STATES };
+            rows[row][of_own].iter().any(|it| *it != 0.0)
+        };
+        Self { rows, own: (0..LOAD).any(is_own) }
     }
 
-    /// Adds its product with columns to others.
+    /// Puts its product with columns, whose load is that, in the place of the states before the
+    /// disturbances, with what is added.
     #[inline(always)]
-    pub(crate) fn add_times(&self, columns: &Rows, sums: &mut Rows) {
-        add_product(&self.0, columns, sums);
+    pub(crate) fn advance(&self, columns: &mut Rows, load: &Row, added: &Rows) {
+        if self.own {
+            self.put::<LOAD, STATES>(&ALL, columns, load, added);
+        } else {
+            self.put::<OWN, { OWN + 2 }>(&WITHOUT_OWN, columns, load, added);
+        }
+    }
+
+    #[inline(always)]
+    fn put<const ROWS: usize, const COUNT: usize>(
+        &self,
+        states: &[usize; COUNT],
+        columns: &mut Rows,
+        load: &Row,
+        added: &Rows,
+    ) {
+        let mut next = [[0.0; LANES]; ROWS];
+        next.copy_from_slice(&added[..ROWS]);
+        // No closure: it would be compiled without the instructions of who calls.
+        for (sum, factors) in next.iter_mut().zip(&self.rows) {
+            let mut total = *sum;
+            for state in states {
+                let with = if *state == LOAD { load } else { &columns[*state] };
+                add(&mut total, factors[*state], with);
+            }
+            *sum = total;
+        }
+        columns[..ROWS].copy_from_slice(&next);
+        columns[ROWS..LOAD].copy_from_slice(&added[ROWS..LOAD]);
+    }
+
+    /// Its product with columns, in the states before the disturbances.
+    #[inline(always)]
+    pub(crate) fn product(&self, columns: &Rows) -> Rows {
+        let mut product = *columns;
+        self.advance(&mut product, &columns[LOAD], &NO_ROWS);
+        product[LOAD..].fill([0.0; LANES]);
+        product
     }
 
     /// Its product with one column.
     pub(crate) fn times(&self, column: &Vector) -> Vector {
         let mut product = Vector::zeros();
-        for (sum, row) in product.iter_mut().zip(&self.0) {
+        for (sum, row) in product.iter_mut().zip(&self.rows) {
             *sum = row.iter().zip(column).map(|(a, b)| a * b).sum();
         }
         product
@@ -83,7 +136,7 @@ impl Upper {
     /// One of its columns.
     pub(crate) fn column(&self, column: usize) -> Vector {
         let mut values = Vector::zeros();
-        for (value, row) in values.iter_mut().zip(&self.0) {
+        for (value, row) in values.iter_mut().zip(&self.rows) {
             *value = row[column];
         }
         values
@@ -106,12 +159,18 @@ mod tests {
         assert_eq!(upper.times(&vector), expected);
         let columns: Rows =
             std::array::from_fn(|row| std::array::from_fn(|lane| vector[row] * lane as f64));
-        let mut sum = NO_ROWS;
-        upper.add_times(&columns, &mut sum);
-        for (row, lanes) in sum.iter().enumerate() {
+        for (row, lanes) in upper.product(&columns).iter().enumerate() {
             assert_eq!(lanes[3], 3.0 * expected[row]);
         }
         assert_eq!(upper.column(7)[5], 0.25);
+        // Without own states: what is added to them stays, and the load is the one that is given.
+        let mut plain = NO_ROWS;
+        (plain[0][0], plain[1][6], plain[2][1]) = (0.5, 2.0, 1.0);
+        let added: Rows = std::array::from_fn(|row| [row as f64; LANES]);
+        let mut moved = columns;
+        Upper::of(&plain, 3).advance(&mut moved, &[10.0; LANES], &added);
+        let expected = [1.5, 21.0, 8.0, 3.0, 4.0, 5.0, 21.0, 24.0];
+        assert_eq!(moved.map(|row| row[3]), expected);
         assert_eq!(product(&unit(), &matrix), matrix);
         assert_eq!(product(&matrix, &matrix)[5], [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.25]);
     }

@@ -62,7 +62,8 @@ pub(crate) fn fit_percent(fit: f64) -> String {
 /// So many significant digits; powers of ten where the number is far from 1.
 pub(crate) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
-        return value.to_string();
+        // No zero has a sign.
+        return (value + 0.0).to_string();
     }
     // Rounded first, so that 9.999 counts as 10.0.
     let exponent = value.abs().log10();
@@ -265,6 +266,7 @@ mod tests {
         for (value, text) in [
             (5.678_9, "5.68"),
             (9.999, "10.0"),
+            (-0.0, "0"),
             (0.011_7, "0.0117"),
             (123_456.0, "123456"),
             (0.0, "0"),

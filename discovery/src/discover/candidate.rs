@@ -77,6 +77,11 @@ impl Candidate {
         !self.coefficients.is_empty()
     }
 
+    /// Whether it is a torque, a voltage or a flux of the motor: it changes no sensor and delays nothing.
+    pub(crate) fn acts_at_motor(&self) -> bool {
+        !self.info.senses() && !self.info.delays
+    }
+
     /// The drive with this variant in it.
     pub(crate) fn added(&self, drive: &Drive, variant: &Variant) -> Drive {
         let mut with = drive.clone();

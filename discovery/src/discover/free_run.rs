@@ -32,6 +32,7 @@ impl Round<'_> {
         let seen = |_| self.watch.stopped();
         let (estimation, validation) = (self.estimation, self.validation);
         let before = self.torque_left(ground.drive());
+        let of_model = self.torque_left(&self.model.fitted.drive);
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
@@ -74,7 +75,7 @@ impl Round<'_> {
             one.model = model;
             let falls = fits && is <= (1.0 - FALLS) * was;
             let removed = self.removed_of_validation(&one.model);
-            let raises = self.raises_torque(candidate, &one.model);
+            let raises = self.raises_torque(candidate, of_model, &one.model);
             if falls && removed >= self.rule.size && !raises {
                 break;
             }
@@ -116,14 +117,12 @@ impl Round<'_> {
     /// Whether more torque stays unexplained with a law than without, in the recordings held out: an
     /// observer follows what a model does not foretell, and its error may fall by a wrong inertia.
     /// What has states of its own, or stands at a sensor, is no part of that balance.
-    fn raises_torque(&self, candidate: &Candidate, with: &Model) -> bool {
-        let info = candidate.info;
-        let has_states = Entry::find(info.id).is_some_and(|entry| !entry.states.is_empty());
-        if self.model.setting.observer.hz == 0.0 || has_states || info.senses() || info.delays {
+    fn raises_torque(&self, candidate: &Candidate, before: Option<f64>, with: &Model) -> bool {
+        let has_states = Entry::find(candidate.info.id).is_some_and(|it| !it.states.is_empty());
+        if self.model.setting.observer.hz == 0.0 || has_states || !candidate.acts_at_motor() {
             return false;
         }
-        let [before, after] = [self.model, with].map(|it| self.torque_left(&it.fitted.drive));
-        let both = before.zip(after);
+        let both = before.zip(self.torque_left(&with.fitted.drive));
         both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before)
     }
 

@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::base::{Further, Known, Pooled, grams, terms};
-use super::begin::excerpt;
 use super::columns::{Series, Source};
 use super::gram::References;
 use super::ground::Filtered;
+use super::guess::excerpt;
 use super::marginal::{Beside, ln_mean_exp, log_evidence};
 use super::scene::{Recorded, Scene};
 use super::track::{Tick, Track};

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::begin::slowest;
 use super::gram::References;
+use super::guess::slowest;
 use super::noise::Cycle;
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene};

@@ -3,8 +3,8 @@
 use drivescope_plant::drive::{Drive, EffectData};
 
 use super::base::Known;
-use super::begin::{ENOUGH, excerpt};
 use super::gram::References;
+use super::guess::{ENOUGH, excerpt};
 use super::optimum::{Law, Optimum, optimum};
 use super::randomness::Randomness;
 use super::refine::refined;

@@ -14,7 +14,6 @@
 mod alongside;
 mod averaged;
 mod base;
-mod begin;
 mod beginning;
 mod columns;
 mod cycle;
@@ -23,6 +22,7 @@ mod exponential;
 mod filter;
 mod gram;
 mod ground;
+mod guess;
 mod inverse;
 mod linear;
 mod marginal;

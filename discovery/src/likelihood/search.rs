@@ -4,8 +4,8 @@
 use drivescope_plant::drive::Input;
 
 use super::base::{Known, pooled, probability};
-use super::begin::slowest;
 use super::gram::References;
+use super::guess::slowest;
 use super::randomness::Randomness;
 use super::scene::Scene;
 use super::state::SENSORS;

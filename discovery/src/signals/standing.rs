@@ -150,19 +150,21 @@ pub(super) fn standing<'a>(
 
 /// Whether a torque mostly holds a load.
 fn holds(torque: &[f64]) -> bool {
-    let n = torque.len() as f64;
-    let mean = torque.iter().sum::<f64>() / n;
-    let square = torque.iter().map(|it| it * it).sum::<f64>() / n;
+    let [mean, square] = moments(torque);
     square - mean * mean < (HOLDS * mean).powi(2)
+}
+
+/// Mean and mean square.
+fn moments(values: &[f64]) -> [f64; 2] {
+    let n = values.len() as f64;
+    [values.iter().sum::<f64>() / n, values.iter().map(|it| it * it).sum::<f64>() / n]
 }
 
 impl Averaged {
     /// Whether the speed changes by more than that share of its root mean square; over long windows,
     /// in which the noise of a speed from differences is small.
     fn changes_by(&self, limit: f64) -> bool {
-        let n = self.speed.len() as f64;
-        let mean = self.speed.iter().sum::<f64>() / n;
-        let square = self.speed.iter().map(|speed| speed * speed).sum::<f64>() / n;
+        let [mean, square] = moments(&self.speed);
         square - mean * mean > limit * limit * square
     }
 
@@ -189,7 +191,7 @@ impl Look {
     /// None where the driver does not change.
     fn at(averaged: &Averaged, driver: &[f64]) -> Option<Self> {
         let n = driver.len();
-        let mean = driver.iter().sum::<f64>() / n as f64;
+        let [mean, _] = moments(driver);
         let y: Vec<f64> = driver.iter().map(|value| value - mean).collect();
         let squares: f64 = y.iter().map(|value| value * value).sum();
         if squares <= n as f64 * (1e-9 * mean).powi(2) {

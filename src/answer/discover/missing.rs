@@ -7,16 +7,19 @@ use drivescope_discovery::{
 use drivescope_plant::drive::{EffectData, LawData, Motion};
 use drivescope_plant::effects::info::Variable;
 use drivescope_plant::file::target_key;
+use drivescope_plant::parameters::NamedParameter;
 use drivescope_plant::units::for_motion;
 use serde::Serialize;
 
 use super::cards::cards;
 use super::ladder::{Step, has_errors};
-use crate::answer::block::{Block, Item};
+use crate::answer::block::{Block, Fact, Item, TERMINAL};
 use crate::report::words::{error, number, significant};
 
 /// Error over its floor from which on it is said what is left.
 const ABOVE_FLOOR: f64 = 1.1;
+/// Digits of a value that was found.
+const DIGITS: i32 = 4;
 
 /// What was found.
 #[derive(Debug, Clone, Serialize)]
@@ -44,6 +47,9 @@ pub(crate) struct Missing {
     /// The laws that the user typed.
     #[serde(skip)]
     pub(super) typed: Vec<OwnLaw>,
+    /// What was found, with its values in the drive that is written.
+    #[serde(skip)]
+    pub(super) values: Vec<(String, String)>,
     #[serde(skip)]
     pub(super) motion: Motion,
     /// Whether the effects were asked for, and not whether any is missing.
@@ -67,6 +73,27 @@ impl OwnLaw {
         let text = format!("{} = {text}", target_key(*target, motion));
         Some(Self { id: effect.id.clone(), text, fails_over: effect.fails_over() })
     }
+}
+
+/// An effect that was found with its parameters, and their standard errors where they were fitted; a
+/// curve has a picture.
+fn values(found: &Discovery, id: &str) -> Option<(String, String)> {
+    let ranked = found.ranking.iter().find(|it| it.effect == id && it.refused.is_none());
+    let effect = found.drive.effects.iter().find(|it| it.kind == id || it.id == id)?;
+    if matches!(effect.law, Some(LawData::Learned { .. })) {
+        return None;
+    }
+    let own = format!("{}.", effect.id);
+    let value = |it: NamedParameter| {
+        let name = it.name.strip_prefix(&own)?;
+        let fitted = ranked.and_then(|ranked| ranked.parameters.get(&it.name));
+        let error = fitted.filter(|fitted| fitted.std_error.is_finite());
+        let error = error.map_or(String::new(), |it| format!(" \u{b1} {}", number(it.std_error)));
+        let unit = if it.unit == "1" { String::new() } else { format!(" {}", it.unit) };
+        Some(format!("{name} = {}{error}{unit}", significant(it.value, DIGITS)))
+    };
+    let all: Vec<String> = found.drive.parameters().into_iter().filter_map(value).collect();
+    Some((id.to_owned(), all.join(", ")))
 }
 
 impl Missing {
@@ -93,6 +120,7 @@ impl Missing {
                 .collect(),
             unusable: unusable.map(ToString::to_string).collect(),
             typed: effects.filter_map(|effect| OwnLaw::of(effect, motion)).collect(),
+            values: found.named.iter().filter_map(|id| values(found, id)).collect(),
             motion,
             added,
         }
@@ -128,6 +156,12 @@ impl Missing {
                 .to_owned(),
         };
         Block::Verdict { about: about.to_owned(), words, remark: String::new() }
+    }
+
+    /// The values of what was found.
+    pub(super) fn values(&self) -> Block {
+        let fact = |(id, values): &(String, String)| Fact::new(TERMINAL, id, values);
+        Block::Facts(self.values.iter().map(fact).collect())
     }
 
     fn with_set(&self, id: &str) -> String {

@@ -128,6 +128,7 @@ impl Answer {
         blocks.extend(ladder(self.missing.motion, &steps));
         blocks.extend(self.missing.candidates(&[]));
         blocks.push(self.missing.verdict_in_words(""));
+        blocks.push(self.missing.values());
         blocks.extend(self.missing.what_is_left());
         blocks.extend(self.output.as_ref().map(|path| {
             Block::Facts(vec![Fact::new(TERMINAL, "written", path.display().to_string())])

@@ -73,6 +73,7 @@ fn missing() -> Missing {
         not_shown: vec![("brush_drop".to_owned(), "the drive stands still".to_owned())],
         unusable: Vec::new(),
         typed: Vec::new(),
+        values: vec![("cogging".to_owned(), "a = 0.01 N m, N = 7".to_owned())],
         motion: Motion::Rotary,
         added: false,
     }

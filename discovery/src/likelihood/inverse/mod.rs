@@ -147,8 +147,7 @@ impl Inverse {
 
     /// Whether the balance of torques along a known motion tells of that law.
     pub(crate) fn tells(&self, candidate: &Candidate) -> bool {
-        let info = candidate.info;
-        candidate.is_linear() && !info.stiff && !info.senses() && !info.delays
+        candidate.is_linear() && !candidate.info.stiff && candidate.acts_at_motor()
     }
 
     /// Root of the mean square of the torque that drives, N m (N).

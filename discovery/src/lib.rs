@@ -40,7 +40,9 @@ mod start;
 #[cfg(test)]
 mod testing;
 
-pub use balances::{Begun, BothUnexplained, Told, Unexplained, begin, small_inertia, unexplained};
+pub use balances::{
+    Begun, BothUnexplained, Identified, Unexplained, begin, small_inertia, unexplained,
+};
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{

@@ -20,7 +20,7 @@ pub(crate) enum Constant {
     /// Only ratios to it can be measured.
     Ratio,
     /// The recording tells it.
-    Told,
+    Estimated,
 }
 
 /// What is modelled, and why.
@@ -94,7 +94,7 @@ impl Choice {
                 .ok_or_else(|| FirstDriveError::NoInput { file: file(), signals: signals() })?,
         };
         let constant = match input {
-            Input::Voltage => Constant::Told,
+            Input::Voltage => Constant::Estimated,
             Input::Force if driver.unit == for_motion(motion, "N m") => Constant::Known,
             Input::Force => Constant::Ratio,
         };
@@ -209,15 +209,15 @@ mod tests {
 
     #[test]
     fn columns_tell_the_kind_of_drive() {
-        use Constant::{Known, Ratio, Told};
+        use Constant::{Estimated, Known, Ratio};
         let (rotary, linear) = (Motion::Rotary, Motion::Linear);
         let (voltage, force) = (Input::Voltage, Input::Force);
         for (columns, motion, input, constant) in [
-            (&[("u", "V"), ("i", "A"), ("omega", "rad/s")][..], rotary, voltage, Told),
-            (&[("u", "V"), ("T", "rpm")], rotary, voltage, Told),
-            (&[("u", "V"), ("i", "A"), ("theta_load", "rad")], rotary, voltage, Told),
+            (&[("u", "V"), ("i", "A"), ("omega", "rad/s")][..], rotary, voltage, Estimated),
+            (&[("u", "V"), ("T", "rpm")], rotary, voltage, Estimated),
+            (&[("u", "V"), ("i", "A"), ("theta_load", "rad")], rotary, voltage, Estimated),
             (&[("torque", "N"), ("v_load", "m/s")], linear, force, Known),
-            (&[("C_m", "1"), ("T", "rpm")], rotary, voltage, Told),
+            (&[("C_m", "1"), ("T", "rpm")], rotary, voltage, Estimated),
             (&[("C_m", "V"), ("I_m", "A"), ("T", "rpm")], rotary, force, Ratio),
             (&[("C_m", "1"), ("x", "m")], linear, force, Ratio),
             (&[("u", "V"), ("x", "m")], linear, force, Ratio),

@@ -42,7 +42,7 @@ pub(super) fn with_constant_load(
     let left = |drive: &Drive| unexplained(drive, &evidence)[0].map(|it| it.rms);
     let (before, after) = (left(&without.drive), left(&begun.drive));
     let clearly = before.zip(after).is_some_and(|(before, after)| after < CLEARLY_LESS * before);
-    Ok((clearly && begun.told.iter().any(|it| it.name == OFFSET)).then_some(begun))
+    Ok((clearly && begun.identified.iter().any(|it| it.name == OFFSET)).then_some(begun))
 }
 
 #[cfg(test)]

@@ -33,12 +33,12 @@ pub(super) fn values(
     let names = ["R", "L", "K_e", "K_m", "J", "B_m", FRICTION, OFFSET];
     let all = drive.parameters();
     let by_voltage_alone =
-        choice.input == Input::Voltage && !begun.told.iter().any(|it| it.name == "R");
+        choice.input == Input::Voltage && !begun.identified.iter().any(|it| it.name == "R");
     let of = |name: &'static str| {
         let known = all.iter().find(|it| it.name == name)?;
         let tied = name == "K_m" && drive.motor.tie_k;
         let source = if tied { "K_e" } else { name };
-        let begun = begun.told.iter().find(|it| it.name == source);
+        let begun = begun.identified.iter().find(|it| it.name == source);
         let fitted = estimates.and_then(|all| all.iter().find(|it| it.name == source));
         let fitted = fitted.filter(|_| begun.is_some());
         let (origin, std_error) = if given.value(name, choice.input).is_some() {

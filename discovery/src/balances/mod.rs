@@ -67,12 +67,12 @@ pub struct Begun {
     /// The drive.
     pub drive: Drive,
     /// The parameters that the recordings tell.
-    pub told: Vec<Told>,
+    pub identified: Vec<Identified>,
 }
 
 /// A parameter that the balances tell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Told {
+pub struct Identified {
     /// Its name.
     pub name: String,
     /// Standard error of its value, SI, for errors of the balance that are correlated in time.

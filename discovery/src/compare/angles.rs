@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::columns::Maker;
+use super::columns::Builder;
 use super::path::quantile;
 use super::score::{basis, outside};
 use super::whitening::Whitening;
@@ -42,22 +42,23 @@ pub(super) struct Waves {
 
 /// The wave numbers for a base of these columns and its residual.
 pub(super) fn wave_numbers<'a>(
-    maker: &Maker<'_>,
+    builder: &Builder<'_>,
     base: impl Iterator<Item = &'a [f64]>,
     residual: &[f64],
 ) -> Waves {
-    if maker.cases.first().is_some_and(|case| case.drive.motion == Motion::Rotary) {
+    if builder.cases.first().is_some_and(|case| case.drive.motion == Motion::Rotary) {
         return Waves { kept: (1..=MOST_A_REVOLUTION).map(|n| n as f64).collect(), looked_at: 0 };
     }
-    let grid = grid(maker);
-    let rows = maker.layout.rows();
+    let grid = grid(builder);
+    let rows = builder.layout.rows();
     let base: Vec<&[f64]> = base.collect();
     let left = outside(&basis(base.iter().copied(), rows), residual);
-    let filter = Whitening::fit(left.as_slice(), maker.layout);
-    let white: Vec<Vec<f64>> = base.iter().map(|it| filter.apply(it, maker.layout)).collect();
+    let filter = Whitening::fit(left.as_slice(), builder.layout);
+    let white: Vec<Vec<f64>> = base.iter().map(|it| filter.apply(it, builder.layout)).collect();
     let known = basis(white.iter().map(Vec::as_slice), rows);
-    let e = outside(&known, &filter.apply(residual, maker.layout));
-    let gains: Vec<f64> = grid.iter().map(|wave| gain(maker, &known, &e, &filter, *wave)).collect();
+    let e = outside(&known, &filter.apply(residual, builder.layout));
+    let gains: Vec<f64> =
+        grid.iter().map(|wave| gain(builder, &known, &e, &filter, *wave)).collect();
     let at = |k: usize| gains.get(k).copied().unwrap_or(0.0);
     let peak = |k: &usize| at(*k) >= at(k.wrapping_sub(1)) && at(*k) > at(k + 1);
     let mut peaks: Vec<usize> = (0..gains.len()).filter(peak).collect();
@@ -74,8 +75,8 @@ pub(super) fn wave_numbers<'a>(
 }
 
 /// Wave numbers from two periods over the travel to what the samples follow, evenly spread.
-fn grid(maker: &Maker<'_>) -> Vec<f64> {
-    let all = || maker.paths.iter().flat_map(|path| path.theta.iter().copied());
+fn grid(builder: &Builder<'_>) -> Vec<f64> {
+    let all = || builder.paths.iter().flat_map(|path| path.theta.iter().copied());
     let (low, high) =
         all().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
     let travel = high - low;
@@ -83,9 +84,9 @@ fn grid(maker: &Maker<'_>) -> Vec<f64> {
     if !travel.is_finite() || travel <= 0.0 {
         return Vec::new();
     }
-    let speeds = maker.paths.iter().flat_map(|path| path.omega.iter().map(|v| v.abs()));
+    let speeds = builder.paths.iter().flat_map(|path| path.omega.iter().map(|v| v.abs()));
     let usual = quantile(speeds.filter(|v| *v > 0.0), 0.5);
-    let period_s = maker.cases.first().map_or(1.0, |case| case.measured.period_s);
+    let period_s = builder.cases.first().map_or(1.0, |case| case.measured.period_s);
     let finest = TAU / (SAMPLES_A_PERIOD * usual * period_s);
     let coarsest = LEAST_OVER_TRAVEL * TAU / travel;
     let step = TAU / (STEPS * travel);
@@ -94,15 +95,15 @@ fn grid(maker: &Maker<'_>) -> Vec<f64> {
 
 /// Squared error that a sine and a cosine of that wave number explain, made white.
 fn gain(
-    maker: &Maker<'_>,
+    builder: &Builder<'_>,
     known: &DMatrix<f64>,
     e: &DVector<f64>,
     filter: &Whitening,
     wave: f64,
 ) -> f64 {
     let columns = [f64::cos, f64::sin].map(|f| {
-        let mut column = vec![0.0; maker.layout.rows()];
-        for (case, path) in maker.cases.iter().zip(maker.paths) {
+        let mut column = vec![0.0; builder.layout.rows()];
+        for (case, path) in builder.cases.iter().zip(builder.paths) {
             let (h, motor) = (path.period_s, &case.drive.motor);
             let stay = (-motor.b_m / motor.j * h).exp();
             let gains = case.setting.observer.gains(case.measured);
@@ -117,7 +118,7 @@ fn gain(
                         | Output::LoadPosition
                         | Output::Temperature => 0.0,
                     };
-                    column[maker.layout.row(path.place, k, j)] += shown / case.noise[j];
+                    column[builder.layout.row(path.place, k, j)] += shown / case.noise[j];
                 }
                 if let Some(gains) = gains {
                     let shown = if gains.output == Output::Position { x } else { v };
@@ -128,8 +129,8 @@ fn gain(
                 v = stay * v + h * f(wave * path.theta[k]) / motor.j;
             }
         }
-        maker.layout.level(&mut column);
-        outside(known, &filter.apply(&column, maker.layout))
+        builder.layout.level(&mut column);
+        outside(known, &filter.apply(&column, builder.layout))
     });
     let [a, b] = &columns;
     let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));

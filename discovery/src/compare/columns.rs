@@ -51,7 +51,7 @@ pub(super) fn base(
 }
 
 /// What makes the columns of shapes.
-pub(super) struct Maker<'a> {
+pub(super) struct Builder<'a> {
     pub(super) cases: &'a [Case<'a>],
     /// Each of them linearised along its recording, where that fits into memory.
     pub(super) linearised: &'a [Option<Linearised>],
@@ -61,7 +61,7 @@ pub(super) struct Maker<'a> {
     pub(super) limit: Option<f64>,
 }
 
-impl Maker<'_> {
+impl Builder<'_> {
     /// Columns of each shape.
     pub(super) fn shapes(&self, shapes: &[Shape]) -> Vec<Vec<Vec<f64>>> {
         let wanted: Vec<(Shape, usize)> =

@@ -15,7 +15,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-use super::columns::Maker;
+use super::columns::Builder;
 use super::path::Path;
 use super::score::outside;
 use super::series::{Series, hat};
@@ -98,8 +98,8 @@ impl Plan {
         if (x < 0.0) == negative && x != 0.0 { hat(knots, j, x.abs()) } else { 0.0 }
     }
 
-    fn series(self, column: usize, path: &Path, maker: &Maker<'_>, samples: f64) -> Series {
-        let scales = maker.scales;
+    fn series(self, column: usize, path: &Path, builder: &Builder<'_>, samples: f64) -> Series {
+        let scales = builder.scales;
         let each = |f: &dyn Fn(usize) -> f64| (0..path.len()).map(f).collect::<Vec<f64>>();
         match self {
             Self::Speed => {
@@ -144,19 +144,19 @@ impl Plan {
     }
 
     /// Places of the knots in units of the variable.
-    fn places(self, maker: &Maker<'_>, longest_s: f64) -> Vec<f64> {
+    fn places(self, builder: &Builder<'_>, longest_s: f64) -> Vec<f64> {
         let sides = |knots: &[f64], top: f64| {
             let negative = knots.iter().rev().map(|k| -k * top);
             negative.chain(knots.iter().map(|k| k * top)).collect::<Vec<f64>>()
         };
         let even = |count: usize, top: f64| (0..count).map(|j| j as f64 * top).collect();
         match self {
-            Self::Speed => sides(&SIDE, maker.scales.omega),
-            Self::Acceleration => sides(&SIDE, maker.scales.alpha),
-            Self::CurrentTorque | Self::CurrentVoltage => sides(&CURRENT_KNOTS, maker.scales.i),
+            Self::Speed => sides(&SIDE, builder.scales.omega),
+            Self::Acceleration => sides(&SIDE, builder.scales.alpha),
+            Self::CurrentTorque | Self::CurrentVoltage => sides(&CURRENT_KNOTS, builder.scales.i),
             Self::Angle(wave) => even(AROUND, std::f64::consts::TAU / wave / AROUND as f64),
             Self::Time => even(IN_TIME, longest_s / (IN_TIME - 1) as f64),
-            Self::Heat => even(IN_HEAT, 0.1 * maker.scales.i.powi(2) / IN_HEAT as f64),
+            Self::Heat => even(IN_HEAT, 0.1 * builder.scales.i.powi(2) / IN_HEAT as f64),
         }
     }
 
@@ -193,19 +193,19 @@ pub(super) struct Evidence<'a> {
 }
 
 /// All curves; over the angle for that wave number.
-pub(super) fn curves(maker: &Maker<'_>, evidence: &Evidence<'_>, wave: f64) -> Vec<Curve> {
-    let force = maker.paths.iter().any(|path| path.force);
+pub(super) fn curves(builder: &Builder<'_>, evidence: &Evidence<'_>, wave: f64) -> Vec<Curve> {
+    let force = builder.paths.iter().any(|path| path.force);
     let mut plans = vec![Plan::Speed, Plan::Angle(wave), Plan::Acceleration, Plan::Time];
     if !force {
         plans.extend([Plan::CurrentTorque, Plan::CurrentVoltage, Plan::Heat]);
     }
-    plans.into_iter().map(|plan| curve(plan, maker, evidence)).collect()
+    plans.into_iter().map(|plan| curve(plan, builder, evidence)).collect()
 }
 
-fn curve(plan: Plan, maker: &Maker<'_>, evidence: &Evidence<'_>) -> Curve {
-    let samples = maker.paths.iter().map(Path::len).max().unwrap_or(1) as f64;
-    let columns =
-        maker.columns(plan.columns(), &|column, path| plan.series(column, path, maker, samples));
+fn curve(plan: Plan, builder: &Builder<'_>, evidence: &Evidence<'_>) -> Curve {
+    let samples = builder.paths.iter().map(Path::len).max().unwrap_or(1) as f64;
+    let columns = builder
+        .columns(plan.columns(), &|column, path| plan.series(column, path, builder, samples));
     let left: Vec<DVector<f64>> =
         columns.iter().map(|column| outside(evidence.known, column)).collect();
     let left = DMatrix::from_columns(&left);
@@ -239,9 +239,9 @@ fn curve(plan: Plan, maker: &Maker<'_>, evidence: &Evidence<'_>) -> Curve {
     };
     let halves: Vec<f64> = draws.iter_mut().map(half).collect();
     let (variable, balance, words) = plan.about();
-    let longest_s = samples * maker.paths.first().map_or(1.0, |path| path.period_s);
+    let longest_s = samples * builder.paths.first().map_or(1.0, |path| path.period_s);
     let value: Vec<f64> = coefficients.iter().copied().collect();
-    let motion = maker.cases.first().map_or(Motion::Rotary, |case| case.drive.motion);
+    let motion = builder.cases.first().map_or(Motion::Rotary, |case| case.drive.motion);
     let unit = |rotary: &str| for_motion(motion, rotary);
     Curve {
         variable: variable.name(),
@@ -260,7 +260,7 @@ fn curve(plan: Plan, maker: &Maker<'_>, evidence: &Evidence<'_>) -> Curve {
             Plan::Heat => "ohm".to_owned(),
             _ => unit("N m"),
         },
-        x: plan.places(maker, longest_s),
+        x: plan.places(builder, longest_s),
         lower: value.iter().zip(&halves).map(|(value, half)| value - half).collect(),
         upper: value.iter().zip(&halves).map(|(value, half)| value + half).collect(),
         value,

@@ -41,7 +41,7 @@ use crate::case::{Case, Setting};
 use crate::estimate::{Evidence, at_its_balances, evaluate, with_own};
 use crate::measured::Output;
 use crate::response::Linearised;
-use columns::Maker;
+use columns::Builder;
 use finding::{Data, Found, hypotheses};
 use layout::Layout;
 use path::{Path, Scales};
@@ -182,7 +182,7 @@ pub fn compare(
     let scales = Scales::new(&paths, drive.motor.j);
     let limit = drive.amplifier.as_ref().and_then(|it| it.limit);
     let linearised: Vec<Option<Linearised>> = cases.iter().map(Linearised::of).collect();
-    let maker = Maker {
+    let builder = Builder {
         cases: &cases,
         linearised: &linearised,
         paths: &paths,
@@ -207,9 +207,9 @@ pub fn compare(
         })
         .fold(0.0, f64::max);
     let block_s = (BLOCK_MEMORIES * memory_s).clamp(BLOCK_S.0, BLOCK_S.1);
-    let waves = angles::wave_numbers(&maker, base.iter().map(Vec::as_slice), &residual);
-    let shapes = shapes(&maker, &waves.kept);
-    let columns = maker.shapes(&shapes);
+    let waves = angles::wave_numbers(&builder, base.iter().map(Vec::as_slice), &residual);
+    let shapes = shapes(&builder, &waves.kept);
+    let columns = builder.shapes(&shapes);
     let hypotheses = hypotheses(&shapes, waves.looked_at);
     let (blocks, white_blocks) = (layout.blocks(block_s), layout.blocks(BLOCK_S.0));
     let data = Data {
@@ -238,13 +238,13 @@ pub fn compare(
             blocks: (&data.blocks.0, data.blocks.1),
             seed: options.seed,
         };
-        curve::curves(&maker, &evidence, wave)
+        curve::curves(&builder, &evidence, wave)
     } else {
         Vec::new()
     };
     let whitening = Whitening::fit(&data.residual, &layout);
     let one_step = whitening.one_step(&data.residual, &layout);
-    let view = Seen { maker: &maker, one_step: &one_step, floor, explained: !found.is_empty() };
+    let view = Seen { builder: &builder, one_step: &one_step, floor, explained: !found.is_empty() };
     let recordings = (0..cases.len()).map(|k| view.recording(k)).collect();
     let rms = |sum: f64| (sum / layout.values()).sqrt();
     Ok(Comparison {
@@ -254,7 +254,7 @@ pub fn compare(
         error_if_fitted: judged.squares.error() * rms(after) / rms(now),
         by_parameters,
         by_balances: setting.observer.hz > 0.0 && at_its_balances(drive, evidence),
-        findings: found.iter().map(told).collect(),
+        findings: found.iter().map(finding).collect(),
         tested: data.shapes.len(),
         block_s,
         recordings,
@@ -281,8 +281,8 @@ fn alike(evidence: &Evidence) -> Result<(), CompareError> {
 }
 
 /// The shapes that make sense for these recordings.
-fn shapes(maker: &Maker<'_>, waves: &[f64]) -> Vec<Shape> {
-    let Some(case) = maker.cases.first() else { return Vec::new() };
+fn shapes(builder: &Builder<'_>, waves: &[f64]) -> Vec<Shape> {
+    let Some(case) = builder.cases.first() else { return Vec::new() };
     let mut shapes = vec![
         Shape::TorqueOverSpeed,
         Shape::DragOverSpeed,
@@ -298,13 +298,13 @@ fn shapes(maker: &Maker<'_>, waves: &[f64]) -> Vec<Shape> {
     if case.drive.motor.input == Input::Voltage {
         shapes.extend([Shape::VoltageOverCurrent, Shape::ResistanceOverHeat]);
     }
-    if maker.limit.is_some() {
+    if builder.limit.is_some() {
         shapes.push(Shape::AtLimit);
     }
     if case.measured.output(Output::Current).is_some() {
         shapes.push(Shape::CurrentOffset);
     }
-    for place in 0..maker.cases.len() {
+    for place in 0..builder.cases.len() {
         shapes.extend([Shape::FrictionOverTime(place), Shape::FrictionDrift(place)]);
     }
     let speed = case.measured.output(Output::Speed).is_some();
@@ -322,7 +322,7 @@ fn shapes(maker: &Maker<'_>, waves: &[f64]) -> Vec<Shape> {
     shapes
 }
 
-fn told(found: &Found) -> Finding {
+fn finding(found: &Found) -> Finding {
     let variable: Variable = found.shape.variable();
     let period = found.shape.wave_number().map(|wave| std::f64::consts::TAU / wave);
     Finding {

@@ -107,11 +107,11 @@ pub(super) fn score(own: &DMatrix<f64>, e: &DVector<f64>, blocks: (&[usize], usi
             // A direction that is in one block alone has no variance to be judged by.
             return Score { gain, columns: k, variance, p_value: 1.0 };
         }
-        let mut turned = eigen.eigenvectors.tr_mul(&score);
-        for (value, share) in turned.iter_mut().zip(eigen.eigenvalues.iter()) {
+        let mut rotated = eigen.eigenvectors.tr_mul(&score);
+        for (value, share) in rotated.iter_mut().zip(eigen.eigenvalues.iter()) {
             *value /= (1.0 - share).sqrt();
         }
-        score.copy_from(&(eigen.eigenvectors * turned));
+        score.copy_from(&(eigen.eigenvectors * rotated));
     }
     let v = &scores * scores.transpose();
     let w = v.cholesky().map_or(0.0, |it| beta.dot(&it.solve(&beta)));

@@ -3,7 +3,7 @@
 use drivescope_plant::units::for_motion;
 use serde::Serialize;
 
-use super::columns::Maker;
+use super::columns::Builder;
 use super::residual::{self, Correlation};
 use super::span::{self, Span, spans};
 use super::whitening;
@@ -56,7 +56,7 @@ pub struct RecordingComparison {
 
 /// What recordings are told from.
 pub(super) struct Seen<'a> {
-    pub(super) maker: &'a Maker<'a>,
+    pub(super) builder: &'a Builder<'a>,
     /// Errors one step ahead, by rows of the layout.
     pub(super) one_step: &'a [f64],
     /// Squared error of a perfect model, per value.
@@ -67,7 +67,7 @@ pub(super) struct Seen<'a> {
 
 impl Seen<'_> {
     pub(super) fn recording(&self, place: usize) -> RecordingComparison {
-        let case = &self.maker.cases[place];
+        let case = &self.builder.cases[place];
         let mut shown = case.trajectory();
         let mut squares = vec![(0.0, 0); case.measured.len()];
         let mut outputs = Vec::new();
@@ -85,14 +85,14 @@ impl Seen<'_> {
         let (sum, count) = squares.iter().fold((0.0, 0), |(s, n), it| (s + it.0, n + it.1));
         let unit = |rotary| for_motion(case.drive.motion, rotary);
         let spans = spans(&span::View {
-            path: &self.maker.paths[place],
-            scales: self.maker.scales,
+            path: &self.builder.paths[place],
+            scales: self.builder.scales,
             squares: &squares,
             clock: case.measured.clock.clone(),
             floor: self.floor,
             explained: self.explained,
-            limit: self.maker.limit,
-            units: [&unit("rad/s"), if self.maker.paths[place].force { "(u)" } else { "A" }],
+            limit: self.builder.limit,
+            units: [&unit("rad/s"), if self.builder.paths[place].force { "(u)" } else { "A" }],
         });
         RecordingComparison {
             name: case.measured.name.clone(),
@@ -103,7 +103,7 @@ impl Seen<'_> {
     }
 
     fn output(&self, place: usize, j: usize, model: Vec<f64>) -> OutputComparison {
-        let (case, layout) = (&self.maker.cases[place], self.maker.layout);
+        let (case, layout) = (&self.builder.cases[place], self.builder.layout);
         let channel = &case.measured.outputs[j];
         let residual: Vec<f64> = channel.values.iter().zip(&model).map(|(y, m)| y - m).collect();
         let known = || residual.iter().copied().filter(|r| r.is_finite());

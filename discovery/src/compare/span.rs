@@ -93,7 +93,7 @@ pub(super) fn spans(view: &View<'_>) -> Vec<Span> {
     found.sort_by(|a, b| content(b).total_cmp(&content(a)));
     found.truncate(MOST);
     found.sort_unstable();
-    found.iter().map(|span| view.told(*span)).collect()
+    found.iter().map(|span| view.span(*span)).collect()
 }
 
 /// Mean square over a window around each sample; NaN where nothing was measured.
@@ -120,7 +120,7 @@ impl View<'_> {
         self.clock.time(to - 1) + self.clock.period_s
     }
 
-    fn told(&self, (from, to): (usize, usize)) -> Span {
+    fn span(&self, (from, to): (usize, usize)) -> Span {
         let inside = &self.squares[from..to];
         let (sum, count) = inside.iter().fold((0.0, 0), |(s, n), it| (s + it.0, n + it.1));
         Span {

@@ -17,7 +17,7 @@ const CHANCE: f64 = 0.05;
 /// Share of what the best fitted law explains that one of two masses must promise at its null.
 const MASSES: f64 = 0.4;
 /// Shapes from which a law without a derivative at its null is fitted.
-const BEGINS: usize = 2;
+const STARTS: usize = 2;
 /// Factors on the coefficients at its null from which a law with fast states is fitted besides: what it
 /// does is not in proportion to them.
 const FARTHER: [f64; 2] = [5.0, 25.0];
@@ -28,8 +28,8 @@ impl Round<'_> {
     /// over their variables. Those of two masses come by themselves ([`Round::of_two`]).
     fn promising<'w>(&self, weights: &'w Weights) -> Vec<&'w LawWeight> {
         let candidate = |it: &LawWeight| &self.all[it.candidate];
-        let of_one = || weights.laws.iter().filter(|it| !self.is_foretold(candidate(it)));
-        let mut promising: Vec<&LawWeight> = of_one().filter(|it| told(it)).collect();
+        let of_one = || weights.laws.iter().filter(|it| !self.is_of_free_run(candidate(it)));
+        let mut promising: Vec<&LawWeight> = of_one().filter(|it| is_evident(it)).collect();
         let best = promising.first().copied();
         let most = best.map_or(0.0, |best| best.evidence);
         promising.retain(|it| it.evidence >= CHANCE * most);
@@ -59,8 +59,8 @@ impl Round<'_> {
     /// Further laws, where none of those that promised most convinces.
     fn others<'w>(&self, weights: &'w Weights, fitted: &[Judged]) -> Vec<&'w LawWeight> {
         let is_in = |it: &LawWeight| fitted.iter().any(|one| one.candidate == it.candidate);
-        let of_one = |it: &LawWeight| !self.is_foretold(&self.all[it.candidate]);
-        let others = weights.laws.iter().filter(|it| told(it) && of_one(it) && !is_in(it));
+        let of_one = |it: &LawWeight| !self.is_of_free_run(&self.all[it.candidate]);
+        let others = weights.laws.iter().filter(|it| is_evident(it) && of_one(it) && !is_in(it));
         others.take(decision::REFITTED).collect()
     }
 
@@ -69,18 +69,19 @@ impl Round<'_> {
     fn of_two<'w>(&self, weights: &'w Weights, fitted: &[Judged]) -> Vec<&'w LawWeight> {
         let convince = fitted.iter().filter(|one| one.refused.is_none());
         let most = convince.fold(0.0_f64, |most, one| most.max(one.weighed.evidence));
-        let of_two = |it: &&LawWeight| self.is_foretold(&self.all[it.candidate]);
+        let of_two = |it: &&LawWeight| self.is_of_free_run(&self.all[it.candidate]);
         let two = || weights.laws.iter().filter(of_two);
-        let promises =
-            |it: &LawWeight| self.looks_beside() || (told(it) && it.evidence >= MASSES * most);
+        let promises = |it: &LawWeight| {
+            self.looks_beside() || (is_evident(it) && it.evidence >= MASSES * most)
+        };
         if two().any(promises) { two().collect() } else { Vec::new() }
     }
 
     /// Laws at their best, fitted.
     pub(crate) fn at_their_best(&self, ground: &Ground, laws: &[&LawWeight]) -> Vec<Judged> {
-        let filtered = |weight: &LawWeight, foretold: Option<&Model>| {
+        let filtered = |weight: &LawWeight, of_free_run: Option<&Model>| {
             let it = &self.all[weight.candidate];
-            let begins = weight.variants.iter().take(if it.is_linear() { 1 } else { BEGINS });
+            let starts = weight.variants.iter().take(if it.is_linear() { 1 } else { STARTS });
             let at = |variant: &usize| {
                 let mut effect = it.variants[*variant].effect.clone();
                 for (name, value) in it.coefficients.iter().zip(&weight.coefficients) {
@@ -89,13 +90,13 @@ impl Round<'_> {
                 }
                 effect
             };
-            let of_free_run = foretold.map(|model| &model.fitted.drive.effects);
+            let of_free_run = of_free_run.map(|model| &model.fitted.drive.effects);
             let of_free_run = of_free_run.into_iter().flatten().filter(|effect| effect.id == it.id);
-            let mut begins: Vec<EffectData> = begins.map(at).chain(of_free_run.cloned()).collect();
+            let mut starts: Vec<EffectData> = starts.map(at).chain(of_free_run.cloned()).collect();
             if it.is_linear() && it.info.stiff {
-                begins.extend(FARTHER.map(|factor| it.scaled(&begins[0], factor)));
+                starts.extend(FARTHER.map(|factor| it.scaled(&starts[0], factor)));
             }
-            let (drive, own) = ground.with(&begins, &it.estimated(), &it.coefficients)?;
+            let (drive, own) = ground.with(&starts, &it.estimated(), &it.coefficients)?;
             // A law whose coefficients all stay at the end of their range is none.
             let values = drive.parameters();
             let at_end = |(name, range): (&String, &(f64, f64))| {
@@ -115,11 +116,13 @@ impl Round<'_> {
         };
         let best = |weight: &&LawWeight| {
             let it = &self.all[weight.candidate];
-            let found =
-                self.is_foretold(it).then(|| self.foretold(ground, it, &weight.variants)).flatten();
+            let found = self
+                .is_of_free_run(it)
+                .then(|| self.fit_of_free_run(ground, it, &weight.variants))
+                .flatten();
             let by_filter = filtered(weight, found.as_ref().map(|it| &it.model));
-            let foretold = found.map(|found| found.judged(weight.candidate));
-            let both = [by_filter, foretold].into_iter().flatten();
+            let by_free_run = found.map(|found| found.judged(weight.candidate));
+            let both = [by_filter, by_free_run].into_iter().flatten();
             both.max_by(|a, b| a.weighed.evidence.total_cmp(&b.weighed.evidence))
         };
         laws.par_iter().filter_map(best).collect()
@@ -211,6 +214,6 @@ fn ordered(mut judged: Vec<Judged>) -> Vec<Judged> {
 }
 
 /// Whether the recordings tell a law from the base.
-fn told(it: &LawWeight) -> bool {
+fn is_evident(it: &LawWeight) -> bool {
     it.finite && !it.imitated && it.evidence > PROMISING
 }

@@ -32,7 +32,7 @@ impl Round<'_> {
             return false;
         }
         let held = |(k, it): (usize, &Candidate)| {
-            let own = it.is_linear() && !self.is_foretold(it);
+            let own = it.is_linear() && !self.is_of_free_run(it);
             own.then(|| (k, self.held_in_free_run(it))).filter(|it| it.1 > self.rule.share)
         };
         let all = self.all.par_iter().enumerate();
@@ -40,7 +40,7 @@ impl Round<'_> {
         shown.sort_by(|a, b| b.1.total_cmp(&a.1));
         shown.truncate(FITTED);
         let fitted = |(candidate, _): &(usize, f64)| {
-            let found = self.foretold(ground, &self.all[*candidate], &[0])?;
+            let found = self.fit_of_free_run(ground, &self.all[*candidate], &[0])?;
             // What leaves more may only resemble what is missing.
             self.explains_all(&found.model).then(|| found.judged(*candidate))
         };

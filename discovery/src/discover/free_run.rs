@@ -115,7 +115,7 @@ impl Round<'_> {
     }
 
     /// Whether more torque stays unexplained with a law than without, in the recordings held out: an
-    /// observer follows what a model does not foretell, and its error may fall by a wrong inertia.
+    /// observer follows what a model does not predict, and its error may fall by a wrong inertia.
     /// What has states of its own, or stands at a sensor, is no part of that balance.
     fn raises_torque(&self, candidate: &Candidate, before: Option<f64>, with: &Model) -> bool {
         let has_states = Entry::find(candidate.info.id).is_some_and(|it| !it.states.is_empty());
@@ -162,8 +162,8 @@ impl Round<'_> {
         // The minimum of the free run may lie on the side of the base's own values.
         let beside = self.beside(one);
         let fitted = self.all[one.candidate].info.knocks;
-        let begins = if fitted { vec![drive] } else { vec![drive, &beside] };
-        let ends = begins.into_par_iter().filter_map(fit);
+        let starts = if fitted { vec![drive] } else { vec![drive, &beside] };
+        let ends = starts.into_par_iter().filter_map(fit);
         // The filter does not see the sensors that such a law is about: all its shapes are tried.
         let it = &self.all[one.candidate];
         let shapes: Vec<usize> =

@@ -16,9 +16,9 @@ use crate::likelihood::{
 
 /// A drive at its own best.
 pub(crate) enum Ground {
-    /// Filtered: what was measured is foretold from what drives.
+    /// Filtered: what was measured is predicted from what drives.
     Filtered(Box<Filtered>),
-    /// Read backwards: what drives is foretold from the motion.
+    /// Read backwards: what drives is predicted from the motion.
     Inverse(Box<Inverse>),
 }
 

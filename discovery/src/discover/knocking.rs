@@ -1,9 +1,9 @@
-//! The evidence of a law whose teeth knock, from what the free run foretells.
+//! The evidence of a law whose teeth knock, from what the free run predicts.
 //!
-//! A filter is linear about its state, and when teeth meet is not: a knock foretold a little too
+//! A filter is linear about its state, and when teeth meet is not: a knock predicted a little too
 //! early leaves it in the wrong place. What the free run (or the observer that was frozen for this
-//! drive) foretells of a sample from those before is a probability too, with the exact moments of
-//! contact. A random load stays in its errors, and what their own past foretells of them is taken out.
+//! drive) predicts of a sample from those before is a probability too, with the exact moments of
+//! contact. A random load stays in its errors, and what their own past predicts of them is taken out.
 
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
@@ -19,7 +19,7 @@ use crate::estimate::Evidence;
 use crate::measured::{Measured, Output};
 
 /// A law fitted in free run, with ln of its evidence over that of the base.
-pub(super) struct Foretold {
+pub(super) struct FreeRunFit {
     pub(super) model: Model,
     /// In the recordings of the fit, in all, and in those held out.
     pub(super) evidence: [f64; 3],
@@ -27,7 +27,7 @@ pub(super) struct Foretold {
     pub(super) size: f64,
 }
 
-impl Foretold {
+impl FreeRunFit {
     /// As a fitted candidate of that number.
     pub(super) fn judged(self, candidate: usize) -> Judged {
         let weighed = Weighed::of(self.evidence, self.size);
@@ -38,7 +38,7 @@ impl Foretold {
 impl Round<'_> {
     /// Whether only its fit in free run tells a law: one that knocks, or is excluded by one that does,
     /// and one with states of its own where sensors beside the motor show them.
-    pub(super) fn is_foretold(&self, it: &Candidate) -> bool {
+    pub(super) fn is_of_free_run(&self, it: &Candidate) -> bool {
         let knocks = |entry: &Entry| entry.info.knocks && entry.info.excludes.contains(&it.info.id);
         it.info.knocks || REGISTRY.iter().any(knocks) || self.acts_beside(it)
     }
@@ -59,12 +59,12 @@ impl Round<'_> {
 
     /// Nothing where no fit ends, or the filter sees not every sample, which are not to be compared.
     /// `variants` are shapes of the law, the most promising first.
-    pub(super) fn foretold(
+    pub(super) fn fit_of_free_run(
         &self,
         ground: &Ground,
         it: &Candidate,
         variants: &[usize],
-    ) -> Option<Foretold> {
+    ) -> Option<FreeRunFit> {
         let ground = ground.filtered()?;
         if ground.scene.is_reduced(self.estimation, self.validation) {
             return None;
@@ -89,11 +89,11 @@ impl Round<'_> {
         let by_filter = |evidence: f64| if self.looks_beside() { f64::MIN } else { evidence };
         let fitted = own - price - before.max(by_filter(ground.base.fitted));
         let all = own + others - price - both.max(by_filter(ground.base.all));
-        Some(Foretold { model, evidence: [fitted, all, all - fitted], size })
+        Some(FreeRunFit { model, evidence: [fitted, all, all - fitted], size })
     }
 
     /// ln of the probability of the estimation data in free run, without its constant, and of those
-    /// that judge: of what the past of the errors does not foretell of them, for a random load
+    /// that judge: of what the past of the errors does not predict of them, for a random load
     /// stays in them.
     fn ln_probabilities(&self, model: &Model) -> [f64; 2] {
         let own = Columns::residuals(&model.at(self.estimation));

@@ -71,10 +71,10 @@ const NEAR_ENOUGH: f64 = 1.0;
 const NEARLY: Options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
 
 /// Shapes from which a fit begins.
-const BEGINS: usize = 5;
+const STARTS: usize = 5;
 /// Steps after which the begins of a law are compared.
 const FIRST_STEPS: usize = 6;
-/// Begins that are followed to their ends: the best after the first steps may lead into a valley.
+/// Starts that are followed to their ends: the best after the first steps may lead into a valley.
 const FOLLOWED: usize = 2;
 
 /// A drive fitted from where it stands, as closely as judging it needs, in the setting of the base
@@ -106,7 +106,7 @@ pub(crate) fn refit(
         let options = Options { steps: FIRST_STEPS, ..NEARLY };
         fit_seen(&drive, estimation, &finer(&base.setting, &drive), &options, seen)
     };
-    let begun: Vec<_> = variants.par_iter().take(BEGINS).map(first_steps).collect();
+    let begun: Vec<_> = variants.par_iter().take(STARTS).map(first_steps).collect();
     let mut begun = some_of(begun)?;
     begun.sort_by(|one, other| one.squares.sum.total_cmp(&other.squares.sum));
     begun.truncate(FOLLOWED);

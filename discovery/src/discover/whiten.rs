@@ -1,6 +1,6 @@
-//! Innovations: what of a residual its own past does not foretell.
+//! Innovations: what of a residual its own past does not predict.
 //!
-//! A random load makes the residual of a free run remember. The residual of every output is foretold
+//! A random load makes the residual of a free run remember. The residual of every output is predicted
 //! from exponential averages of the past of all outputs, over 1 to [`LONGEST`] samples (white noise
 //! on top of a slow disturbance needs a long memory, which a few averages hold as well as hundreds of
 //! lags), and the innovations are scaled to unit variance: what a filter with a load state would
@@ -124,9 +124,9 @@ impl Whitener {
             }
             for k in range.clone() {
                 let output = places[k].output;
-                let foretold = past.0.iter().zip(&self.weights[output]);
-                let foretold: f64 = foretold.map(|(average, weight)| weight * average).sum();
-                innovations[k] = (residual[k] - foretold) / self.sd[output];
+                let predicted = past.0.iter().zip(&self.weights[output]);
+                let predicted: f64 = predicted.map(|(average, weight)| weight * average).sum();
+                innovations[k] = (residual[k] - predicted) / self.sd[output];
             }
             for k in range {
                 past.see(places[k].output, residual[k]);

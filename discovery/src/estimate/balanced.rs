@@ -77,7 +77,7 @@ fn at_balances(
     let not_identifiable = fitted.not_identifiable.clone();
     let mut made = conclude(&problem, &found, base, not_identifiable, fitted.starts_tried)?;
     for estimate in &mut made.parameters {
-        if let Some(told) = begun.told.iter().find(|it| it.name == estimate.name) {
+        if let Some(told) = begun.identified.iter().find(|it| it.name == estimate.name) {
             // Least squares leave no error to what they hold at zero.
             estimate.at_bound |= told.std_error == 0.0;
             estimate.std_error = if estimate.at_bound { f64::NAN } else { told.std_error };

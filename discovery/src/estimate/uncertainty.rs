@@ -102,8 +102,8 @@ fn corrected(block: &BlockScore, lower: &DMatrix<f64>) -> Option<DVector<f64>> {
     let eigen = share.symmetric_eigen();
     let weight = eigen.eigenvalues.map(|s| 1.0 / (1.0 - s.clamp(0.0, LARGEST_SHARE)).sqrt());
     let inner = lower.solve_lower_triangular(&block.gradient)?;
-    let turned = eigen.eigenvectors.tr_mul(&inner).component_mul(&weight);
-    Some(lower * (eigen.eigenvectors * turned))
+    let rotated = eigen.eigenvectors.tr_mul(&inner).component_mul(&weight);
+    Some(lower * (eigen.eigenvectors * rotated))
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::grammar::{Form, Names, complexity};
 use super::proposals::{Greatest, Kind, names, proposals};
-use crate::likelihood::{Alongside, Series, Told};
+use crate::likelihood::{Alongside, GroupEvidence, Series};
 
 /// Columns that are held at once: some 16 MB at 8,000 samples.
 const COLUMNS: usize = 256;
@@ -97,18 +97,18 @@ pub(super) fn weighed(
 ) -> Option<Vec<Weighed>> {
     let kinds = proposals(drive, &visited.greatest);
     let forms: Vec<Form> = kinds.iter().flatten().copied().collect();
-    let mut told: Vec<Told> = Vec::with_capacity(forms.len());
+    let mut groups_evidence: Vec<GroupEvidence> = Vec::with_capacity(forms.len());
     for some in forms.chunks(COLUMNS / 2) {
         let groups: Vec<usize> = some.iter().map(|it| it.coefficients().len()).collect();
         let series = |recording: usize| -> Vec<Series> {
             some.par_iter().flat_map_iter(|it| visited.series(it, recording)).collect()
         };
-        told.extend(alongside.told(series, &groups, stopped)?);
+        groups_evidence.extend(alongside.evidence(series, &groups, stopped)?);
     }
     let sizes: Vec<usize> = kinds.iter().map(|kind| size(kind, &visited.names)).collect();
-    let mut told = told.into_iter();
+    let mut groups_evidence = groups_evidence.into_iter();
     let one = |(kind, size): (&Kind, &usize)| {
-        let own: Vec<Told> = told.by_ref().take(kind.len()).collect();
+        let own: Vec<GroupEvidence> = groups_evidence.by_ref().take(kind.len()).collect();
         best(kind, own, *size, sizes.iter().filter(|it| *it <= size).count())
     };
     let mut all: Vec<Weighed> = kinds.iter().zip(&sizes).filter_map(one).collect();
@@ -120,10 +120,17 @@ fn size(kind: &Kind, names: &Names) -> usize {
     kind.first().map_or(0, |form| complexity(&form.written(names).text))
 }
 
-fn best(kind: &Kind, told: Vec<Told>, complexity: usize, as_simple: usize) -> Option<Weighed> {
-    let shapes = told.len() as f64;
-    let (form, it) =
-        kind.iter().zip(told).max_by(|(_, a), (_, b)| a.evidence.total_cmp(&b.evidence))?;
+fn best(
+    kind: &Kind,
+    groups_evidence: Vec<GroupEvidence>,
+    complexity: usize,
+    as_simple: usize,
+) -> Option<Weighed> {
+    let shapes = groups_evidence.len() as f64;
+    let (form, it) = kind
+        .iter()
+        .zip(groups_evidence)
+        .max_by(|(_, a), (_, b)| a.evidence.total_cmp(&b.evidence))?;
     // Of few shapes that are far apart one holds nearly all of the mean.
     Some(Weighed {
         form: *form,

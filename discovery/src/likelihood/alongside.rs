@@ -29,7 +29,7 @@ pub(crate) struct Alongside {
 
 /// What the recordings tell of a group of columns.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Told {
+pub(crate) struct GroupEvidence {
     /// ln of the evidence over that of the base, averaged over sizes.
     pub(crate) evidence: f64,
     /// The most probable coefficients, in their own units.
@@ -60,12 +60,12 @@ impl Alongside {
 
     /// What is told of each group of so many of the `series` of a recording, each with the
     /// randomness with which it explains most; nothing where it is stopped.
-    pub(crate) fn told(
+    pub(crate) fn evidence(
         &self,
         series: impl Fn(usize) -> Vec<Series> + Sync,
         groups: &[usize],
         stopped: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Vec<Told>> {
+    ) -> Option<Vec<GroupEvidence>> {
         let recordings = 0..self.scene.recordings.len();
         let series: Vec<Vec<Series>> = recordings.into_par_iter().map(&series).collect();
         let sources = sources(groups);
@@ -98,15 +98,18 @@ impl Alongside {
                 let scale: Vec<f64> = columns.iter().map(|it| pooled.scale[*it]).collect();
                 told(&information, &score, &scale)
             });
-            Some((likelihood + log_evidence(&products, &terms), each.collect::<Vec<Told>>()))
+            Some((
+                likelihood + log_evidence(&products, &terms),
+                each.collect::<Vec<GroupEvidence>>(),
+            ))
         };
-        let each: Vec<(f64, Vec<Told>)> =
+        let each: Vec<(f64, Vec<GroupEvidence>)> =
             grams.iter().zip(&self.filters).filter_map(under).collect();
         let most = each.iter().map(|(base, _)| *base).fold(f64::NEG_INFINITY, f64::max);
         let of = |group: usize| {
-            let under = |(base, told): &(f64, Vec<Told>)| {
-                let Told { evidence, coefficients } = told[group].clone();
-                Told { evidence: evidence + base - most, coefficients }
+            let under = |(base, told): &(f64, Vec<GroupEvidence>)| {
+                let GroupEvidence { evidence, coefficients } = told[group].clone();
+                GroupEvidence { evidence: evidence + base - most, coefficients }
             };
             let best = each.iter().map(under).max_by(|a, b| a.evidence.total_cmp(&b.evidence));
             best.unwrap_or_default()
@@ -128,7 +131,7 @@ fn sources(groups: &[usize]) -> Vec<usize> {
 }
 
 /// Of columns of that information and score, in units of which those are the scales.
-fn told(information: &DMatrix<f64>, score: &DVector<f64>, scale: &[f64]) -> Told {
+fn told(information: &DMatrix<f64>, score: &DVector<f64>, scale: &[f64]) -> GroupEvidence {
     let with = |size: f64| {
         let mut h = information.clone();
         (0..h.nrows()).for_each(|k| h[(k, k)] += 1.0 / (size * size));
@@ -142,11 +145,11 @@ fn told(information: &DMatrix<f64>, score: &DVector<f64>, scale: &[f64]) -> Told
     };
     // A column of nothing, or one that overflows, tells nothing.
     if scale.contains(&0.0) {
-        return Told { evidence: f64::NEG_INFINITY, coefficients: vec![0.0; scale.len()] };
+        return GroupEvidence { evidence: f64::NEG_INFINITY, coefficients: vec![0.0; scale.len()] };
     }
     let mean = with(1.0).map(|h| h.solve(score));
     let coefficient = |(k, scale): (usize, &f64)| mean.as_ref().map_or(0.0, |mean| mean[k] * scale);
-    Told {
+    GroupEvidence {
         evidence: ln_mean_exp(SIZES.iter().map(of)),
         coefficients: scale.iter().enumerate().map(coefficient).collect(),
     }

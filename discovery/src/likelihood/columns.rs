@@ -59,7 +59,7 @@ pub(crate) struct Series {
     pub(crate) shown: [Vec<f64>; SENSORS],
 }
 
-enum Maker<'a> {
+enum Evaluator<'a> {
     Rates(Box<Rates<'a>>),
     Given(&'a [Share]),
     Difference { of: Box<Stepper<'a>>, from: &'a [Stepped], rows: usize },
@@ -91,7 +91,7 @@ impl Yields {
 
 /// A pass on its way along a track.
 pub(crate) struct Pass<'a> {
-    maker: Maker<'a>,
+    evaluator: Evaluator<'a>,
     count: usize,
     /// Errors of the state that the changes leave under each filter, [`LANES`] columns at a time.
     errors: Vec<Vec<Rows>>,
@@ -107,17 +107,17 @@ impl<'a> Pass<'a> {
     ) -> Self {
         let known = own_states(base);
         let count = source.len();
-        let maker = match source {
+        let evaluator = match source {
             Source::Parameters { drive, names } => {
-                Maker::Rates(Box::new(Rates::new(drive, recording, known, names)))
+                Evaluator::Rates(Box::new(Rates::new(drive, recording, known, names)))
             }
-            Source::Given { shares, .. } => Maker::Given(shares),
+            Source::Given { shares, .. } => Evaluator::Given(shares),
             Source::Difference { of, from, shared, longest_s } => {
                 let rows = OWN + shared.min(own_states(of)).min(known).min(LOAD - OWN);
                 let of = Box::new(Stepper::new(of, recording.0, known, longest_s));
-                Maker::Difference { of, from, rows }
+                Evaluator::Difference { of, from, rows }
             }
-            Source::Nothing(_) => Maker::Nothing,
+            Source::Nothing(_) => Evaluator::Nothing,
             Source::Series(all) => {
                 let yields = Yields {
                     step: usize::MAX,
@@ -126,11 +126,12 @@ impl<'a> Pass<'a> {
                     torque: Vector::zeros(),
                     voltage: Vector::zeros(),
                 };
-                Maker::Series { all, yields }
+                Evaluator::Series { all, yields }
             }
         };
-        let groups = if matches!(maker, Maker::Nothing) { 0 } else { count.div_ceil(LANES) };
-        Self { maker, count, errors: Vec::new(), room: vec![Share::none(); groups] }
+        let groups =
+            if matches!(evaluator, Evaluator::Nothing) { 0 } else { count.div_ceil(LANES) };
+        Self { evaluator, count, errors: Vec::new(), room: vec![Share::none(); groups] }
     }
 
     /// Number of its columns.
@@ -140,7 +141,7 @@ impl<'a> Pass<'a> {
 
     /// Whether its columns are 0.
     pub(crate) fn is_nothing(&self) -> bool {
-        matches!(self.maker, Maker::Nothing)
+        matches!(self.evaluator, Evaluator::Nothing)
     }
 
     /// Shares of all its changes along a track, at most [`A_PASS`] of them.
@@ -152,11 +153,11 @@ impl<'a> Pass<'a> {
     /// Shares of all its changes at that tick, whose number on the track is `number`.
     fn shares(&mut self, number: usize, track: &Track, tick: &Tick) -> &[Share] {
         let room = &mut self.room;
-        match &mut self.maker {
-            Maker::Nothing => {}
-            Maker::Rates(rates) => rates.shares(track, tick, &mut room[0]),
-            Maker::Given(shares) => return &shares[number..=number],
-            Maker::Difference { of, from, rows } => {
+        match &mut self.evaluator {
+            Evaluator::Nothing => {}
+            Evaluator::Rates(rates) => rates.shares(track, tick, &mut room[0]),
+            Evaluator::Given(shares) => return &shares[number..=number],
+            Evaluator::Difference { of, from, rows } => {
                 let (with, without) = (of.at(tick), &from[number]);
                 // One that has fewer own states does nothing to those of the other.
                 for row in 0..*rows {
@@ -166,7 +167,7 @@ impl<'a> Pass<'a> {
                     shown[0] = with.shown[sensor] - without.shown[sensor];
                 }
             }
-            Maker::Series { all, yields } => {
+            Evaluator::Series { all, yields } => {
                 yields.at(track, tick);
                 for (share, series) in room.iter_mut().zip(all.chunks(LANES)) {
                     // What is empty in all of them stays zero.

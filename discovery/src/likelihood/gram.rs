@@ -17,7 +17,7 @@ use super::track::{Tick, Track};
 use crate::measured::Measured;
 
 /// A matrix whose rows and columns are exchanged.
-type Turned<'a> = DMatrixView<'a, f64, Dyn, Dyn>;
+type Transposed<'a> = DMatrixView<'a, f64, Dyn, Dyn>;
 
 /// Ticks of a block.
 const BLOCK: usize = 512;
@@ -226,7 +226,7 @@ impl Multiplied {
     /// Adds the products of `count` columns with the background and with each other.
     fn add(&mut self, block: &[f64], count: usize, background: &DMatrix<f64>) {
         let width = background.ncols();
-        let columns = Turned::from_slice_with_strides(block, width, count, count, 1);
+        let columns = Transposed::from_slice_with_strides(block, width, count, count, 1);
         self.with_background.gemm(1.0, background, &columns, 1.0);
         widest(OfNeighbours { block, count, apart: &mut self.apart });
     }

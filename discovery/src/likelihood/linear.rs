@@ -1,4 +1,4 @@
-//! What the model foretells of a sample, and its derivative: from the plant itself, or as the plant
+//! What the model predicts of a sample, and its derivative: from the plant itself, or as the plant
 //! was linearised along a track.
 
 use std::sync::Arc;

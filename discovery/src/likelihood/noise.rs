@@ -58,7 +58,7 @@ pub(crate) struct Wandering {
     /// Share that is left of the load and of the voltage.
     left: [f64; 2],
     /// What is left of the cycle in phase, and what it hands to its quadrature.
-    turned: Option<[f64; 2]>,
+    rotation: Option<[f64; 2]>,
     /// Variances that a sample adds to the load, the voltage and the cycle.
     added: [f64; 3],
 }
@@ -69,10 +69,10 @@ impl Noise {
         let left = [self.load_s, self.voltage_s].map(|time| (-period_s / time).exp());
         let added = |sd: f64, left: f64| sd * sd * (1.0 - left * left);
         let kept = self.cycle.map_or(0.0, |it| (-period_s / it.s).exp());
-        let turned = self.cycle.map(|it| (TAU * it.hz * period_s).sin_cos());
+        let rotation = self.cycle.map(|it| (TAU * it.hz * period_s).sin_cos());
         Wandering {
             left,
-            turned: turned.map(|(sin, cos)| [kept * cos, kept * sin]),
+            rotation: rotation.map(|(sin, cos)| [kept * cos, kept * sin]),
             added: [
                 added(self.load_sd, left[0]),
                 added(self.voltage_sd, left[1]),
@@ -92,7 +92,7 @@ impl Wandering {
     /// The state as the plant sees it: with the whole load.
     pub(super) fn whole(&self, state: &Vector) -> Vector {
         let mut whole = *state;
-        if self.turned.is_some() {
+        if self.rotation.is_some() {
             whole[LOAD] += state[CYCLE];
         }
         whole
@@ -102,7 +102,7 @@ impl Wandering {
     pub(super) fn carry(&self, from: &Vector, to: &mut Vector) {
         to[LOAD] = self.left[0] * from[LOAD];
         to[VOLTAGE] = self.left[1] * from[VOLTAGE];
-        if let Some([cos, sin]) = self.turned {
+        if let Some([cos, sin]) = self.rotation {
             to[CYCLE] = cos * from[CYCLE] + sin * from[CYCLE + 1];
             to[CYCLE + 1] = cos * from[CYCLE + 1] - sin * from[CYCLE];
         }
@@ -112,7 +112,7 @@ impl Wandering {
     #[inline(always)]
     pub(super) fn advance(&self, transition: &Upper, columns: &mut Rows, added: &Rows) {
         let mut load = columns[LOAD];
-        if let Some([cos, sin]) = self.turned {
+        if let Some([cos, sin]) = self.rotation {
             let [phase, quadrature] = [columns[CYCLE], columns[CYCLE + 1]];
             add(&mut load, 1.0, &phase);
             transition.advance(columns, &load, added);

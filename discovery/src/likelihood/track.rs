@@ -46,7 +46,7 @@ pub(crate) struct Tick {
 }
 
 impl Tick {
-    /// Acceleration over the sample that the model foretells, rad/s^2 (m/s^2).
+    /// Acceleration over the sample that the model predicts, rad/s^2 (m/s^2).
     pub(crate) fn acceleration(&self, period_s: f64) -> f64 {
         (self.propagated[SPEED] - self.filtered[SPEED]) / period_s
     }

@@ -11,7 +11,7 @@ use super::columns::{Series, Source};
 use super::gram::{Gram, References};
 use super::marginal::log_evidence;
 use super::optimum::BackgroundCurve;
-use super::passes::{Passes, Seat};
+use super::passes::{LawColumns, Passes};
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene, longest};
 use super::state::own_states;
@@ -109,7 +109,7 @@ fn weigh_along(
             let stepped = || stepped(&it.drive, &it.measured, own, scene.longest_s, &track.ticks);
             Made {
                 stepped: if step { stepped() } else { Vec::new() },
-                with: (0..shared.seats.len()).map(with).collect(),
+                with: (0..shared.laws.len()).map(with).collect(),
                 stiff: stiff.iter().map(changed).collect(),
                 curves: families.iter().map(|curve| series(curve, it, track, trajectory)).collect(),
             }
@@ -122,7 +122,7 @@ fn weigh_along(
         .filter_map(|(number, curve)| Some((number, tolerated(curve)?)))
         .collect();
     let is_known = |number: usize| known.iter().any(|(it, _)| *it == number);
-    let mut seats = Vec::new();
+    let mut law_columns = Vec::new();
     let mut background = terms(scene);
     let base = background.columns.len();
     let mut next = base;
@@ -137,24 +137,24 @@ fn weigh_along(
         background = background.with(&columns, sd * sd);
         left_by_formulas.push(columns);
     }
-    for (candidate, variant) in shared.seats.iter().flatten() {
+    for (candidate, variant) in shared.laws.iter().flatten() {
         let columns = take(candidates[*candidate].coefficients.len());
-        seats.push(Seat { candidate: *candidate, variant: *variant, columns });
+        law_columns.push(LawColumns { candidate: *candidate, variant: *variant, columns });
     }
     for (candidate, variant) in &stiff {
-        seats.push(Seat { candidate: *candidate, variant: *variant, columns: take(1) });
+        law_columns.push(LawColumns { candidate: *candidate, variant: *variant, columns: take(1) });
     }
     // Columns of laws, which are judged by the recordings of the fit alone.
-    let columns: usize = seats.iter().map(|seat| seat.columns.len()).sum();
+    let columns: usize = law_columns.iter().map(|law| law.columns.len()).sum();
     let curves: Vec<(Curve, Vec<usize>)> = families
         .iter()
         .enumerate()
         .filter(|(number, _)| !is_known(*number))
         .map(|(_, curve)| (curve.clone(), take(curve.knots.len())))
         .collect();
-    let groups: Vec<usize> = seats
+    let groups: Vec<usize> = law_columns
         .iter()
-        .map(|seat| seat.columns.len())
+        .map(|law| law.columns.len())
         .chain(curves.iter().map(|(_, columns)| columns.len()))
         .collect();
     let further = |recording: usize| {
@@ -210,7 +210,7 @@ fn weigh_along(
             base_of_all: all + log_evidence(&weighing.all, &weighing.background),
             plain: all + log_evidence(&weighing.all, &plain),
             left_by_formulas: weighing.best_beside(&plain, &left_by_formulas),
-            laws: weighing.laws(candidates, &seats),
+            laws: weighing.laws(candidates, &law_columns),
             curves: weighing.curves(curves.clone()),
         }
     };

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::gram::Products;
 use super::marginal::{Beside, Terms, coefficients, ln_mean_exp, log_evidence, standing_out};
-use super::passes::Seat;
+use super::passes::LawColumns;
 use super::weights::{CurveWeight, LawWeight};
 use crate::discover::{Candidate, Curve};
 
@@ -59,11 +59,11 @@ pub(super) struct Weighing<'a> {
     /// The parameters of the base alone.
     pub(super) parameters: Terms,
     /// What becomes of a law over what is explained; none where that is not.
-    pub(super) feedback: Option<&'a OfSeat<'a>>,
+    pub(super) feedback: Option<&'a OfLaw<'a>>,
 }
 
 /// [`Feedback`] of a law; none where it does not depend on what it explains.
-pub(super) type OfSeat<'a> = dyn Fn(&Seat) -> Option<Feedback> + 'a;
+pub(super) type OfLaw<'a> = dyn Fn(&LawColumns) -> Option<Feedback> + 'a;
 
 /// What becomes of a law that depends on what it explains, once that is allowed for.
 pub(super) struct Feedback {
@@ -94,15 +94,19 @@ impl Weighing<'_> {
     }
 
     /// What each candidate explains, most probable first.
-    pub(super) fn laws(&self, candidates: &[Candidate], seats: &[Seat]) -> Vec<LawWeight> {
+    pub(super) fn laws(
+        &self,
+        candidates: &[Candidate],
+        law_columns: &[LawColumns],
+    ) -> Vec<LawWeight> {
         let base = log_evidence(&self.fitted, &self.background);
         let mut found = Vec::new();
         for (number, candidate) in candidates.iter().enumerate() {
-            let mut own: Vec<(&Seat, f64)> = seats
+            let mut own: Vec<(&LawColumns, f64)> = law_columns
                 .iter()
-                .filter(|seat| seat.candidate == number)
-                .map(|seat| (seat, self.of(&self.fitted, &seat.columns, &SIZES) - base))
-                .map(|(seat, evidence)| (seat, evidence + self.lost(seat)))
+                .filter(|law| law.candidate == number)
+                .map(|law| (law, self.of(&self.fitted, &law.columns, &SIZES) - base))
+                .map(|(law, evidence)| (law, evidence + self.lost(law)))
                 .collect();
             let evidence = ln_mean_exp(own.iter().map(|(_, evidence)| *evidence));
             own.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -115,10 +119,10 @@ impl Weighing<'_> {
             let evidence = if impossible { evidence.min(0.0) } else { evidence };
             found.push(LawWeight {
                 candidate: number,
-                variants: own.iter().map(|(seat, _)| seat.variant).collect(),
+                variants: own.iter().map(|(law, _)| law.variant).collect(),
                 coefficients,
                 evidence,
-                imitated: own.iter().all(|(seat, _)| self.imitated(seat)),
+                imitated: own.iter().all(|(law, _)| self.imitated(law)),
                 finite,
             });
         }
@@ -127,28 +131,28 @@ impl Weighing<'_> {
     }
 
     /// ln of the evidence that a law loses because it depends on what it explains.
-    fn lost(&self, seat: &Seat) -> f64 {
-        self.feedback.and_then(|of| of(seat)).map_or(0.0, |it| it.evidence)
+    fn lost(&self, law: &LawColumns) -> f64 {
+        self.feedback.and_then(|of| of(law)).map_or(0.0, |it| it.evidence)
     }
 
     /// The most probable coefficients of a law, in their own units.
-    fn coefficients(&self, seat: &Seat) -> Vec<f64> {
-        let part = self.feedback.and_then(|of| of(seat)).map_or(1.0, |it| it.part);
-        let terms = self.background.with(&seat.columns, 1.0);
+    fn coefficients(&self, law: &LawColumns) -> Vec<f64> {
+        let part = self.feedback.and_then(|of| of(law)).map_or(1.0, |it| it.part);
+        let terms = self.background.with(&law.columns, 1.0);
         let mean = coefficients(&self.fitted, &terms);
         let place = self.background.columns.len();
         let one = |(k, column): (usize, &usize)| {
             mean.as_ref().map_or(0.0, |mean| part * mean[place + k] * self.scale[*column])
         };
-        seat.columns.iter().enumerate().map(one).collect()
+        law.columns.iter().enumerate().map(one).collect()
     }
 
     /// Whether nothing of a law stands out of the base's own columns.
-    fn imitated(&self, seat: &Seat) -> bool {
+    fn imitated(&self, law: &LawColumns) -> bool {
         let out = |column: &usize| standing_out(&self.fitted, &self.parameters, *column);
-        let feedback = self.feedback.and_then(|of| of(seat));
+        let feedback = self.feedback.and_then(|of| of(law));
         feedback.is_some_and(|it| it.stands_out < IMITATED)
-            || seat.columns.iter().all(|column| out(column) < IMITATED)
+            || law.columns.iter().all(|column| out(column) < IMITATED)
     }
 
     /// The most probable values of hats drawn with that standard deviation: root of their mean square,

@@ -1,5 +1,5 @@
 //! Whether the outputs answer what drives: which of them belongs to another run or to none, is
-//! seconds off, or has its sign turned.
+//! seconds off, or has its sign reversed.
 //!
 //! The motion is held against the current and against the voltage ([`super::standing`]). Of three
 //! signals the one is wrong that stands in both relations that fail; of two nobody can tell which.
@@ -92,7 +92,7 @@ impl Found<'_> {
                     format!("move {channel} by {by:.2} s, or record all with one clock"),
                 )
             }
-            Standing::Turned(share) => (
+            Standing::Reversed(share) => (
                 What::Sign,
                 Size { value: -1.0, of: "factor" },
                 format!(
@@ -155,9 +155,9 @@ mod tests {
 
     #[test]
     fn the_channel_with_a_turned_sign_is_named() {
-        let turned = |values: &[f64]| values.iter().map(|it| -it).collect();
+        let reversed = |values: &[f64]| values.iter().map(|it| -it).collect();
         for name in ["u", "i", "omega"] {
-            assert_eq!(found(&spoiled(&[name], turned)), [(What::Sign, name.to_owned(), -1.0)]);
+            assert_eq!(found(&spoiled(&[name], reversed)), [(What::Sign, name.to_owned(), -1.0)]);
         }
     }
 

@@ -4,7 +4,7 @@
 //! acceleration, the speed and the sign of the speed enter with positive coefficients, whatever the
 //! machine is. A constant, and what depends on the angle (gravity), may have either sign. The share
 //! of the driver's variance that such a sum explains is high where the signals belong together, and
-//! that of a shifted, turned or foreign signal is not: no value of any parameter is needed.
+//! that of a shifted, reversed or foreign signal is not: no value of any parameter is needed.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -18,8 +18,8 @@ pub(super) struct Explained {
     pub(super) free: f64,
     /// Further, by the signed columns with their right signs.
     pub(super) right: f64,
-    /// Further, by the signed columns with their signs turned.
-    pub(super) turned: f64,
+    /// Further, by the signed columns with their signs reversed.
+    pub(super) reversed: f64,
 }
 
 /// Some of the signed columns, and the inverse of their products.
@@ -70,15 +70,15 @@ impl Columns {
                 DVector::from_iterator(subset.of.len(), subset.of.iter().map(|k| shown[*k]));
             let found = &subset.inverse * &target;
             let gain = found.dot(&target);
-            // Turned signs are right signs of the turned driver.
+            // Turned signs are right signs of the reversed driver.
             if found.iter().all(|it| *it >= 0.0) {
                 best[0] = best[0].max(gain);
             } else if found.iter().all(|it| *it <= 0.0) {
                 best[1] = best[1].max(gain);
             }
         }
-        let [right, turned] = best.map(|gain| gain / squares);
-        Explained { free: free / squares, right, turned }
+        let [right, reversed] = best.map(|gain| gain / squares);
+        Explained { free: free / squares, right, reversed }
     }
 }
 
@@ -116,9 +116,12 @@ mod tests {
         let squares = dot(&y, &y);
         let whole = |it: Explained| it.free + it.right;
         assert!((whole(columns.explained(&y, squares, 0)) - 1.0).abs() < 1e-9);
-        let turned: Vec<f64> = y.iter().map(|value| -value).collect();
-        let found = columns.explained(&turned, squares, 0);
-        assert!((found.free + found.turned - 1.0).abs() < 1e-9 && found.right < 0.02, "{found:?}");
+        let reversed: Vec<f64> = y.iter().map(|value| -value).collect();
+        let found = columns.explained(&reversed, squares, 0);
+        assert!(
+            (found.free + found.reversed - 1.0).abs() < 1e-9 && found.right < 0.02,
+            "{found:?}"
+        );
         let late: Vec<f64> = (0..500).map(|k| y[(k + 500 - 7) % 500]).collect();
         assert!(whole(columns.explained(&late, squares, 0)) < 0.1);
         assert!((whole(columns.explained(&late, squares, 7)) - 1.0).abs() < 1e-9);

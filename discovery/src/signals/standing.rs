@@ -1,4 +1,4 @@
-//! How a motion stands to what should drive it: it follows, with a turned sign, seconds off, or
+//! How a motion stands to what should drive it: it follows, with a reversed sign, seconds off, or
 //! not at all.
 //!
 //! The comparison is with the same recording shifted in a circle by more than the response of any
@@ -12,7 +12,7 @@ use super::shares::{Columns, Explained};
 pub(super) const SCALES: [usize; 3] = [2000, 400, 100];
 /// Delays of sensors, filters and logs stay below this, s: what belongs together is found here.
 const RESPONSE_S: f64 = 0.15;
-/// Where a sign is judged, s: half a period of a fast sine is a turned sign too.
+/// Where a sign is judged, s: half a period of a fast sine is a reversed sign too.
 const AT_ONCE_S: f64 = 0.01;
 /// Shifts beyond this are chance, or wrong, s; and those beyond so many windows.
 const SECONDS: f64 = 0.6;
@@ -29,11 +29,11 @@ const BEST: f64 = 0.02;
 const PLAIN: f64 = 0.6;
 /// Above this no shift is doubted, whatever another explains: that is periodic.
 const SURE: f64 = 0.97;
-/// A turned sign or another shift must leave at most this share of what is left without it.
+/// A reversed sign or another shift must leave at most this share of what is left without it.
 const CLEARLY: f64 = 0.3;
 /// What the signs of inertia and friction must explain themselves of it: gravity has no sign.
 const SIGNED: f64 = 0.1;
-/// What friction and back-EMF of the turned sign must take of what is left beside an inertia of
+/// What friction and back-EMF of the reversed sign must take of what is left beside an inertia of
 /// either sign, and how many times what they take with the right one: a load that rings turns the
 /// sign of the inertia near its resonance, and nothing turns that of what is lost.
 const LOST: f64 = 0.1;
@@ -63,8 +63,8 @@ const HOLDS: f64 = 0.3;
 pub(super) enum Standing {
     /// It follows.
     Follows,
-    /// With a turned sign, which explains this share.
-    Turned(f64),
+    /// With a reversed sign, which explains this share.
+    Reversed(f64),
     /// It comes so many seconds late (early: below 0), which explains this share.
     Late(f64, f64),
     /// Not at all; this share is explained.
@@ -82,7 +82,7 @@ struct Look {
     signed_here: f64,
     /// At once.
     at_once: Explained,
-    /// Whether what is lost in friction and back-EMF has the turned sign.
+    /// Whether what is lost in friction and back-EMF has the reversed sign.
     gains: bool,
     far: Option<Far>,
 }
@@ -102,8 +102,8 @@ impl Explained {
         self.free + self.right
     }
 
-    fn turned_whole(&self) -> f64 {
-        self.free + self.turned
+    fn reversed_whole(&self) -> f64 {
+        self.free + self.reversed
     }
 }
 
@@ -121,12 +121,12 @@ pub(super) fn standing<'a>(
     let followed = looks.iter().map(|it| it.here.right_whole()).fold(0.0, f64::max);
     let best_of = |it: &Look| {
         let far = it.far.as_ref().map_or(0.0, |far| far.best.right_whole());
-        it.here.right_whole().max(it.at_once.turned_whole()).max(far)
+        it.here.right_whole().max(it.at_once.reversed_whole()).max(far)
     };
     let changes = |limit: f64| each.last().is_some_and(|it| it.changes_by(limit));
     match looks.iter().find(|it| best_of(it) >= PLAIN).map(Look::stands) {
-        Some(Standing::Turned(_)) if !changes(ONE_SPEED) => return Standing::Untold,
-        Some(wrong @ (Standing::Turned(_) | Standing::Late(..))) => return wrong,
+        Some(Standing::Reversed(_)) if !changes(ONE_SPEED) => return Standing::Untold,
+        Some(wrong @ (Standing::Reversed(_) | Standing::Late(..))) => return wrong,
         _ => {}
     }
     let by_chance = |it: &Look| {
@@ -210,17 +210,17 @@ impl Look {
         let near = within(RESPONSE_S);
         let here = most(Explained::right_whole, &near);
         let at_once = within(AT_ONCE_S);
-        let turned = most(Explained::turned_whole, &at_once);
+        let reversed = most(Explained::reversed_whole, &at_once);
         let plain = most(Explained::right_whole, &at_once);
         // The two best are not those of one lag: what each leaves is compared.
         let at_once = Explained {
-            free: turned.free,
-            right: plain.right_whole() - turned.free,
-            turned: turned.turned,
+            free: reversed.free,
+            right: plain.right_whole() - reversed.free,
+            reversed: reversed.reversed,
         };
         let lost = averaged.columns(true).explained(&y, squares, 0);
         let gains =
-            lost.turned >= LOST * (1.0 - lost.free) && lost.turned >= LOST_TIMES * lost.right;
+            lost.reversed >= LOST * (1.0 - lost.free) && lost.reversed >= LOST_TIMES * lost.right;
         let first = (SECONDS / window_s).max(FAR_WINDOWS).ceil() as isize;
         let step = ((STEP_S / window_s) as isize).max(1);
         let half = n as isize / 2;
@@ -233,23 +233,23 @@ impl Look {
     /// Of a relation that is plain with one sign and shift.
     fn stands(&self) -> Standing {
         let left = 1.0 - self.at_once.right_whole();
-        let turned = self.at_once.turned_whole();
+        let reversed = self.at_once.reversed_whole();
         let far = self.far.as_ref().map(|far| (far.best.right_whole(), far));
         let late = far.filter(|(whole, far)| {
             let here = self.here.right_whole();
             let clear = 1.0 - whole <= CLEARLY * (1.0 - here) && far.best.right >= SIGNED;
             here < SURE && *whole >= PLAIN && clear
         });
-        let is_turned = turned >= PLAIN
-            && 1.0 - turned <= CLEARLY * left
-            && self.at_once.turned >= SIGNED
+        let is_reversed = reversed >= PLAIN
+            && 1.0 - reversed <= CLEARLY * left
+            && self.at_once.reversed >= SIGNED
             && self.gains;
         match late {
-            // A sine that is half a period late is turned too.
-            Some((whole, far)) if !is_turned || 1.0 - whole <= CLEARLY * (1.0 - turned) => {
+            // A sine that is half a period late is reversed too.
+            Some((whole, far)) if !is_reversed || 1.0 - whole <= CLEARLY * (1.0 - reversed) => {
                 Standing::Late(far.late_s, whole)
             }
-            _ if is_turned => Standing::Turned(turned),
+            _ if is_reversed => Standing::Reversed(reversed),
             _ => Standing::Follows,
         }
     }

@@ -64,7 +64,7 @@ fn of(drive: &Drive, measured: &Measured, sds: &[f64]) -> Option<SignalFinding> 
     let alone = Evidence { recordings: vec![measured.clone()], noise: vec![sds.to_vec()] };
     let begun = begin(drive, &alone);
     let all = begun.drive.parameters();
-    let told = begun.told.iter().filter_map(|it| {
+    let told = begun.identified.iter().filter_map(|it| {
         let now = all.iter().find(|one| one.name == it.name)?.value;
         let file = drive.parameters().iter().find(|one| one.name == it.name)?.value;
         let ratio = now / file;

@@ -84,13 +84,13 @@ pub(super) fn begin(begun: &mut Begun, balances: &Balances, linear: &Linear, evi
     });
     let factor = scale * factor.fold(1.0, f64::max);
     for (name, error) in names.iter().zip(&found.errors) {
-        if let Some(told) = begun.told.iter_mut().find(|it| it.name == *name) {
+        if let Some(told) = begun.identified.iter_mut().find(|it| it.name == *name) {
             told.std_error = error * factor;
         }
     }
     // Less than its own error: the value is as good as any, and not told.
     let j = begun.drive.motor.j;
-    begun.told.retain(|it| it.name != "J" || it.std_error < j);
+    begun.identified.retain(|it| it.name != "J" || it.std_error < j);
 }
 
 /// K of the sum K + B_m R / K.

@@ -8,14 +8,14 @@ use drivescope_plant::drive::Drive;
 
 use super::laws::{Linear, without_states};
 use super::windows::Windows;
-use super::{Balances, Begun, Told};
+use super::{Balances, Begun, Identified};
 use crate::estimate::{Evidence, set};
 
 /// The drive at the values that least squares on the balances of the recordings give. What they do
 /// not tell, and what is fixed, keeps its value. The drive as it is if the balances say nothing at
 /// all.
 pub fn begin(drive: &Drive, evidence: &Evidence) -> Begun {
-    let nothing = || Begun { drive: drive.clone(), told: Vec::new() };
+    let nothing = || Begun { drive: drive.clone(), identified: Vec::new() };
     let Some(balances) = Balances::of(drive, evidence) else { return nothing() };
     let mut begun = nothing();
     let points: Vec<_> = balances.torque.iter().flat_map(Windows::some_points).collect();
@@ -37,8 +37,10 @@ fn take(begun: &mut Begun, name: &str, value: Option<f64>, told: Option<f64>) {
     let range = begun.drive.parameters().iter().find(|it| it.name == name).map(|it| it.range);
     if range.is_some_and(|(low, high)| value.is_finite() && low <= value && value <= high) {
         set(&mut begun.drive, name, value);
-        begun.told.retain(|it| it.name != name);
-        begun.told.extend(told.map(|std_error| Told { name: name.to_owned(), std_error }));
+        begun.identified.retain(|it| it.name != name);
+        begun
+            .identified
+            .extend(told.map(|std_error| Identified { name: name.to_owned(), std_error }));
     }
 }
 
@@ -100,7 +102,7 @@ mod tests {
             [("R", 0.02), ("K_e", 0.01), ("J", 0.03), ("L", 0.2), ("coulomb.T_c", 0.1)]
         {
             near(&begun.drive, &truth, name, share);
-            let told = begun.told.iter().find(|it| it.name == name).expect("told");
+            let told = begun.identified.iter().find(|it| it.name == name).expect("told");
             let off = value(&begun.drive, name) - value(&truth, name);
             let bound = MOST_ERRORS * told.std_error + BIAS * value(&truth, name);
             assert!(off.abs() < bound, "{name}: off by {off}, error {}", told.std_error);
@@ -143,7 +145,7 @@ mod tests {
         let signals = vec![signal("u", "V", &torque), signal("omega", "rad/s", &speed)];
         let map = Recording::new("map", 0.0, 1.0, signals);
         let begun = begin(&drive, &evidence(&drive, &map, &[0.01]));
-        assert!(!begun.told.iter().any(|it| it.name == "J"), "{:?}", begun.told);
+        assert!(!begun.identified.iter().any(|it| it.name == "J"), "{:?}", begun.identified);
         let value = |name: &str| value(&begun.drive, name);
         assert!((value("B_m") - 0.05).abs() < 0.01, "{}", value("B_m"));
         assert!((value("coulomb.T_c") - 2.0).abs() < 0.2, "{}", value("coulomb.T_c"));

@@ -1,7 +1,7 @@
 //! The balance of torques read backwards: what must have driven a motion that is known.
 //!
 //! Where a controller holds the motion, the motion says nothing of what disturbs it: a model in which
-//! nothing moves the shaft foretells it as well as any. The torque that the controller asked for says
+//! nothing moves the shaft predicts it as well as any. The torque that the controller asked for says
 //! it. So of drives whose torque (or current) and position were measured, the torque is the datum and
 //! the motion is given, as robots are identified (Gautier and Khalil, IEEE Trans. Robotics and
 //! Automation 6, 1990; Janot, Vandanjon and Gautier, IEEE Trans. Control Systems Technology 22, 2014).

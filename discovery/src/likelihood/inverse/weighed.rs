@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::super::marginal::{Beside, log_evidence, standing_out};
-use super::super::passes::{Passes, Seat};
+use super::super::passes::{LawColumns, Passes};
 use super::super::scene::{Scene, rms};
 use super::super::weighing::{Feedback, Weighing};
 use super::super::weights::Weights;
@@ -51,7 +51,7 @@ impl Inverse {
         let by = 1e-3 * rms(each().flat_map(|(it, _)| it.measured.u.iter().copied()));
         // Columns of the laws, and by how much each grows with the driving signal, over K.
         let over_current = |pass: usize| {
-            let laws = shared.seats[pass].iter().map(|(candidate, _)| &told[*candidate]);
+            let laws = shared.laws[pass].iter().map(|(candidate, _)| &told[*candidate]);
             laws.into_iter().any(|law| law.fails_over.contains(&Variable::Current))
         };
         let per = by * scene.drive.motor.k_m;
@@ -72,11 +72,11 @@ impl Inverse {
                 };
                 columns.into_iter().zip(grows)
             };
-            (0..shared.seats.len()).into_par_iter().flat_map_iter(pass).unzip()
+            (0..shared.laws.len()).into_par_iter().flat_map_iter(pass).unzip()
         };
         let (columns, grows): (Vec<_>, Vec<_>) = (0..scene.recordings.len()).map(laws).unzip();
         let groups: Vec<usize> = shared
-            .seats
+            .laws
             .iter()
             .flatten()
             .map(|(candidate, _)| told[*candidate].coefficients.len())
@@ -95,11 +95,11 @@ impl Inverse {
         };
         let table = Table::of(scene, windows, self.torque, &groups, further);
         let background = table.terms.columns.len();
-        let (mut seats, mut next) = (Vec::new(), background);
-        for (candidate, variant) in shared.seats.iter().flatten() {
+        let (mut law_columns, mut next) = (Vec::new(), background);
+        for (candidate, variant) in shared.laws.iter().flatten() {
             let count = told[*candidate].coefficients.len();
             let columns = (next..next + count).collect();
-            seats.push(Seat { candidate: *candidate, variant: *variant, columns });
+            law_columns.push(LawColumns { candidate: *candidate, variant: *variant, columns });
             next += count;
         }
         let mut take = |curve: &Curve| {
@@ -107,8 +107,8 @@ impl Inverse {
             (curve.clone(), (next - curve.knots.len()..next).collect::<Vec<usize>>())
         };
         let free: Vec<(Curve, Vec<usize>)> = free.iter().map(|(_, curve)| take(curve)).collect();
-        let growth = |seat: &Seat| -> Option<DMatrix<f64>> {
-            if seat.columns.iter().any(|column| grows[0][column - background].is_empty()) {
+        let growth = |law: &LawColumns| -> Option<DMatrix<f64>> {
+            if law.columns.iter().any(|column| grows[0][column - background].is_empty()) {
                 return None;
             }
             let mut rows = Vec::new();
@@ -117,23 +117,23 @@ impl Inverse {
                     continue;
                 }
                 for window in (0..windows.len()).filter(|window| windows.moves[*window]) {
-                    rows.extend(seat.columns.iter().map(|column| {
+                    rows.extend(law.columns.iter().map(|column| {
                         table.scale[*column] * grows[recording][column - background][window]
                     }));
                 }
             }
-            let count = seat.columns.len();
+            let count = law.columns.len();
             Some(DMatrix::from_row_slice(rows.len() / count, count, &rows))
         };
-        let growths: Vec<Option<DMatrix<f64>>> = seats.iter().map(growth).collect();
+        let growths: Vec<Option<DMatrix<f64>>> = law_columns.iter().map(growth).collect();
         let of = |noise: TorqueNoise| {
             let (fitted, likelihood) = table.products(&noise, |held_out| !held_out);
             let (all, likelihood_of_all) = table.products(&noise, |_| true);
             let beside = Beside::of(&fitted, &table.terms)?;
-            let feedback = |seat: &Seat| {
-                let place = seats.iter().position(|it| it.columns == seat.columns)?;
+            let feedback = |law: &LawColumns| {
+                let place = law_columns.iter().position(|it| it.columns == law.columns)?;
                 let grows = growths[place].as_ref()?;
-                let (information, score) = beside.told(&fitted, &seat.columns);
+                let (information, score) = beside.told(&fitted, &law.columns);
                 let most = information.clone().cholesky()?.solve(&score);
                 let whole = most.dot(&score);
                 let growth = grows * &most;
@@ -145,7 +145,7 @@ impl Inverse {
                 let parts = (0..=PARTS).map(|part| part as f64 / PARTS as f64);
                 let best = parts.max_by(|a, b| at(*a).total_cmp(&at(*b)))?;
                 let out = |column: &usize| standing_out(&fitted, &table.driven, *column);
-                let stands_out = seat.columns.iter().map(out).fold(0.0, f64::max);
+                let stands_out = law.columns.iter().map(out).fold(0.0, f64::max);
                 Some(Feedback { evidence: at(best), part: best, stands_out })
             };
             let (base, base_of_all) = (
@@ -160,7 +160,7 @@ impl Inverse {
                 parameters: table.parameters.clone(),
                 feedback: Some(&feedback),
             };
-            let mut laws = weighing.laws(&told, &seats);
+            let mut laws = weighing.laws(&told, &law_columns);
             laws.iter_mut().for_each(|law| law.candidate = number[law.candidate]);
             let curves = weighing.curves(free.clone());
             // No formulas are sought along a motion that is known.

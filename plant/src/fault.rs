@@ -3,7 +3,7 @@
 //! A mechanism says where a size enters; when it does and how it grows is a scenario's matter
 //! (a drift is a ramp of a bias).
 
-use crate::effects::law::lanes;
+use crate::lanes::lanes;
 use crate::model::Motor;
 
 macro_rules! mechanisms {

@@ -10,6 +10,7 @@ pub mod effects;
 pub mod fault;
 pub mod file;
 pub mod integrate;
+mod lanes;
 pub mod model;
 pub mod noise;
 pub mod parameters;

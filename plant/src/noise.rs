@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
 use crate::drive::NoiseData;
-use crate::effects::law::lanes;
+use crate::lanes::lanes;
 
 lanes! {
     /// The noise of one sample; SI units.

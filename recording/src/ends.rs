@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::canonical;
 use crate::place::Lines;
-use crate::report::Stretches;
 use crate::signal::Signal;
+use crate::stretches::Stretches;
 
 /// Share of the rows at either end beyond which a signal that lacks has a hole of its own.
 const MOST: f64 = 0.1;

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::place::Lines;
 use crate::quantum::{Quantum, quantum};
-use crate::report::Stretches;
 use crate::rounded;
+use crate::stretches::Stretches;
 
 /// A signal with so few values is switched, not limited.
 const SWITCHED_LEVELS: usize = 16;

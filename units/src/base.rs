@@ -2,24 +2,6 @@
 
 use crate::unit::Unit;
 
-pub(crate) type Powers = [i32; 8];
-
-pub(crate) const KG: usize = 0;
-pub(crate) const M: usize = 1;
-pub(crate) const S: usize = 2;
-pub(crate) const A: usize = 3;
-pub(crate) const K: usize = 4;
-pub(crate) const RAD: usize = 7;
-
-/// The powers of those named, 0 of all others.
-pub(crate) fn powers(named: &[(usize, i32)]) -> Powers {
-    let mut all = [0; 8];
-    for (index, power) in named {
-        all[*index] = *power;
-    }
-    all
-}
-
 /// Powers of the SI base units (and rad), factor and offset to them:
 /// `SI value = factor * value + offset` (FMI 2.0.4 section 2.2.2, FMI 3.0.2 section 2.4.3).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,6 +73,7 @@ impl Conversion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::powers::{K, powers};
 
     #[test]
     fn a_factor_is_that_of_the_table() {

@@ -3,9 +3,9 @@
 //! Symbols are joined by space, `.` or `*`; `/` divides by the one symbol after it; `^2` or a
 //! trailing digit is a power.
 
-use crate::base::{A, BaseUnit, KG, M, S, powers};
-use crate::table::TABLE;
-use crate::unit::listed;
+use crate::base::BaseUnit;
+use crate::powers::{A, KG, M, S, powers};
+use crate::table::{TABLE, listed};
 
 /// A unit that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

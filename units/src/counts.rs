@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::quantity::Quantity;
-use crate::unit::{Unit, listed, normalized};
+use crate::table::{listed, normalized};
+use crate::unit::Unit;
 
 /// Whether a unit is counts without a word how many make a revolution or a length.
 pub fn is_counts(text: &str) -> bool {

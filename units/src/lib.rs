@@ -18,7 +18,9 @@
 mod base;
 mod composed;
 mod counts;
+mod powers;
 mod quantity;
+mod spellings;
 mod table;
 mod unit;
 

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use crate::base::{A, K, KG, M, Powers, RAD, S, powers};
-use crate::table::TABLE;
+use crate::powers::{A, K, KG, M, Powers, RAD, S, powers};
 
 /// What a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -51,11 +50,6 @@ impl Quantity {
         }
     }
 
-    /// The units that a column of this quantity may be in, as they are spelt first.
-    pub fn units(self) -> impl Iterator<Item = &'static str> {
-        TABLE.iter().filter(move |row| row.1 == self).map(|row| row.0[0])
-    }
-
     /// Powers of the SI base units, as of [`BaseUnit::powers`](crate::BaseUnit::powers).
     pub(crate) fn powers(self) -> Powers {
         match self {
@@ -71,16 +65,5 @@ impl Quantity {
             Quantity::Temperature => powers(&[(K, 1)]),
             Quantity::Dimensionless => powers(&[]),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_quantity_knows_its_units_by_first_spellings() {
-        let units: Vec<_> = Quantity::AngularSpeed.units().collect();
-        assert_eq!(units, ["rad/s", "rpm", "krpm", "deg/s", "rev/s"]);
     }
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::quantity::Quantity;
+use crate::unit::Unit;
 
 /// Spellings, quantity, numerator, denominator, offset.
 pub(crate) type Row = (&'static [&'static str], Quantity, f64, f64, f64);
@@ -125,6 +126,31 @@ pub(crate) const TABLE: &[Row] = &[
     (&["1", "-", "none", ""], Quantity::Dimensionless, 1.0, 1.0, 0.0),
     (&["%", "percent"], Quantity::Dimensionless, 1.0, 1e2, 0.0),
 ];
+
+/// The unit of exactly that text, or in another case where that carries no meaning.
+pub(crate) fn listed(text: &str) -> Option<Unit> {
+    let found = TABLE.iter().find(|row| row.0.contains(&text)).or_else(|| {
+        let folded = |alias: &&str| alias.len() > 2 && alias.eq_ignore_ascii_case(text);
+        TABLE.iter().find(|row| row.0.iter().any(folded))
+    });
+    found.map(|&(_, quantity, numerator, denominator, offset)| Unit {
+        quantity,
+        numerator,
+        denominator,
+        offset,
+    })
+}
+
+/// Micro signs, degree signs, product dots, minus signs and runs of blanks as the table has them.
+pub(crate) fn normalized(text: &str) -> String {
+    let plain = text
+        .replace(['µ', 'μ'], "u")
+        .replace(['°', 'º'], "deg")
+        .replace(['·', '*', '⋅'], " ")
+        .replace("⁻¹", "^-1")
+        .replace('\u{2212}', "-");
+    plain.split_whitespace().collect::<Vec<_>>().join(" ")
+}
 
 #[cfg(test)]
 mod tests {

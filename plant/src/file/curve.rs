@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::effects::Reader;
 use super::error::{Flaw, Problem};
 use super::layout::EffectValue;
+use super::reader::Reader;
 use crate::drive::{EffectData, Input, LawData, Motion};
 use crate::effects::custom::Target;
 use crate::effects::learned::{Factor, KnotError, Over};

@@ -1,12 +1,14 @@
 //! The drive file: TOML in SI units, checked as a whole, every error with its place.
 //!
 //! `document` parses the text and keeps the places; `deserialize` reads it into the tables of
-//! `layout`; `check` and `effects` apply the rules between keys, the registry and the list of
-//! [`crate::parameters`], and put a [`Drive`] together. `write` goes the other way, `edit` changes
-//! values in a file and keeps its comments, and `schema` describes the file to editors.
+//! `layout`; `check` and `effects`, which takes a table by its `reader`, apply the rules between
+//! keys, the registry and the list of [`crate::parameters`], and put a [`Drive`] together. `write`
+//! goes the other way, `edit` changes values in a file and keeps its comments, and `schema`
+//! describes the file to editors.
 
 mod check;
 mod curve;
+mod custom;
 mod deserialize;
 mod document;
 mod edit;
@@ -14,6 +16,7 @@ mod effects;
 mod error;
 mod law_text;
 mod layout;
+mod reader;
 mod schema;
 #[cfg(test)]
 mod tests;
@@ -26,8 +29,8 @@ use std::path::Path;
 use crate::drive::Drive;
 
 pub use curve::{BALANCES, LEARNED};
+pub use custom::{CUSTOM, target_key};
 pub use edit::Change;
-pub use effects::{CUSTOM, target_key};
 pub use error::{DriveFileError, Location, Problem};
 pub use schema::{schema_json, without_null};
 

@@ -10,7 +10,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
 use super::curve::{BALANCES, LEARNED, factors, overs};
-use super::effects::{CUSTOM, targets};
+use super::custom::{CUSTOM, targets};
 use super::layout::{EffectTable, Layout, NoiseTable};
 use crate::drive::{Field, Motion, NoiseData, fields};
 use crate::effects::law::Parameter;

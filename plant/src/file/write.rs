@@ -1,7 +1,7 @@
 //! From a [`Drive`] back to its file.
 
 use super::curve::{BALANCES, factors, overs};
-use super::effects::target_key;
+use super::custom::target_key;
 use super::layout::{EffectTable, EffectValue, FitTable, Layout, NoiseTable, Origin};
 use crate::drive::{Drive, EffectData, Field, LawData, Motion, SensorData, fields};
 

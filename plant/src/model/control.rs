@@ -7,7 +7,7 @@
 
 use drivescope_numerics::Real;
 
-use crate::effects::law::lanes;
+use crate::lanes::lanes;
 
 lanes! {
     /// Continuous PI control and its amplifier; SI units, infinite limits for none.

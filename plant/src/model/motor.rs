@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-use crate::effects::law::lanes;
+use crate::lanes::lanes;
 
 lanes! {
     /// Parameters of a motor; SI units (linear motion: kg, N, m in place of kg m^2, N m, rad).

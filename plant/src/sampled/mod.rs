@@ -12,9 +12,10 @@ mod run;
 mod sensors;
 
 use crate::drive::{AmplifierData, ControllerData, Drive, GeneratorData, Input, Motion};
-use crate::effects::law::{OutputLanes, lanes};
+use crate::effects::law::OutputLanes;
 use crate::fault::{FaultLanes, Faults};
 use crate::integrate::{State, Stepper};
+use crate::lanes::lanes;
 use crate::model::{Applied, Control, Controls, Model, Motors};
 
 pub use amplifier::amplified;

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::header;
 use crate::mapping::Mapping;
 use crate::place::{Counted, Lines};
-use crate::report::Stretches;
+use crate::stretches::Stretches;
 
 /// One row in so many may hold more values than there are names; more are another layout.
 const FEW: usize = 10;

@@ -4,7 +4,7 @@ use super::clock::{DAY, Stamp, billionths, seconds, stamp};
 use super::encoding::text;
 use super::number::{LONGEST_NUMBER, Mark, is_missing, with_comma};
 use crate::place::{Counted, Lines};
-use crate::report::Stretches;
+use crate::stretches::Stretches;
 
 /// What the first rows say that a column holds.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,8 @@
 
 /// Stands for runs of blanks between aligned columns.
 pub(super) const BLANKS: u8 = b' ';
+/// From the first: a decimal comma may stand beside each but the comma.
+pub(super) const DELIMITERS: [u8; 5] = [b';', b'\t', b'|', b',', BLANKS];
 
 /// Splits lines at a delimiter, outside quotes, into buffers that are used again.
 pub(super) struct Fields {

@@ -78,6 +78,26 @@ pub(super) fn uncommented(line: &[u8], delimiter: u8) -> Option<&[u8]> {
     COMMENTS.into_iter().chain(semicolon).find_map(|mark| line.strip_prefix(mark))
 }
 
+/// Width, length and share of numbers of the longest run of rows of one width.
+pub(super) fn longest_run(split: &[Line]) -> Option<(usize, usize, f64)> {
+    let mut best: Option<(usize, usize, f64)> = None;
+    let mut from = 0;
+    while from < split.len() {
+        let width = split[from].fields.len();
+        let same = |line: &&Line| line.comment || line.row && line.fields.len() == width;
+        let length = split[from..].iter().take_while(same).count();
+        if split[from].row {
+            let rows = split[from..from + length].iter().filter(|line| line.row);
+            let (count, sum) = rows.fold((0, 0.0), |(k, sum), line| (k + 1, sum + line.clean));
+            if best.is_none_or(|(_, other, _)| count > other) {
+                best = Some((width, count, sum / count as f64));
+            }
+        }
+        from += length.max(1);
+    }
+    best
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,6 +5,7 @@ mod clock;
 mod column;
 mod encoding;
 mod fields;
+mod first_lines;
 mod kinds;
 mod layout;
 mod line;

@@ -4,7 +4,8 @@ use std::io::Read;
 
 use super::encoding::text;
 use super::fields::Fields;
-use super::layout::{self, Layout};
+use super::first_lines;
+use super::layout::Layout;
 use super::lines::LineReader;
 use super::number::{LONGEST_NUMBER, number};
 use crate::error::Error;
@@ -21,7 +22,7 @@ impl<R: Read> Rows<R> {
     /// Reads the header and not a row more than it takes to know it.
     pub(super) fn new(reader: R, file: &str) -> Result<Rows<R>, Error> {
         let mut lines = LineReader::new(reader, file)?;
-        let layout = layout::of_stream(&mut lines)?;
+        let layout = first_lines::of_stream(&mut lines)?;
         Ok(Rows { lines, fields: Fields::new(layout.delimiter), layout })
     }
 

@@ -1,8 +1,9 @@
 //! Files with rows and no names, or with names and no rows.
 
 use super::encoding::text;
-use super::layout::{DELIMITERS, Layout, longest_run};
-use super::line::Line;
+use super::fields::DELIMITERS;
+use super::layout::Layout;
+use super::line::{Line, longest_run};
 use super::lines::Numbered;
 use super::names::named;
 use crate::header::NAMELESS;

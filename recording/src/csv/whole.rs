@@ -7,8 +7,8 @@ use drivescope_units::is_counts;
 use super::body::Body;
 use super::column::{Kind, Outcome};
 use super::fields::Fields;
+use super::first_lines;
 use super::kinds::kinds;
-use super::layout;
 use super::lines::LineReader;
 use super::settings::{Setting, counts_a_revolution, period_s, settings};
 use crate::budget::Budget;
@@ -30,7 +30,7 @@ pub(super) fn read(
     options: &ReadOptions,
 ) -> Result<Table, Error> {
     let mut lines = LineReader::new(reader, name)?;
-    let (layout, mut seen) = layout::of_file(&mut lines)?;
+    let (layout, mut seen) = first_lines::of_file(&mut lines)?;
     let settings = settings(&seen[..layout.header_at]);
     let header_line = seen.get(layout.header_at).map_or(0, |line| line.0);
     let utf_8 = seen.iter().all(|(_, line)| std::str::from_utf8(line).is_ok());

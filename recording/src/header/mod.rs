@@ -4,6 +4,7 @@ mod capital_t;
 mod column;
 mod exact;
 mod guessed;
+mod left_out;
 mod motion;
 mod naming;
 mod twins;
@@ -13,8 +14,8 @@ pub(crate) use column::Column;
 pub use column::{ColumnNote, Taken};
 pub(crate) use which::{is_known, is_signal, is_time, missing_time};
 
+use left_out::LeftOut;
 use naming::Naming;
-use twins::LeftOut;
 
 use crate::error::Error;
 use crate::given::Given;

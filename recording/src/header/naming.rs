@@ -1,7 +1,7 @@
 //! The columns of a file while they get their names: the user's word, a signal's own name, a guess.
 
 use super::column::{Column, Taken, place};
-use super::twins::LeftOut;
+use super::left_out::LeftOut;
 use super::which::{find, listed};
 use super::{Header, NAMELESS};
 use crate::canonical::{self, Canonical};

@@ -3,16 +3,7 @@
 use super::naming::Naming;
 use super::which::is_known;
 use crate::place::Counted;
-use crate::report::Stretches;
-
-/// Columns that are left out.
-#[derive(Debug, Default)]
-pub(crate) struct LeftOut {
-    /// Their positions in the table, rising.
-    pub(crate) columns: Vec<usize>,
-    /// What they are, a phrase for each name.
-    pub(crate) said: Vec<String>,
-}
+use crate::stretches::Stretches;
 
 impl Naming<'_> {
     /// Leaves out, of columns called alike, those that stand still beside one that moves; where the

@@ -14,8 +14,9 @@ use crate::budget::Budget;
 use crate::clock::Break;
 use crate::error::Error;
 use crate::place::Lines;
-use crate::report::{Sampling, Stretches};
+use crate::report::Sampling;
 use crate::signal::NoiseGain;
+use crate::stretches::Stretches;
 
 /// More segments than one in so many rows: this is no time.
 const LEAST_ROWS: usize = 4;

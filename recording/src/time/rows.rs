@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::place::Lines;
-use crate::report::Stretches;
+use crate::stretches::Stretches;
 
 /// A row that comes up to so many rows too late was sent in disorder; time that goes back farther
 /// begins a new run.

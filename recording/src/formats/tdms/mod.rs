@@ -5,6 +5,7 @@
 
 mod fields;
 mod object;
+mod scales;
 mod segments;
 mod values;
 
@@ -122,7 +123,7 @@ fn channels(
         if channel.values.is_empty() {
             continue;
         }
-        if !values::scale(&mut channel) {
+        if !scales::scale(&mut channel) {
             left_out.push(format!("channel `{full}` is scaled in a way that is not read"));
             continue;
         }

@@ -4,7 +4,16 @@
 //! it, its schema is filled from it, and [`Drive::parameters`] and [`Drive::set`] read it. Effects bring
 //! their own list, the registry.
 
-use thiserror::Error;
+mod range;
+mod role;
+mod set;
+mod spelling;
+
+pub use role::Role;
+pub use set::SetError;
+
+pub(crate) use range::{allowed, possible};
+pub(crate) use spelling::{meant, nearest};
 
 use crate::drive::{ANY, Drive, EffectData, Field, Input, LawData, fields};
 use crate::effects::custom::Target;
@@ -12,19 +21,6 @@ use crate::effects::law::Parameter;
 use crate::effects::learned::Factor;
 use crate::effects::registry::Entry;
 use crate::units::for_motion;
-
-/// What a number of the drive is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
-    /// It enters the balances: what a fit estimates.
-    Physics,
-    /// Controller, amplifier or generator: set by people, not estimated.
-    Control,
-    /// Resolution or noise of a sensor, or a disturbance.
-    Sensing,
-    /// A figure of the rating plate, a scale only.
-    Rating,
-}
 
 /// A number of the drive with what is known of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,63 +40,6 @@ pub struct NamedParameter {
     pub nominal: f64,
     /// What it is for.
     pub role: Role,
-}
-
-/// Why a value cannot be set.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
-pub enum SetError {
-    /// The drive has no parameter of that name.
-    #[error("the drive has no parameter `{name}`{}; it has {known}", meant(.nearest))]
-    Unknown {
-        name: String,
-        /// A name of the drive that is spelt alike.
-        nearest: Option<String>,
-        /// The names there are.
-        known: String,
-    },
-    /// The value is not physically possible.
-    #[error("`{name}` = {value} is outside what is possible: give {allowed}")]
-    OutOfRange {
-        name: String,
-        value: f64,
-        /// What is possible, in words, with the unit.
-        allowed: String,
-    },
-}
-
-/// The question after an unknown name.
-pub(crate) fn meant(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
-}
-
-/// The known name that is spelt most like the given one, if one is near.
-pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
-    // A third of the letters may be wrong, and R and r are the same slip of a key.
-    let most = (name.chars().count() / 3).max(1);
-    let lower = name.to_lowercase();
-    let distance = |other: &str| strsim::damerau_levenshtein(&lower, &other.to_lowercase());
-    known
-        .map(|other| (distance(other), other))
-        .filter(|(d, _)| *d <= most)
-        .min()
-        .map(|(_, other)| other.to_owned())
-}
-
-/// Whether a value is finite and within the range.
-pub(crate) fn possible(value: f64, (low, high): (f64, f64)) -> bool {
-    value.is_finite() && low <= value && value <= high
-}
-
-/// A range in words, with the unit.
-pub(crate) fn allowed((low, high): (f64, f64), unit: &str) -> String {
-    let number = match (low, high) {
-        (f64::NEG_INFINITY, f64::INFINITY) => "a finite number".to_owned(),
-        (f64::MIN_POSITIVE, f64::INFINITY) => "a finite number above 0".to_owned(),
-        (low, f64::INFINITY) => format!("a finite number of {low} or more"),
-        (low, high) => format!("a number from {low} to {high}"),
-    };
-    if unit.is_empty() || unit == "1" { number } else { format!("{number} ({unit})") }
 }
 
 /// The registry's entry for a parameter of an effect; none for coefficients of typed laws.
@@ -184,41 +123,6 @@ impl Drive {
         });
         all
     }
-
-    /// Sets a parameter by its name, SI.
-    ///
-    /// # Errors
-    /// [`SetError`] if the drive has no such parameter or the value is not possible; the drive
-    /// is then unchanged.
-    pub fn set(&mut self, name: &str, value: f64) -> Result<(), SetError> {
-        let all = self.parameters();
-        let Some(parameter) = all.iter().find(|parameter| parameter.name == name) else {
-            let names: Vec<&str> = all.iter().map(|parameter| parameter.name.as_str()).collect();
-            let nearest = nearest(name, names.iter().copied());
-            return Err(SetError::Unknown {
-                name: name.to_owned(),
-                nearest,
-                known: names.join(", "),
-            });
-        };
-        if !possible(value, parameter.range) {
-            let allowed = allowed(parameter.range, &parameter.unit);
-            return Err(SetError::OutOfRange { name: name.to_owned(), value, allowed });
-        }
-        if let Some(slot) = self.slot(name) {
-            *slot = value;
-        }
-        Ok(())
-    }
-
-    fn slot(&mut self, name: &str) -> Option<&mut f64> {
-        if let Some(field) = fields().find(|field| field.name(self.motion) == name) {
-            return (field.slot)(self);
-        }
-        let (id, key) = name.split_once('.')?;
-        let effect = self.effects.iter_mut().find(|effect| effect.id == id)?;
-        effect.parameters.iter_mut().find(|(k, _)| k == key).map(|(_, value)| value)
-    }
 }
 
 fn magnitude(value: f64, typical: f64) -> f64 {
@@ -230,8 +134,8 @@ mod tests {
     use super::*;
     use crate::effects::registry::REGISTRY;
 
-    const DR300: &str = include_str!("../../scenarios/drives/dr300.toml");
-    const EMPS: &str = include_str!("../../scenarios/drives/emps.toml");
+    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
+    const EMPS: &str = include_str!("../../../scenarios/drives/emps.toml");
 
     fn drive(text: &str) -> Drive {
         Drive::parse(text, "shipped.toml").expect("a right drive file")
@@ -262,25 +166,6 @@ mod tests {
         }
     }
 
-    /// Each place is read back under its own name: no two rows of the list are swapped.
-    #[test]
-    fn every_parameter_can_be_set_and_changes_alone() {
-        let mut drive = drive(DR300);
-        drive.generator =
-            Some(crate::drive::GeneratorData { k_m: 0.06, gain: 0.2, limit: Some(2.0) });
-        let before = drive.parameters();
-        for (k, parameter) in before.iter().enumerate() {
-            let mut changed = drive.clone();
-            let value = parameter.value + 0.5;
-            assert_eq!(changed.set(&parameter.name, value), Ok(()), "{}", parameter.name);
-            for (j, now) in changed.parameters().iter().enumerate() {
-                let expected = if j == k { value } else { before[j].value };
-                assert_eq!(now.value, expected, "{} after {}", now.name, parameter.name);
-            }
-        }
-        assert_eq!(before.len(), fields().count() + 3, "the three parameters of its effects");
-    }
-
     /// A search divides by it: of a law that is at zero, or usually negative, too.
     #[test]
     fn the_scale_of_every_parameter_is_above_zero() {
@@ -293,24 +178,6 @@ mod tests {
                 assert!(parameter.nominal > 0.0, "{}: {}", parameter.name, parameter.nominal);
             }
         }
-    }
-
-    #[test]
-    fn what_cannot_be_set_is_refused() {
-        let mut drive = drive(DR300);
-        let before = drive.clone();
-        let shown = drive.set("coulomb.t_c", 1.0).expect_err("no such name").to_string();
-        assert!(
-            shown.starts_with(
-                "the drive has no parameter `coulomb.t_c` (did you mean `coulomb.T_c`?)"
-            )
-        );
-        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let shown = drive.set("J", value).expect_err("not possible").to_string();
-            assert!(shown.ends_with("give a finite number above 0 (kg m^2)"), "{shown}");
-        }
-        assert!(drive.set("generator.gain", 1.0).is_err(), "DR300 uses no generator");
-        assert_eq!(drive, before);
     }
 
     #[test]
@@ -347,15 +214,5 @@ mod tests {
         let mut force = drive(EMPS);
         force.fixed.clear();
         assert_eq!(names(&force.fitted()), ["J", "B_m", "coulomb.T_c", "constant_load.T_0"]);
-    }
-
-    #[test]
-    fn a_slip_of_a_key_finds_its_name() {
-        let known = ["R", "K_e", "K_m", "coulomb"];
-        let found = |name| nearest(name, known.into_iter());
-        assert_eq!(found("r").as_deref(), Some("R"));
-        assert_eq!(found("Coulmob").as_deref(), Some("coulomb"));
-        assert_eq!(found("k_M").as_deref(), Some("K_m"));
-        assert_eq!(found("viscous"), None);
     }
 }

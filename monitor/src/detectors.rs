@@ -10,8 +10,8 @@ use drivescope_diagnoser::{
 use crate::declaration::Declaration;
 use crate::error::MonitorError;
 use crate::found::{Fault, Found};
+use crate::happened::Happened;
 use crate::method::Method;
-use crate::monitor::Happened;
 use crate::of_residual::{OfResidual, starts_up};
 use crate::of_windows::OfWindows;
 use crate::state::{Shown, State};

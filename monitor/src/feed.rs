@@ -6,7 +6,8 @@
 use drivescope_diagnoser::{Channel, Diagnoser, Memory, MemoryError, Walk};
 
 use crate::error::MonitorError;
-use crate::monitor::{Baseline, Happened, Monitor, Options};
+use crate::happened::Happened;
+use crate::monitor::{Baseline, Monitor, Options};
 
 /// Lost rows that are bridged.
 pub const BRIDGED: usize = 3;

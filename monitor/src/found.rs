@@ -148,6 +148,17 @@ impl Memory for Found {
     }
 }
 
+/// What a bank learned of the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// Rows of the run itself that it was learned from; none with a baseline.
+    pub learned: usize,
+    /// What it differs by from the drive, as fractions.
+    pub changes: Vec<(String, f64)>,
+    /// Why nothing was judged.
+    pub why: Option<String>,
+}
+
 /// What every method found over a run.
 #[derive(Debug, Clone)]
 pub struct Finished {
@@ -158,7 +169,7 @@ pub struct Finished {
     /// Of these, at operating points that the detectors of the residual were not designed on.
     pub beyond: usize,
     /// What the bank learned of the machine.
-    pub machine: Option<crate::of_bank::Machine>,
+    pub machine: Option<Machine>,
     /// Every method.
     pub methods: Vec<Found>,
 }

@@ -7,9 +7,10 @@ use drivescope_recording::Recording;
 use crate::bank::Columns;
 use crate::detectors::Detectors;
 use crate::error::MonitorError;
-use crate::found::{Fault, Finished};
+use crate::found::Finished;
+use crate::happened::Happened;
 use crate::method::Method;
-use crate::of_bank::{Decision, OfBank};
+use crate::of_bank::OfBank;
 use crate::state::{Shown, Standing};
 
 /// How a machine is watched.
@@ -19,17 +20,6 @@ pub struct Options {
     pub asked: Method,
     /// Another share of healthy samples outside the bands than the diagnoser's.
     pub beta: Option<f64>,
-}
-
-/// What a row brought.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Happened {
-    /// A method of the residual declares a fault.
-    Declared(Method),
-    /// A window after the declaration, what the fault is.
-    Named(Fault),
-    /// The bank decides.
-    Decision(Decision),
 }
 
 /// A healthy run of the machine or day, at the sampling time of the diagnoser.

@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::bank::{AnyProcess, AnyWatch, Columns, process, with_noise};
 use crate::declaration::Declaration;
 use crate::error::MonitorError;
-use crate::found::Found;
+use crate::found::{Found, Machine};
 use crate::method::Method;
 use crate::outside::Outside;
 use crate::state::State;
@@ -46,17 +46,6 @@ pub struct Decision {
     /// What is declared, or was until now.
     #[serde(flatten)]
     pub declaration: Declaration,
-}
-
-/// What a bank learned of the machine.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Machine {
-    /// Rows of the run itself that it was learned from; none with a baseline.
-    pub learned: usize,
-    /// What it differs by from the drive, as fractions.
-    pub changes: Vec<(String, f64)>,
-    /// Why nothing was judged.
-    pub why: Option<String>,
 }
 
 /// The bank and what it declared.

@@ -9,7 +9,7 @@ use drivescope_fmu::description::{
 };
 use drivescope_plant::unit::{self, Role, Unit};
 
-use crate::drive::reference;
+use crate::reference::reference;
 use crate::structure::structure;
 
 /// Length of the default experiment, s, and its communication step without a controller, s.

@@ -10,6 +10,7 @@ use drivescope_plant::unit::{MemoryError, Unit, UnitError};
 use thiserror::Error;
 
 use crate::description::describe;
+use crate::reference::place;
 
 /// Name of the drive file among the FMU's resources.
 pub const DRIVE_FILE: &str = "drive.toml";
@@ -58,16 +59,6 @@ impl DriveModel {
     pub fn new(drive: Drive, open_loop: bool) -> Self {
         Self(Unit::new(drive, open_loop))
     }
-}
-
-/// The unit's place of a value reference.
-fn place(reference: u32) -> usize {
-    (reference as usize).wrapping_sub(1)
-}
-
-/// The value reference of a unit's place.
-pub(crate) fn reference(place: usize) -> u32 {
-    place as u32 + 1
 }
 
 impl Model for DriveModel {

@@ -7,6 +7,7 @@
 mod description;
 mod diagnoser;
 mod drive;
+mod reference;
 mod structure;
 
 pub use diagnoser::{BASELINE_FILE, DIAGNOSER_FILE, DiagnoserError, DiagnoserModel, baseline_text};

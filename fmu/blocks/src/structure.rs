@@ -8,7 +8,7 @@
 use drivescope_fmu::description::{Structure, TIME, Unknown};
 use drivescope_plant::unit::{Role, Unit};
 
-use crate::drive::reference;
+use crate::reference::reference;
 
 /// Scattered operating points: (current, speed, position and own states, inputs).
 const POINTS: [(f64, f64, f64, f64); 6] = [

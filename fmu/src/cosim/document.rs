@@ -13,7 +13,6 @@ use super::connector::ConnectorEntry;
 use super::error::{Error, ReadError};
 use super::fmu_component::FmuComponent;
 use super::system::{Algorithm, Experiment, System};
-use super::{ssp, text_form};
 use crate::position::{DocumentProblem, Position};
 
 /// Steps of a run for which nobody states a step size.
@@ -85,20 +84,6 @@ pub(super) struct InputEntry {
     pub(super) signal: String,
     pub(super) to: String,
     pub(super) place: Position,
-}
-
-/// Reads a system description: `.toml`, `.ssd` or `.ssp`.
-///
-/// # Errors
-/// A file that cannot be read or has another name; what is wrong in it, with line and column.
-pub fn open(path: impl AsRef<Path>) -> Result<Document, Error> {
-    let path = path.as_ref();
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("toml") => text_form::read(path),
-        Some("ssd") => ssp::read(path),
-        Some("ssp") => ssp::read_package(path),
-        _ => Err(Error::FileKind { path: path.to_owned() }),
-    }
 }
 
 impl Document {

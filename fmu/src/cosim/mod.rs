@@ -19,14 +19,16 @@ mod error;
 mod fmu_component;
 mod graph;
 mod initial;
+mod open;
 mod run;
 mod ssp;
 mod system;
 mod text_form;
 
 pub use component::{Component, Failure, Phase, Port, PortKind, Ports, Window};
-pub use document::{Document, open};
+pub use document::Document;
 pub use error::{Error, ReadError};
 pub use fmu_component::FmuComponent;
+pub use open::open;
 pub use run::{End, Outcome};
 pub use system::{Algorithm, Experiment, System};

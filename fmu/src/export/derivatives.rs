@@ -3,9 +3,10 @@
 
 use super::Model;
 use super::exchange::finite;
-use super::instance::{Instance, Phase};
+use super::instance::Instance;
+use super::phase::Phase;
 use super::refusal::Refusal;
-use super::values::same_length;
+use super::refusal::same_length;
 use crate::description::{TIME, Type};
 
 const EVALUATED: &[Phase] = &[

@@ -1,9 +1,10 @@
 //! Model Exchange: modes, time, states, derivatives, event indicators
 //! (FMI 2.0.4 section 3.2, FMI 3.0.2 section 3.2).
 
-use super::instance::{Instance, Phase};
+use super::instance::Instance;
+use super::phase::Phase;
+use super::refusal::same_length;
 use super::refusal::{Refusal, Status};
-use super::values::same_length;
 use super::{Continuous, DiscreteUpdate, Model};
 use crate::vocabulary::Interface;
 

@@ -4,32 +4,12 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::Model;
+use super::phase::{Phase, Run};
 use super::refusal::{Refusal, Status};
-use super::saved::SavedStates;
+use super::snapshots::SavedStates;
 use super::table::Table;
 use crate::description::{LogCategory, Version};
 use crate::vocabulary::Interface;
-
-/// States of both standards' state machines, as far as we offer them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Start values and parameters are set.
-    Instantiated,
-    /// Initial unknowns are computed.
-    Initialization,
-    /// Model Exchange: events happen.
-    Event,
-    /// Model Exchange: the importer integrates.
-    Continuous,
-    /// Co-Simulation: between two steps (FMI 2.0 `stepComplete`, FMI 3.0 Step Mode).
-    Step,
-    /// After the end of a run.
-    Terminated,
-    /// After an error of the model.
-    Failed,
-    /// After a panic.
-    Lost,
-}
 
 /// A message for the importer.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,23 +53,6 @@ impl Logging {
     pub(super) fn wants(self, category: LogCategory) -> bool {
         self.on[category as usize]
     }
-}
-
-/// What a run consists of beside the model; saved and restored with it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Run {
-    pub(super) phase: Phase,
-    /// Present time, s.
-    pub(super) time: f64,
-    /// Stop time, s, where one was defined.
-    pub(super) stop: Option<f64>,
-    /// The start time was given.
-    pub(super) has_experiment: bool,
-}
-
-impl Run {
-    pub(super) const NEW: Self =
-        Self { phase: Phase::Instantiated, time: 0.0, stop: None, has_experiment: false };
 }
 
 /// An instance of an FMU.

@@ -4,9 +4,10 @@
 use std::path::Path;
 
 use super::Model;
-use super::instance::{Instance, Logging, Phase, Run};
+use super::instance::{Instance, Logging};
+use super::phase::{Phase, Run};
 use super::refusal::{Refusal, Status};
-use super::saved::SavedStates;
+use super::snapshots::SavedStates;
 use super::table::Table;
 use crate::description::{LogCategory, Version};
 use crate::vocabulary::Interface;

@@ -38,19 +38,22 @@ mod fmi3;
 mod instance;
 mod lifecycle;
 mod location;
+mod phase;
 mod refusal;
 mod saved;
+mod snapshots;
 mod stepping;
 mod table;
 mod values;
 
 use std::path::Path;
 
-pub use instance::{Instance, Phase};
+pub use instance::Instance;
+pub use phase::Phase;
 
 pub use crate::vocabulary::Interface;
 pub use refusal::{Refusal, Status};
-pub use saved::SerializedError;
+pub use snapshots::SerializedError;
 
 use crate::description::ModelDescription;
 

@@ -1,6 +1,6 @@
 //! Why a call is not answered with OK, and which status and log category that is.
 
-use super::instance::Phase;
+use super::phase::Phase;
 use crate::description::{Causality, LogCategory, Type, Variability, Version};
 use crate::vocabulary::Interface;
 
@@ -172,7 +172,7 @@ pub enum Refusal {
     UnknownState(usize),
     /// Bytes that are not an FMU state of this FMU.
     #[error("serialized FMU state: {0}")]
-    Serialized(#[from] super::saved::SerializedError),
+    Serialized(#[from] super::snapshots::SerializedError),
     /// A log category that does not exist.
     #[error("log category `{0}` does not exist")]
     UnknownCategory(String),
@@ -240,6 +240,11 @@ fn allowed(min: Option<f64>, max: Option<f64>) -> String {
         (None, Some(max)) => format!("at most {max}"),
         (None, None) => "a number".to_owned(),
     }
+}
+
+/// Refuses an array of another length.
+pub(super) fn same_length(given: usize, expected: usize) -> Result<(), Refusal> {
+    if given == expected { Ok(()) } else { Err(Refusal::Length { given, expected }) }
 }
 
 fn chain(error: &dyn std::error::Error) -> String {

@@ -4,47 +4,12 @@
 //! An importer holds a key, not a pointer: a freed or foreign FMU state is refused instead of
 //! read, and what an importer forgets to free goes with the instance.
 
-use std::collections::HashMap;
-
 use super::Model;
-use super::instance::{Instance, Phase, Run};
-use super::refusal::Refusal;
-use super::values::same_length;
+use super::instance::Instance;
+use super::phase::{Phase, Run};
+use super::refusal::{Refusal, same_length};
+use super::snapshots::{SerializedError, Snapshot};
 use crate::vocabulary::Interface;
-
-/// A run at one moment: a deep copy of the model and of where it stands.
-#[derive(Debug)]
-struct Snapshot<M> {
-    model: M,
-    run: Run,
-}
-
-/// The FMU states of one instance.
-#[derive(Debug)]
-pub(super) struct SavedStates<M> {
-    states: HashMap<usize, Snapshot<M>>,
-    last_key: usize,
-}
-
-impl<M> Default for SavedStates<M> {
-    fn default() -> Self {
-        Self { states: HashMap::new(), last_key: 0 }
-    }
-}
-
-/// Bytes that are not an FMU state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SerializedError {
-    /// They do not begin as one.
-    #[error("these {0} bytes are not one")]
-    NotOne(usize),
-    /// They come from another model.
-    #[error("it belongs to another model description")]
-    OtherModel,
-    /// They come from the other interface.
-    #[error("it belongs to the other interface type")]
-    OtherInterface,
-}
 
 /// First bytes of a serialised FMU state; the digit is its layout's version.
 const MAGIC: &[u8; 8] = b"FMUSTAT1";

@@ -3,7 +3,8 @@
 
 use super::Model;
 use super::exchange::finite;
-use super::instance::{Instance, Phase};
+use super::instance::Instance;
+use super::phase::Phase;
 use super::refusal::Refusal;
 use crate::vocabulary::Interface;
 

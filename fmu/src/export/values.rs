@@ -2,8 +2,9 @@
 //! (FMI 2.0.4 sections 2.1.7, 3.2.3, 4.2.4; FMI 3.0.2 sections 2.2.6 and 2.3).
 
 use super::Model;
-use super::instance::{Instance, Phase};
-use super::refusal::Refusal;
+use super::instance::Instance;
+use super::phase::Phase;
+use super::refusal::{Refusal, same_length};
 use crate::description::{Causality, Initial, TIME, Type, Variability, Variable, Version};
 
 /// A C type in which values cross the interface.
@@ -227,8 +228,4 @@ fn permission(variable: &Variable, phase: Phase) -> Permission {
         Phase::Continuous if input || tunable => Held,
         Phase::Continuous | Phase::Terminated | Phase::Failed | Phase::Lost => Denied,
     }
-}
-
-pub(super) fn same_length(given: usize, expected: usize) -> Result<(), Refusal> {
-    if given == expected { Ok(()) } else { Err(Refusal::Length { given, expected }) }
 }

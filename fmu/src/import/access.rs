@@ -1,9 +1,10 @@
 //! Groups of variables that are read or written together, whatever their types: FMI has one function
 //! a type, so a group is sorted by type once, and each transfer is then one C call a type.
 
+use super::boolean::Boolean2;
 use super::description::{Description, Type, Variable, Version};
 use super::handle::Handle;
-use super::native::{Boolean2, Native};
+use super::native::Native;
 use super::problem::VariableProblem;
 use super::status::Status;
 

@@ -1,10 +1,11 @@
 //! Variables that are more than one number, or no number: arrays (FMI 3.0), whole numbers beyond the
 //! 53 bits of a Float64, texts and bytes.
 
+use super::boolean::Boolean2;
 use super::description::{Type, Variable};
 use super::error::Error;
 use super::instance::Instance;
-use super::native::{Boolean2, Native};
+use super::native::Native;
 use super::problem::VariableProblem;
 use crate::import::Version;
 

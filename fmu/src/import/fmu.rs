@@ -1,6 +1,5 @@
-//! An FMU file: opened, unpacked and described; the source of its instances.
+//! An FMU file: opened, unpacked and described.
 
-use std::ffi::CString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,9 +9,6 @@ use super::archive::{self, Limits};
 use super::binary::{self, Binary};
 use super::description::{Description, Interface, Version};
 use super::error::Error;
-use super::handle::{Handle, Making};
-use super::instance::Instance;
-use super::logging::Log;
 use super::parse;
 use super::unpacked::Unpacked;
 
@@ -31,28 +27,6 @@ pub(super) struct Inner {
     taken: AtomicBool,
     // Dropped after the binaries: Windows does not delete a loaded library.
     folder: Unpacked,
-}
-
-/// How an instance is to be made.
-#[derive(Debug, Clone)]
-pub struct InstanceOptions {
-    /// Name of the instance, as it appears in errors and in what the FMU logs.
-    pub name: String,
-    /// Whether the FMU should log in all its categories. Most FMUs log errors in any case.
-    pub logging: bool,
-}
-
-impl Default for InstanceOptions {
-    fn default() -> Self {
-        InstanceOptions { name: "instance".to_owned(), logging: false }
-    }
-}
-
-impl InstanceOptions {
-    /// Options for an instance of this name.
-    pub fn named(name: &str) -> Self {
-        InstanceOptions { name: name.to_owned(), ..InstanceOptions::default() }
-    }
 }
 
 impl Fmu {
@@ -113,60 +87,6 @@ impl Fmu {
         Some(self.inner.folder.path().join("resources")).filter(|path| path.is_dir())
     }
 
-    /// Makes an instance for Co-Simulation. Many may live at once, each in its own thread, unless
-    /// the FMU says otherwise.
-    ///
-    /// # Errors
-    /// The FMU has no Co-Simulation, no binary for this platform, allows no second instance, or
-    /// refuses.
-    pub fn co_simulation(&self, options: &InstanceOptions) -> Result<Instance, Error> {
-        self.instantiate(Interface::CoSimulation, options)
-    }
-
-    /// Makes an instance for Model Exchange, which [`Instance::step`] integrates.
-    ///
-    /// # Errors
-    /// As [`co_simulation`](Fmu::co_simulation).
-    pub fn model_exchange(&self, options: &InstanceOptions) -> Result<Instance, Error> {
-        self.instantiate(Interface::ModelExchange, options)
-    }
-
-    /// Makes an instance of either interface type.
-    ///
-    /// # Errors
-    /// As [`co_simulation`](Fmu::co_simulation).
-    pub fn instantiate(
-        &self,
-        kind: Interface,
-        options: &InstanceOptions,
-    ) -> Result<Instance, Error> {
-        let fmu = || self.inner.name.clone();
-        let binary = self.binary(kind)?;
-        let missing = binary.functions.missing_to_run(kind);
-        if !missing.is_empty() {
-            return Err(Error::Symbols { fmu: fmu(), missing });
-        }
-        let once = self.take(kind)?;
-        let log = Arc::new(Log::default());
-        let refused = || Error::Instantiate {
-            fmu: fmu(),
-            instance: options.name.clone(),
-            messages: log.take(),
-        };
-        let text = |text: &str| CString::new(text).map_err(|_| refused());
-        let (name, token) = (text(&options.name)?, text(&self.inner.description.token)?);
-        let resources = self.resource_location().as_deref().map(text).transpose()?;
-        let making = Making {
-            kind,
-            name: &name,
-            token: &token,
-            resources: resources.as_deref(),
-            logging: options.logging,
-        };
-        let handle = Handle::instantiate(binary, Arc::clone(&log), making).ok_or_else(refused)?;
-        Ok(Instance::new(handle, self.clone(), kind, options.name.clone(), log, once))
-    }
-
     /// The functions that the standard demands of the binary and that it lacks.
     ///
     /// # Errors
@@ -179,7 +99,7 @@ impl Fmu {
         Ok(binary.functions.missing(&binary.library, &kinds))
     }
 
-    fn binary(&self, kind: Interface) -> Result<Arc<Binary>, Error> {
+    pub(super) fn binary(&self, kind: Interface) -> Result<Arc<Binary>, Error> {
         let inner = &*self.inner;
         let Some(capabilities) = inner.description.capabilities(kind) else {
             let has = inner.description.interfaces().iter().map(Interface::to_string).collect();
@@ -196,7 +116,7 @@ impl Fmu {
         Ok(binary)
     }
 
-    fn take(&self, kind: Interface) -> Result<Option<Once>, Error> {
+    pub(super) fn take(&self, kind: Interface) -> Result<Option<Once>, Error> {
         if !self.description().capabilities(kind).is_some_and(|c| c.only_once_per_process) {
             return Ok(None);
         }
@@ -207,7 +127,7 @@ impl Fmu {
     }
 
     /// FMI 2.0 wants a file URI, FMI 3.0 a path that ends with a separator.
-    fn resource_location(&self) -> Option<String> {
+    pub(super) fn resource_location(&self) -> Option<String> {
         let path = self.resources()?;
         Some(match self.description().fmi {
             Version::Two => file_uri(&path.to_string_lossy()),

@@ -9,8 +9,8 @@ use std::ffi::{CStr, c_char, c_void};
 use libloading::Library;
 
 use super::binding::{Callbacks, Environment, EventInfo, LogLine, Pointer, symbol};
+use super::boolean::Boolean2;
 use super::description::{Interface, Version};
-use super::native::Boolean2;
 
 pub(super) type Instance = Pointer;
 type Text = *const c_char;

@@ -9,6 +9,8 @@ use super::fmu::{Fmu, Once};
 use super::handle::Handle;
 use super::integrator::Integrator;
 use super::logging::{Log, Message};
+use super::mode::Mode;
+use super::solver::Failure;
 use super::state::States;
 use super::status::Status;
 
@@ -26,30 +28,6 @@ pub struct Instance {
     name: String,
     log: Arc<Log>,
     _once: Option<Once>,
-}
-
-/// Where an instance is in its life (FMI 2.0 section 4.2.4, FMI 3.0 section 2.3.1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mode {
-    Instantiated,
-    Initialization,
-    Stepping,
-    Terminated,
-    Failed,
-    Corrupt,
-}
-
-impl Mode {
-    fn name(self) -> &'static str {
-        match self {
-            Mode::Instantiated => "not initialised",
-            Mode::Initialization => "being initialised",
-            Mode::Stepping => "running",
-            Mode::Terminated => "terminated",
-            Mode::Failed => "in an error state (reset it first)",
-            Mode::Corrupt => "corrupt after a fatal error (make a new one)",
-        }
-    }
 }
 
 /// Whether a run goes on after a step.
@@ -299,8 +277,7 @@ impl Instance {
     }
 
     #[cold]
-    fn integration_failed(&mut self, failure: super::integrator::Failure) -> Error {
-        use super::integrator::Failure;
+    fn integration_failed(&mut self, failure: Failure) -> Error {
         match failure {
             Failure::Call(function, status) => self.failed(function, status),
             Failure::Problem(time, problem) => Error::Integration {

@@ -9,7 +9,7 @@ use super::bytes::{Reader, Writer};
 use super::description::{Description, Interface};
 use super::handle::Handle;
 use super::problem::IntegrationProblem;
-use super::solver::{self, Reached, Start};
+use super::solver::{self, Failure, Reached, SAME_TIME_ULPS, Start};
 use super::status::Status;
 
 /// Relative tolerance if nobody states one.
@@ -20,16 +20,6 @@ const UPDATES: usize = 1000;
 const ZENO: usize = 1000;
 /// Share of the communication step below which two events do not count as progress.
 const CLOSE: f64 = 1e-9;
-/// Times closer than this many units in the last place are the same time.
-pub(super) const SAME_TIME_ULPS: f64 = 16.0;
-
-/// Why an integration failed.
-pub(super) enum Failure {
-    /// An FMI function did.
-    Call(&'static str, Status),
-    /// The solver or the event handling did, at this time.
-    Problem(f64, IntegrationProblem),
-}
 
 /// The state of the integration that the FMU does not hold.
 #[derive(Debug, Clone)]

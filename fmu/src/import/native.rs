@@ -1,11 +1,7 @@
 //! The types that values have in C, and how the importer's numbers (`f64`) become them and back.
 
+use super::boolean::Boolean2;
 use super::functions::{Functions, Instance, Refs};
-
-/// `fmi2Boolean`: an integer in C.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[repr(transparent)]
-pub(super) struct Boolean2(i32);
 
 /// A function that reads values. FMI 3.0 also passes the number of values, for arrays.
 pub(super) enum Getter<T> {

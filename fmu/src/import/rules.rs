@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::description::*;
-use super::validate::Finding;
+use super::finding::Finding;
 use crate::vocabulary::go_together;
 
 /// All findings about variables, in the order of the file.

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::description::*;
-use super::validate::Finding;
+use super::finding::Finding;
 
 pub(super) fn check(description: &Description) -> Vec<Finding> {
     let mut findings = Vec::new();

@@ -10,7 +10,6 @@ use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{DVector, Dopri5, System};
 
 use super::handle::Handle;
-use super::integrator::{Failure, SAME_TIME_ULPS};
 use super::problem::IntegrationProblem;
 use super::status::Status;
 
@@ -19,6 +18,16 @@ const SOLVER_STEPS: u32 = 1_000_000;
 /// Spans shorter than this many units in the last place are too short for the solver, which takes them
 /// for an underflow of its step size; one explicit Euler step errs by less than rounding there.
 const SHORT_ULPS: f64 = 128.0;
+/// Times closer than this many units in the last place are the same time.
+pub(super) const SAME_TIME_ULPS: f64 = 16.0;
+
+/// Why an integration failed.
+pub(super) enum Failure {
+    /// An FMI function did.
+    Call(&'static str, Status),
+    /// The solver or the event handling did, at this time.
+    Problem(f64, IntegrationProblem),
+}
 
 /// Where and how to integrate.
 pub(super) struct Start<'a> {

@@ -5,7 +5,8 @@ use std::ffi::CString;
 use super::access::{Failure, Group};
 use super::description::{Causality, Type, Variability, Variable};
 use super::error::Error;
-use super::instance::{Instance, Mode};
+use super::instance::Instance;
+use super::mode::Mode;
 use super::problem::VariableProblem;
 use super::status::Status;
 

@@ -6,7 +6,7 @@ use drivescope_diagnoser::{FileError, MemoryError};
 use drivescope_monitor::MonitorError;
 use thiserror::Error;
 
-use super::stored::DIAGNOSER_FILE;
+use super::files::DIAGNOSER_FILE;
 
 /// What can go wrong inside an exported diagnoser.
 #[derive(Debug, Error)]

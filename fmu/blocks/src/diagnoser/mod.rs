@@ -6,6 +6,7 @@
 
 mod description;
 mod error;
+mod files;
 mod layout;
 mod stored;
 
@@ -19,8 +20,9 @@ use drivescope_monitor::{Feed, Method, Options};
 use drivescope_recording::Recording;
 
 pub use self::error::DiagnoserError;
+pub use self::files::{BASELINE_FILE, DIAGNOSER_FILE};
 use self::layout::{Layout, Of};
-pub use self::stored::{BASELINE_FILE, DIAGNOSER_FILE, baseline_text};
+pub use self::stored::baseline_text;
 
 /// Departure of times, in sampling times, that is rounding.
 const ROUNDING: f64 = 1e-6;

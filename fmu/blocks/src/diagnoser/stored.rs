@@ -6,11 +6,7 @@ use drivescope_recording::{Break, Recording, Signal};
 use serde::{Deserialize, Serialize};
 
 use super::error::DiagnoserError;
-
-/// Name of the diagnoser file among the FMU's resources.
-pub const DIAGNOSER_FILE: &str = "diagnoser.toml";
-/// Name of the healthy run of the machine, where one was given at the export.
-pub const BASELINE_FILE: &str = "baseline.toml";
+use super::files::BASELINE_FILE;
 
 /// A recording as TOML: numbers come back to the bit, and no reader of recordings is needed.
 #[derive(Debug, Serialize, Deserialize)]

@@ -29,7 +29,6 @@ pub mod report;
 mod run_folder;
 mod session;
 mod simulation;
-pub mod tables;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -17,6 +17,7 @@ pub(crate) mod discover;
 pub(crate) mod fit;
 pub(crate) mod html;
 mod parameters;
+pub(crate) mod study;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]

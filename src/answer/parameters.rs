@@ -31,7 +31,7 @@ pub(crate) fn parameters<'a>(all: impl Iterator<Item = (&'a Estimate, String)>) 
         let key = Key::Parameter { name: it.name.clone(), unit: it.unit.clone(), value: it.value };
         table.push(vec![
             it.name.as_str().into(),
-            Cell { text: significant(it.value, DIGITS), key: Some(key) },
+            Cell::of(significant(it.value, DIGITS), Some(key)),
             known(it.std_error, 3).into(),
             it.unit.as_str().into(),
             known(it.before, DIGITS).into(),

@@ -14,7 +14,7 @@ fn table() -> Table {
     ];
     let mut table = Table::new("Values", columns);
     let key = Some(Key::Step(7));
-    let value = Cell { text: "-1.50".to_owned(), key: key.clone() };
+    let value = Cell::of("-1.50", key.clone());
     let cells = vec!["K_m".into(), value, "2.25".into()];
     table.rows.push(Row { key, cells });
     table

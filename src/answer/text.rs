@@ -76,34 +76,58 @@ impl Text {
                 }
             }
             Block::Table(table) => self.table(table),
-            Block::Figure(_) | Block::Panels(_) => {}
+            Block::Figure(_) | Block::Panels(_) | Block::Contents(_) => {}
             Block::Cards(cards) => self.cards(cards),
-            Block::Details { blocks, .. } | Block::Section { blocks, .. } => self.blocks(blocks),
+            Block::Details { blocks, .. }
+            | Block::Section { blocks, .. }
+            | Block::Part { blocks, .. } => self.blocks(blocks),
+            Block::Slot { blocks, .. } => {
+                self.blocks(blocks);
+                self.gap();
+            }
             Block::In(media, blocks) if media.contains(&Medium::Terminal) => self.blocks(blocks),
             Block::In(..) => {}
         }
     }
 
+    /// One table, or one for every group of its columns: a terminal is narrow.
     fn table(&mut self, table: &Table) {
         if table.rows.is_empty() {
             return;
         }
-        self.gap();
-        if !table.caption.is_empty() {
-            self.line(&table.caption);
+        let columns: Vec<(usize, &Column)> =
+            shown(table).into_iter().map(|at| (at, &table.columns[at])).collect();
+        let mut groups: Vec<&str> = Vec::new();
+        for (_, column) in columns.iter().filter(|(_, column)| !column.group.is_empty()) {
+            if groups.last() != Some(&column.group.as_str()) {
+                groups.push(&column.group);
+            }
         }
-        self.rows(table);
+        if groups.is_empty() {
+            self.part(&table.caption, &table.rows, &columns);
+        }
+        for group in groups {
+            let with = columns.iter().filter(|(_, it)| it.group.is_empty() || it.group == group);
+            let with: Vec<(usize, &Column)> = with.copied().collect();
+            self.part(&format!("{}, {group}", table.caption), &table.rows, &with);
+        }
+    }
+
+    fn part(&mut self, caption: &str, rows: &[Row], columns: &[(usize, &Column)]) {
+        self.gap();
+        if !caption.is_empty() {
+            self.line(caption);
+        }
+        self.rows(rows, columns);
         self.gap();
     }
 
-    fn rows(&mut self, table: &Table) {
-        let columns: Vec<(usize, &Column)> =
-            shown(table).into_iter().map(|at| (at, &table.columns[at])).collect();
+    fn rows(&mut self, rows: &[Row], columns: &[(usize, &Column)]) {
         let cell = |row: &Row, at: usize| row.cells[at].text.clone();
         let widths: Vec<usize> = columns
             .iter()
             .map(|(at, column)| {
-                let cells = table.rows.iter().map(|row| cell(row, *at).chars().count());
+                let cells = rows.iter().map(|row| cell(row, *at).chars().count());
                 let words = column.heading.split_whitespace().map(|word| word.chars().count());
                 // A heading breaks where its cells are short, but not after every word.
                 let heading = column.heading.chars().count().min(LEAST);
@@ -122,11 +146,11 @@ impl Text {
                 let above = tallest - lines.len();
                 number.checked_sub(above).map_or(String::new(), |at| lines[at].clone())
             };
-            self.cells(&columns, &widths, &headings.iter().map(part).collect::<Vec<_>>());
+            self.cells(columns, &widths, &headings.iter().map(part).collect::<Vec<_>>());
         }
-        for row in &table.rows {
+        for row in rows {
             let cells: Vec<String> = columns.iter().map(|(at, _)| cell(row, *at)).collect();
-            self.cells(&columns, &widths, &cells);
+            self.cells(columns, &widths, &cells);
         }
     }
 

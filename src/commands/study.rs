@@ -22,12 +22,14 @@ use serde::Serialize;
 use super::Run;
 use super::counts::all_positive;
 use super::twelve::TwelveDetected;
+use crate::answer::block::Block;
 use crate::failure::{Ending, Failure, told};
 use crate::next::Next;
+use crate::report::study::study_html;
 use crate::run_folder::RunFolder;
 use crate::session::Session;
 use crate::simulation::fault::{FaultError, FaultOverTime};
-use crate::{drive_source, fmu_file, interrupt, output};
+use crate::{answer, drive_source, fmu_file, interrupt, output};
 
 /// Run the main job: twelve faults in parallel through the exported FMU, tables and a report.
 #[derive(Debug, Args)]
@@ -144,11 +146,12 @@ impl Run for Study {
             outcome.results.hidden_effect = Some(found.map_err(told)?);
         }
 
-        write(&outcome, folder.work())?;
+        let told = answer::study::told(&outcome.results, &outcome.pictures);
+        write(&outcome, &told, folder.work())?;
         folder.finish()?;
         session.remark(format_args!("report: {}", self.out.join("report.html").display()));
         let next = Next::new("benchmark detection");
-        session.wrote(&crate::tables::study(&outcome.results), &outcome.results, &next)?;
+        session.wrote(&answer::text(&told), &outcome.results, &next)?;
         Ok(Ending::Done)
     }
 }
@@ -163,7 +166,7 @@ struct WithTraces<'a> {
 }
 
 /// Writes results, report and runs.
-fn write(outcome: &Outcome, folder: &Path) -> miette::Result<()> {
+fn write(outcome: &Outcome, told: &[Block], folder: &Path) -> miette::Result<()> {
     let text = |name: &str, text: &str| {
         output::write_file(&folder.join(name), |out| out.write_all(text.as_bytes()))
     };
@@ -175,7 +178,7 @@ fn write(outcome: &Outcome, folder: &Path) -> miette::Result<()> {
         output::write_recording(&path("inputs"), &run.inputs)?;
         output::write_recording(&path("signals"), &run.signals)?;
     }
-    text("report.html", &crate::report::study_html(&outcome.results, &outcome.pictures))?;
+    text("report.html", &study_html(&outcome.results, told))?;
     let whole = WithTraces { results: &outcome.results, traces: &outcome.pictures };
     text("study.json", &output::json(&whole)?)?;
     Ok(())

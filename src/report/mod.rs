@@ -1,7 +1,7 @@
 //! Reports: one HTML file that explains itself, offline, in any browser, on paper.
 //!
 //! A report is self-contained: styles and pictures are inline, nothing is loaded and no script
-//! runs (its content security policy forbids both). [`plot`] draws; [`study_html`] says what a study found.
+//! runs (its content security policy forbids both). [`plot`] draws.
 
 pub(crate) mod campaign;
 pub(crate) mod compare;
@@ -16,4 +16,3 @@ pub(crate) mod testing;
 pub(crate) mod words;
 
 pub use recording::recording_html;
-pub use study::study_html;

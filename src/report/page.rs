@@ -73,46 +73,61 @@ pub(crate) fn figure(id: &str, svg: String, name: &str, caption: &Markup) -> Mar
     }
 }
 
-/// With a minus sign instead of a hyphen before digits.
+/// With a minus sign instead of a hyphen before digits and between spaces.
 pub(crate) fn minus(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut before = ' ';
     for (at, c) in text.char_indices() {
-        let digit_follows = text[at + c.len_utf8()..].starts_with(|c: char| c.is_ascii_digit());
+        let rest = &text[at + c.len_utf8()..];
+        let digit_follows = rest.starts_with(|c: char| c.is_ascii_digit());
         // Not between words or after a number: `2024-05`, but in the exponent of `3e-5`.
-        let sign = !before.is_alphanumeric() || before == 'e';
-        out.push(if c == '-' && digit_follows && sign { '\u{2212}' } else { c });
+        let sign = digit_follows && (!before.is_alphanumeric() || before == 'e');
+        let difference = before == ' ' && rest.starts_with(' ');
+        out.push(if c == '-' && (sign || difference) { '\u{2212}' } else { c });
         before = c;
     }
     out
 }
 
-/// Text with its symbols typeset: `r_td` as r with a lowered td. A symbol is one letter,
-/// an underscore and what follows it of letters and digits.
+/// Words with their signs and symbols typeset.
+pub(crate) fn typeset(words: &str) -> Markup {
+    math(&minus(words))
+}
+
+/// Text with its symbols typeset: `r_td` as r with a lowered td, `f_1^2` as f₁². A symbol is one
+/// letter, an underscore and what follows it of letters and digits, but for the name of a file.
 pub(crate) fn math(text: &str) -> Markup {
     let mut out = String::new();
     // Up to here the text has been written.
     let mut written = 0;
     let mut before = ' ';
     for (at, c) in text.char_indices() {
-        let rest = &text[at + c.len_utf8()..];
-        let index = rest.strip_prefix('_').map_or("", |rest| {
-            &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len())]
-        });
-        if c.is_ascii_alphabetic()
-            && !before.is_alphanumeric()
-            && before != '_'
-            && at >= written
-            && !index.is_empty()
-        {
-            let symbol = html! { (text[written..at]) (c) sub { (index) } };
-            out += &symbol.into_string();
-            written = at + 2 + index.len();
+        let begins = c.is_ascii_alphabetic() && !before.is_alphanumeric() && before != '_';
+        if begins && at >= written {
+            let rest = &text[at + 1..];
+            let index = rest.strip_prefix('_').map_or("", alphanumeric);
+            let after = rest.get(1 + index.len()..).unwrap_or_default();
+            let is_file = after.strip_prefix('.').is_some_and(|it| !alphanumeric(it).is_empty());
+            let power = after.strip_prefix('^').map_or("", alphanumeric);
+            if !index.is_empty() && !is_file {
+                let end = text.len() - after.len() + power.len() + usize::from(!power.is_empty());
+                let symbol = match power {
+                    "" => html! { (text[written..at]) (c) sub { (index) } },
+                    _ => html! { (text[written..at]) (label(&text[at..end])) },
+                };
+                out += &symbol.into_string();
+                written = end;
+            }
         }
         before = c;
     }
     out += &html! { (text[written..]) }.into_string();
     PreEscaped(out)
+}
+
+/// The letters and digits with which a text begins.
+fn alphanumeric(text: &str) -> &str {
+    &text[..text.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(text.len())]
 }
 
 /// The paper's label with raised and lowered digits: `f_1^2` as f₁².
@@ -146,6 +161,9 @@ mod tests {
             text,
             "r<sub>td</sub> of &lt;K<sub>m</sub>&gt;, file_name, a_, arx_2 K<sub>e</sub>"
         );
+        // The name of a file is none, the end of a sentence is no file.
+        let text = typeset("-5 % of f_1^2 in a_1.csv: r - y_e. So K_m.").into_string();
+        assert_eq!(text, "−5 % of f₁² in a_1.csv: r − y<sub>e</sub>. So K<sub>m</sub>.");
     }
 
     #[test]

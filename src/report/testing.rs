@@ -247,22 +247,6 @@ fn isolation(classes: usize) -> IsolationTable {
     }
 }
 
-/// The rows that a comparison with fmpy adds.
-pub(crate) fn fmpy() -> Vec<FmpyRow> {
-    names()
-        .flat_map(|fault| {
-            [(2, "CS", 0.0), (2, "ME", 5.9e-9), (3, "CS", 2.2e-16), (3, "ME", 6.1e-9)].map(
-                |(fmi, kind, max_relative_difference)| FmpyRow {
-                    fault: fault.clone(),
-                    fmi,
-                    kind: kind.into(),
-                    max_relative_difference,
-                },
-            )
-        })
-        .collect()
-}
-
 /// A run of each fault, then a healthy one.
 pub(crate) fn pictures() -> Vec<Pictures> {
     names().map(Some).chain([None]).enumerate().map(|(k, fault)| picture(k, fault)).collect()

@@ -1,10 +1,8 @@
-//! The sentences and numbers that terminal and report share.
+//! Numbers and names as they are read, wherever they stand.
 
 use drivescope_discovery::{BothUnexplained, Unexplained};
 use drivescope_plant::drive::Motion;
-use drivescope_scenarios::results::{
-    DetectionRow, DetectorKind, FaultName, PaperRow, StudyResults, TorqueReading,
-};
+use drivescope_scenarios::results::{FaultName, TorqueReading};
 
 /// `tacho +5 %`.
 pub(crate) fn fault(fault: &FaultName) -> String {
@@ -115,16 +113,6 @@ pub(crate) fn p_is(p: f64) -> String {
     format!("p {equals}{text}")
 }
 
-/// A relative difference: equal bits are said.
-pub(crate) fn difference(relative: f64) -> String {
-    if relative == 0.0 { "0 (equal)".into() } else { format!("{relative:.1e}") }
-}
-
-/// The unit of speed and of torque for T in this unit: only axes measure in m/s.
-pub(crate) fn si_units(tacho_unit: &str) -> (&'static str, &'static str) {
-    if tacho_unit == "m/s" { ("m/s", "N") } else { ("rad/s", "N m") }
-}
-
 /// What a reading of the torque fault means.
 pub(crate) fn torque(reading: TorqueReading) -> &'static str {
     match reading {
@@ -135,70 +123,9 @@ pub(crate) fn torque(reading: TorqueReading) -> &'static str {
     }
 }
 
-/// The rows of one method.
-pub(crate) fn rows_of(rows: &[DetectionRow], method: DetectorKind) -> Vec<&DetectionRow> {
-    rows.iter().filter(|row| row.method == method).collect()
-}
-
-/// The paper's row for this fault and method.
-pub(crate) fn paper_row<'a>(
-    study: &'a StudyResults,
-    label: &str,
-    method: DetectorKind,
-) -> Option<&'a PaperRow> {
-    study.paper.detection.iter().find(|row| row.label == label && row.method == method)
-}
-
-/// Samples from the fault's begin to the paper's declaration; negative where that was a false
-/// alarm.
-pub(crate) fn paper_delay(study: &StudyResults, row: &PaperRow) -> i64 {
-    row.t_dt as i64 - study.fault_span.from as i64
-}
-
-/// What a method found, in one line: `12 of 12 faults detected by model error modelling, 0 false
-/// alarms in 5000 healthy samples`.
-pub(crate) fn verdict(study: &StudyResults, method: DetectorKind) -> String {
-    let rows = rows_of(&study.detection, method);
-    let found = rows.iter().filter(|row| row.detected()).count();
-    let alarms = study.healthy.alarms.of(method);
-    let early: usize = rows.iter().map(|row| row.false_alarms).sum();
-    let mut line = format!(
-        "{found} of {} faults detected by {}, {} in {} healthy samples",
-        rows.len(),
-        method.label(),
-        count(alarms, "false alarm"),
-        study.healthy.samples
-    );
-    if early > 0 {
-        line += &format!(", {} before a fault began", count(early, "declaration"));
-    }
-    line
-}
-
-/// The greatest of these; not a number if one is not, for a maximum must not hide it.
-pub(crate) fn greatest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |most: f64, v| if most.is_nan() || v <= most { most } else { v })
-}
-
 /// `1 run`, `2 runs`.
 pub(crate) fn count(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
-/// Level below which the tests of the residual reject.
-pub(crate) const TEST_LEVEL: f64 = 0.01;
-
-/// What the whiteness test says of r - y_e.
-pub(crate) fn whiteness(p: f64) -> &'static str {
-    if p.is_nan() {
-        "not tested"
-    } else if p < TEST_LEVEL {
-        "not white: neighbouring samples resemble each other, while the bands assume independent \
-         errors. The share outside the bands still holds on average, but exceedances come in \
-         clusters, so runs of them are more frequent than independence would make them"
-    } else {
-        "no correlation found: in keeping with the independent errors that the bands assume"
-    }
 }
 
 /// The beginning of a sentence.
@@ -207,42 +134,9 @@ pub(crate) fn capital(words: &str) -> String {
     chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
 }
 
-/// What the normality test says of r - y_e.
-pub(crate) fn normality(p: f64) -> &'static str {
-    if p.is_nan() {
-        "not tested"
-    } else if p < TEST_LEVEL {
-        "not normal: the factor of the bands is that of a normal distribution, so the share \
-         outside them may differ from the one designed; compare the measured rate"
-    } else {
-        "no departure found: in keeping with the normal distribution that the bands assume"
-    }
-}
-
-/// What lies behind the half-widths of both kinds of threshold.
-pub(crate) fn lead(study: &StudyResults) -> String {
-    let (with, without) = (study.model.v, study.model.residual_sd);
-    let unit = &study.drive.tacho_unit;
-    let narrower = 100.0 * (1.0 - with / without);
-    let change = if !narrower.is_finite() {
-        "not comparable with".into()
-    } else if narrower >= 0.0 {
-        format!("{narrower:.0} % narrower than")
-    } else {
-        format!("{:.0} % wider than", -narrower)
-    };
-    format!(
-        "Here the error model takes the residual's standard deviation from {} to {} {unit}: its \
-         bands are {change} constant thresholds.",
-        number(without),
-        number(with)
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::testing::study;
 
     #[test]
     fn faults_are_named_by_what_they_are() {
@@ -282,20 +176,5 @@ mod tests {
         assert_eq!(given(0.001), "0.001");
         assert_eq!(given(2000.0), "2000");
         assert_eq!(given(5.0), "5");
-    }
-
-    #[test]
-    fn the_verdict_counts_what_was_declared_in_time() {
-        let mut found = study();
-        let line = "12 of 12 faults detected by model error modelling, 0 false alarms in 90000 \
-                    healthy samples";
-        assert_eq!(verdict(&found, DetectorKind::Mem), line);
-        let missed =
-            found.detection.iter_mut().find(|row| row.method == DetectorKind::Mem).unwrap();
-        missed.false_alarms = 1;
-        *found.healthy.alarms.get_mut(DetectorKind::Mem) = 1;
-        let line = "11 of 12 faults detected by model error modelling, 1 false alarm in 90000 \
-                    healthy samples, 1 declaration before a fault began";
-        assert_eq!(verdict(&found, DetectorKind::Mem), line);
     }
 }

@@ -102,7 +102,7 @@ pub(crate) fn table(motion: Motion, steps: &[Step]) -> Table {
         cells.push(error(step.error).into());
         cells.push(error(step.validation_error).into());
         let key = Some(Key::Step(place));
-        cells.push(Cell { text: String::new(), key: key.clone() });
+        cells.push(Cell::of("", key.clone()));
         table.rows.push(Row { key, cells });
     }
     table

@@ -59,7 +59,8 @@ pub(super) fn trace(
     run: usize,
 ) -> Option<String> {
     let picture = pictures.get(run)?;
-    Some(crate::report::study::run(study, picture, run).into_string())
+    let told = [crate::answer::study::run(study, picture, run)];
+    Some(crate::answer::html::page(&told, &|_| None).into_string())
 }
 
 fn detection(results: &Value, traces: Option<&(StudyResults, Vec<Pictures>)>) -> Markup {

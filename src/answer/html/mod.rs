@@ -1,11 +1,11 @@
 //! Blocks as HTML, for the page and for reports.
 
+mod table;
+
 use maud::{Markup, PreEscaped, html};
 
-use super::block::{
-    Align, Block, Card, Cell, Column, Fact, Item, Key, Medium, Picture, Plot, Table,
-};
-use crate::report::page::{math, minus, section};
+use super::block::{Block, Card, Fact, Item, Key, Medium, Picture, Plot, Tone};
+use crate::report::page::{section, typeset};
 use crate::report::words::capital;
 
 /// Width of the pictures that stand beside each other, pixels.
@@ -14,7 +14,7 @@ const NARROW: f64 = 400.0;
 /// What the page offers in the place of what a key stands for, or below it.
 pub(crate) type Actions<'a> = &'a dyn Fn(&Key) -> Option<Markup>;
 
-/// The blocks in a report, in which nothing can be done.
+/// The blocks in a report, in which nothing can be done but to go from place to place.
 pub(crate) fn report(blocks: &[Block]) -> Markup {
     Html { medium: Medium::Report, actions: &|_| None }.blocks(blocks)
 }
@@ -39,7 +39,7 @@ impl Html<'_> {
         match block {
             Block::Verdict { words, remark, .. } => html! {
                 p.verdict { (sentence(words)) }
-                @if !remark.is_empty() { p.second { (minus(remark)) } }
+                @if !remark.is_empty() { p.second { (typeset(remark)) } }
             },
             Block::Sentence(words) => html! { p { (sentence(words)) } },
             Block::Note(words) => html! { p.note { (sentence(words)) } },
@@ -51,8 +51,11 @@ impl Html<'_> {
                 dl.tiles {
                     @for fact in self.shown(facts) {
                         div {
-                            dt { (fact.name) }
-                            dd { (minus(&fact.value)) span.sub { (minus(&fact.note)) } }
+                            dt { (typeset(&fact.name)) }
+                            dd {
+                                (toned(fact.tone, typeset(&fact.value)))
+                                span.sub { (typeset(&fact.note)) }
+                            }
                         }
                     }
                 }
@@ -60,7 +63,7 @@ impl Html<'_> {
             Block::Facts(facts) => self.facts(facts),
             Block::List(items) => html! { ul.reading { @for item in items { (self.item(item)) } } },
             Block::Table(table) if table.rows.is_empty() => html! {},
-            Block::Table(table) => self.table(table),
+            Block::Table(table) => table::table(self, table),
             Block::Figure(picture) => figure(picture, None, &html! {}),
             Block::Panels(all) => html! {
                 div.panels {
@@ -70,13 +73,37 @@ impl Html<'_> {
                 }
             },
             Block::Cards(cards) => html! { div.cards { @for card in cards { (self.card(card)) } } },
-            Block::Heading(words) => html! { h3 { (words) } },
+            Block::Heading(words) => html! { h3 { (typeset(words)) } },
+            Block::Part { id, title, blocks } => html! {
+                h3 id=(id) { a href={ "#" (id) } { (typeset(&capital(title))) } }
+                (self.blocks(blocks))
+            },
             Block::Details { summary, blocks } => html! {
                 details { summary { (summary) } (self.blocks(blocks)) }
             },
             Block::Section { id, title, blocks } => section(id, title, &self.blocks(blocks)),
+            Block::Contents(lists) => html! {
+                nav aria-label="Contents" {
+                    @for list in lists {
+                        ul { @for (id, name) in list { li { (link(id, typeset(name))) } } }
+                    }
+                }
+            },
+            Block::Slot { name, blocks } => html! {
+                (PreEscaped(format!("<!-- {name} -->")))
+                (self.blocks(blocks))
+                (PreEscaped(format!("<!-- /{name} -->")))
+            },
             Block::In(media, blocks) if media.contains(&self.medium) => self.blocks(blocks),
             Block::In(..) => html! {},
+        }
+    }
+
+    /// What is done with a key; in a report, a place is gone to.
+    fn act(self, key: Option<&Key>, words: &str) -> Option<Markup> {
+        match (self.medium, key?) {
+            (Medium::Report, Key::Place(id)) => Some(link(id, typeset(words))),
+            (_, key) => (self.actions)(key),
         }
     }
 
@@ -89,10 +116,10 @@ impl Html<'_> {
             dl.facts {
                 @for fact in self.shown(facts) {
                     div {
-                        dt { (fact.name) }
+                        dt { (typeset(&fact.name)) }
                         dd {
-                            (minus(&fact.value))
-                            @if !fact.note.is_empty() { " (" (minus(&fact.note)) ")" }
+                            (toned(fact.tone, typeset(&fact.value)))
+                            @if !fact.note.is_empty() { " (" (typeset(&fact.note)) ")" }
                         }
                     }
                 }
@@ -101,58 +128,14 @@ impl Html<'_> {
     }
 
     fn item(self, item: &Item) -> Markup {
-        let head = item.key.as_ref().and_then(|key| (self.actions)(key));
+        let head = self.act(item.key.as_ref(), &item.head);
         html! {
             li {
                 @if let Some(head) = head { (head) }
                 @else if item.code { code { (item.head) } }
-                @else { (minus(&item.head)) }
-                @if !item.note.is_empty() { " " span.note { (minus(&item.note)) } }
+                @else { (typeset(&item.head)) }
+                @if !item.note.is_empty() { " " span.note { (typeset(&item.note)) } }
             }
-        }
-    }
-
-    fn table(self, table: &Table) -> Markup {
-        let columns: Vec<(usize, &Column)> = table
-            .columns
-            .iter()
-            .enumerate()
-            .filter(|(_, column)| column.media.contains(&self.medium))
-            .collect();
-        html! {
-            div.scroll role="region" tabindex="0" aria-label=(table.caption) {
-                table {
-                    caption { (table.caption) }
-                    thead { tr {
-                        @for (_, column) in &columns {
-                            th.name[column.align != Align::Number] scope="col" { (column.heading) }
-                        }
-                    } }
-                    tbody {
-                        @for row in &table.rows {
-                            tr data-step=[step(row.key.as_ref())] {
-                                @for (at, column) in &columns {
-                                    (self.cell(&row.cells[*at], column.align, *at == 0))
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    fn cell(self, cell: &Cell, align: Align, names_the_row: bool) -> Markup {
-        let done = cell.key.as_ref().and_then(|key| (self.actions)(key));
-        let content = done.unwrap_or_else(|| match align {
-            Align::Symbol => math(&cell.text),
-            _ => html! { (minus(&cell.text)) },
-        });
-        match align {
-            _ if names_the_row => html! { th scope="row" { (content) } },
-            Align::Number => html! { td { (content) } },
-            Align::Name | Align::Symbol => html! { td.name { (content) } },
-            Align::Words => html! { td.words { (content) } },
         }
     }
 
@@ -173,23 +156,30 @@ impl Html<'_> {
                 }
                 (self.blocks(&card.blocks))
                 @if !card.facts.is_empty() { (self.facts(&card.facts)) }
-                @if let Some(done) = card.key.as_ref().and_then(|key| (self.actions)(key)) { (done) }
+                @if let Some(done) = self.act(card.key.as_ref(), &card.title) { (done) }
             }
         }
     }
 }
 
-/// With a capital and a full stop.
-fn sentence(words: &str) -> String {
+/// With a capital, unless a symbol is its first word, and a full stop.
+fn sentence(words: &str) -> Markup {
     let end = if words.ends_with(['.', ':', '!', '?']) { "" } else { "." };
-    capital(&minus(words)) + end
+    let symbol = words.as_bytes().get(1) == Some(&b'_');
+    let words = if symbol { words.to_owned() } else { capital(words) };
+    typeset(&(words + end))
 }
 
-/// The step that a row is.
-fn step(key: Option<&Key>) -> Option<usize> {
-    match key {
-        Some(Key::Step(number)) => Some(*number),
-        _ => None,
+fn link(id: &str, words: Markup) -> Markup {
+    html! { a href={ "#" (id) } { (words) } }
+}
+
+fn toned(tone: Tone, value: Markup) -> Markup {
+    match tone {
+        Tone::Plain => value,
+        Tone::Strong => html! { strong { (value) } },
+        Tone::Good => html! { span.good { (value) } },
+        Tone::Alert => html! { span.alert { (value) } },
     }
 }
 
@@ -205,7 +195,7 @@ fn figure(picture: &Picture, width: Option<f64>, below: &Markup) -> Markup {
     html! {
         figure {
             div.scroll role="region" tabindex="0" aria-label=(name) { (PreEscaped(svg)) }
-            @if !caption.is_empty() { figcaption { (minus(caption)) } }
+            @if !caption.is_empty() { figcaption { (typeset(caption)) } }
             (below)
         }
     }

@@ -2,78 +2,63 @@
 
 use std::ops::Range;
 
-use drivescope_scenarios::results::{DetectionRow, DetectorKind, Pictures, StudyResults};
-use maud::{Markup, html};
+use drivescope_scenarios::results::{DetectorKind, Pictures, StudyResults};
 
 use super::trace::drawing;
-use crate::report::page::{self, figure, label, math, minus, table};
+use super::words::{level, row_of};
+use crate::answer::block::{Align, Block, Column, HTML, Picture, Plot, Table};
 use crate::report::words::{capital, fault, number, percent};
 
 /// Rows of the data table of a run.
 const BLOCKS: usize = 20;
 
-/// Name of the run's figure on the page.
+/// Where the run is on its page.
 pub(super) fn id(place: usize) -> String {
     format!("run-{}", place + 1)
 }
 
 /// What was run.
 pub(super) fn name(picture: &Pictures) -> String {
-    picture.fault.as_ref().map_or_else(|| "healthy".into(), |name| minus(&fault(name)))
+    picture.fault.as_ref().map_or_else(|| "healthy".into(), fault)
+}
+
+/// Where every run is, and what was run.
+pub(super) fn names(pictures: &[Pictures]) -> Vec<(String, String)> {
+    pictures.iter().enumerate().map(|(place, picture)| (id(place), name(picture))).collect()
 }
 
 /// The section.
-pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
-    page::section(
-        "runs",
-        "Each run: residual and bands",
-        &html! {
-            p {
-                "The residual " (math("r = T \u{2212} y_m")) " with its adaptive bands, around the time "
-                "at which the fault acts. Ticks below mark every sample outside the bands; a solid bar is "
-                "what the rule waits for. Constant thresholds are dashed."
-            }
-            @if pictures.is_empty() {
-                p.note { "No traces were kept." }
-            }
-            @for (place, picture) in pictures.iter().enumerate() {
-                (run(study, picture, place))
-            }
-        },
-    )
+pub(super) fn told(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
+    let about = "The residual r = T - y_m with its adaptive bands, around the time at which the fault \
+                 acts. Ticks below mark every sample outside the bands; a solid bar is what the rule \
+                 waits for. Constant thresholds are dashed";
+    let mut blocks = vec![Block::Sentence(about.to_owned())];
+    if pictures.is_empty() {
+        blocks.push(Block::Note("No traces were kept".to_owned()));
+    }
+    let all = pictures.iter().enumerate();
+    blocks.extend(all.map(|(place, picture)| run(study, picture, place)));
+    vec![Block::In(HTML, blocks)]
 }
 
 /// One run: what failed, its traces, their numbers.
-pub(crate) fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Markup {
-    let id = id(place);
-    let shown = shown(study, picture);
-    html! {
-        h3 {
-            a href={ "#" (id) } { (capital(&name(picture))) }
-            @if let Some(name) = &picture.fault { " \u{2002}" (label(&name.label)) }
-        }
-        @if shown.is_empty() {
-            p.note { "The run ends before the fault begins: there is nothing to show." }
-        } @else {
-            (traces(study, picture, &shown, &id))
-        }
-    }
-}
-
-/// The drawing and its numbers.
-fn traces(study: &StudyResults, picture: &Pictures, shown: &Range<usize>, id: &str) -> Markup {
-    html! {
-        (figure(
-            id,
-            drawing(study, picture, shown, id).svg(),
-            &format!("Residual, {}", name(picture)),
-            &html! { (caption(study, picture, shown)) },
-        ))
-        details {
-            summary { "Data of this picture, in blocks of " (block(shown)) " samples" }
-            (data(study, picture, shown))
-        }
-    }
+pub(crate) fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Block {
+    let (id, shown) = (id(place), shown(study, picture));
+    let label = picture.fault.as_ref().map(|name| format!(" \u{2002}{}", name.label));
+    let title = capital(&name(picture)) + &label.unwrap_or_default();
+    let blocks = if shown.is_empty() {
+        let why = "The run ends before the fault begins: there is nothing to show";
+        vec![Block::Note(why.to_owned())]
+    } else {
+        let plot = Plot::Figure(drawing(study, picture, &shown, &id));
+        let summary = format!("Data of this picture, in blocks of {} samples", block(&shown));
+        let blocks = vec![Block::Table(data(study, picture, &shown))];
+        vec![
+            Block::Figure(Picture { plot, caption: caption(study, picture, &shown) }),
+            Block::Details { summary, blocks },
+        ]
+    };
+    Block::Part { id, title, blocks }
 }
 
 /// The fault's span and half of its length on both sides, as far as the run holds it.
@@ -107,7 +92,7 @@ pub(super) fn caption(study: &StudyResults, picture: &Pictures, shown: &Range<us
             "A healthy run: {} % of the samples shown lie outside the bands (designed: {} %), and \
              {declared}.",
             percent(share_outside(picture, shown.clone()), 1),
-            percent(study.beta, 0)
+            level(study.beta)
         );
     };
     let from = study.fault_span.from;
@@ -123,10 +108,7 @@ pub(super) fn caption(study: &StudyResults, picture: &Pictures, shown: &Range<us
         ),
         None => "Not declared.".into(),
     };
-    let rate = |method| {
-        let row = |row: &&DetectionRow| row.method == method && row.fault == *name;
-        study.detection.iter().find(row).map(|row| percent(row.r_td, 1))
-    };
+    let rate = |method| row_of(study, name, method).map(|row| percent(row.r_td, 1));
     match (rate(DetectorKind::Mem), rate(DetectorKind::Constant)) {
         (Some(mem), Some(constant)) => format!(
             "{declared} Of the faulty samples {mem} % lie outside the bands, {constant} % outside \
@@ -141,53 +123,52 @@ fn block(shown: &Range<usize>) -> usize {
 }
 
 /// The picture as numbers.
-fn data(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> Markup {
+fn data(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> Table {
     let unit = &study.drive.tacho_unit;
-    let head = html! {
-        tr {
-            th.name scope="col" { "samples" }
-            th scope="col" { "mean r [" (unit) "]" }
-            th scope="col" { "least r [" (unit) "]" }
-            th scope="col" { "greatest r [" (unit) "]" }
-            th scope="col" { "mean lower band [" (unit) "]" }
-            th scope="col" { "mean upper band [" (unit) "]" }
-            th scope="col" { "outside [%]" }
-            th scope="col" { "mean T [" (unit) "]" }
-            th scope="col" { (math("mean C_m [V]")) }
-        }
-    };
-    let body = html! {
-        @for from in shown.clone().step_by(block(shown)) {
-            @let samples = from..(from + block(shown)).min(shown.end);
-            @let of = |signal: &[f64]| Block::of(signal, samples.clone());
-            @let r = of(&picture.residual);
-            tr {
-                th scope="row" { (samples.start) "\u{2013}" (samples.end - 1) }
-                td { (decimals(r.mean, 1)) }
-                td { (decimals(r.least, 1)) }
-                td { (decimals(r.greatest, 1)) }
-                td { (decimals(of(&picture.lower).mean, 1)) }
-                td { (decimals(of(&picture.upper).mean, 1)) }
-                td { (percent(share_outside(picture, samples.clone()), 0)) }
-                td { (decimals(of(&picture.t).mean, 1)) }
-                td { (decimals(of(&picture.c_m).mean, 3)) }
-            }
-        }
-    };
-    table(&format!("Run {}, means and extremes of each block", name(picture)), &head, &body)
+    let column = |heading: String| Column::new(Align::Number, heading);
+    let columns = vec![
+        Column::new(Align::Name, "samples"),
+        column(format!("mean r [{unit}]")),
+        column(format!("least r [{unit}]")),
+        column(format!("greatest r [{unit}]")),
+        column(format!("mean lower band [{unit}]")),
+        column(format!("mean upper band [{unit}]")),
+        column("outside [%]".to_owned()),
+        column(format!("mean T [{unit}]")),
+        column("mean C_m [V]".to_owned()),
+    ];
+    let caption = format!("Run {}, means and extremes of each block", name(picture));
+    let mut table = Table::new(caption, columns);
+    for from in shown.clone().step_by(block(shown)) {
+        let samples = from..(from + block(shown)).min(shown.end);
+        let of = |signal: &[f64]| Extent::of(signal, samples.clone());
+        let r = of(&picture.residual);
+        table.push(vec![
+            format!("{}\u{2013}{}", samples.start, samples.end - 1).into(),
+            decimals(r.mean, 1).into(),
+            decimals(r.least, 1).into(),
+            decimals(r.greatest, 1).into(),
+            decimals(of(&picture.lower).mean, 1).into(),
+            decimals(of(&picture.upper).mean, 1).into(),
+            percent(share_outside(picture, samples.clone()), 0).into(),
+            decimals(of(&picture.t).mean, 1).into(),
+            decimals(of(&picture.c_m).mean, 3).into(),
+        ]);
+    }
+    table
 }
 
 fn decimals(value: f64, count: usize) -> String {
-    if value.is_finite() { minus(&format!("{value:.count$}")) } else { "\u{2013}".into() }
+    if value.is_finite() { format!("{value:.count$}") } else { "-".into() }
 }
 
-struct Block {
+struct Extent {
     mean: f64,
     least: f64,
     greatest: f64,
 }
 
-impl Block {
+impl Extent {
     /// Of the samples that are there and finite; not finite where there are none.
     fn of(signal: &[f64], samples: Range<usize>) -> Self {
         let end = samples.end.min(signal.len());
@@ -231,8 +212,8 @@ mod tests {
 
     #[test]
     fn blocks_leave_out_what_was_not_computed() {
-        let block = Block::of(&[f64::NAN, 1.0, 3.0, 9.0], 0..3);
+        let block = Extent::of(&[f64::NAN, 1.0, 3.0, 9.0], 0..3);
         assert_eq!((block.mean, block.least, block.greatest), (2.0, 1.0, 3.0));
-        assert!(!Block::of(&[1.0], 5..9).mean.is_finite());
+        assert!(!Extent::of(&[1.0], 5..9).mean.is_finite());
     }
 }

@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use drivescope_scenarios::results::{Pictures, StudyResults};
 
-use super::picture::{caption, name, outside};
+use super::runs::{caption, name, outside};
+use super::words::sampling;
+use crate::report::page::minus;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Marker, Panel, Point, Span, Strip};
-use crate::report::words::given;
 
 const RESIDUAL_HEIGHT: f64 = 220.0;
 const SIGNAL_HEIGHT: f64 = 54.0;
@@ -56,10 +57,9 @@ pub(super) fn drawing(
     });
     Figure {
         id: format!("{id}-plot"),
-        title: format!("Residual and bands, {}", name(picture)),
+        title: format!("Residual and bands, {}", minus(&name(picture))),
         description: caption(study, picture, shown),
-        x: Axis::new("sample", format!("{} ms each", given(1e3 * study.drive.period_s)))
-            .from_to(shown.start as f64, shown.end as f64),
+        x: Axis::new("sample", sampling(study)).from_to(shown.start as f64, shown.end as f64),
         spans: acts.into_iter().collect(),
         markers: declared.into_iter().collect(),
         panels: vec![

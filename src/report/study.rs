@@ -1,90 +1,42 @@
 //! The report of a study: the verdict, then what it rests on.
 
-mod detection;
-mod figures;
-mod fmu;
-mod hidden;
-mod identification;
-mod isolation;
-mod models;
-mod picture;
-mod residual;
-mod setting;
-mod summary;
-mod trace;
-
-use drivescope_scenarios::results::{Pictures, StudyResults};
-use maud::{Markup, html};
-
-pub(crate) use picture::run;
+use drivescope_scenarios::results::StudyResults;
+use maud::html;
 
 use super::page::page;
+use crate::answer::block::Block;
+use crate::answer::html::report;
 
 /// What the figures are set beside.
 const PAPER: &str = "K. Patan, M. Witczak, J. Korbicz, Towards robustness in neural network based \
                      fault diagnosis, Int. J. Appl. Math. Comput. Sci. 18 (2008), 443\u{2013}454";
 
-/// A section of the report.
-struct Section {
-    /// Its id, to which the contents lead.
-    id: &'static str,
-    /// Its name in the contents.
-    name: &'static str,
-    /// Writes it, under its heading.
-    write: fn(&StudyResults, &[Pictures]) -> Markup,
-}
-
-macro_rules! sections {
-    ($($id:literal, $name:literal, $write:expr;)+) => {
-        /// The sections in their order; the contents follow them.
-        const SECTIONS: &[Section] = &[$(Section { id: $id, name: $name, write: $write }),+];
-    };
-}
-
-sections! {
-    "setting", "Experiment", |study, _| setting::section(study);
-    "detection", "Detection", detection::section;
-    "figures", "Figures 3 and 4", figures::section;
-    "runs", "Runs", picture::section;
-    "residual", "Residual and false alarms", |study, _| residual::section(study);
-    "models", "Models", |study, _| models::section(study);
-    "isolation", "Isolation", |study, _| isolation::section(study);
-    "identification", "Sizes", |study, _| html! {
-        (identification::section(study))
-        (hidden::section(study))
-    };
-    "levels", "Levels", |study, _| detection::levels(study);
-    "readings", "Other readings", |study, _| detection::readings(study);
-    "fmu", "FMU", |study, _| fmu::section(study);
-    "reading", "How to read this", |study, _| summary::reading(study);
-}
-
-/// One self-contained HTML page: the findings of a study beside the paper's, and a picture of each
-/// run in `pictures`. Names are escaped; what was not computed is said to be missing.
-pub fn study_html(study: &StudyResults, pictures: &[Pictures]) -> String {
+/// One self-contained HTML page of what a study says: its findings beside the paper's.
+pub(crate) fn study_html(study: &StudyResults, blocks: &[Block]) -> String {
     let title = format!("Fault study: {}", study.drive.name);
     let about = html! { "Detection of faults from signals, beside the figures of " (PAPER) "." };
-    let sections = html! {
-        (summary::headline(study))
-        (summary::contents(pictures))
-        @for section in SECTIONS { ((section.write)(study, pictures)) }
-    };
     let made = html! {
         "drivescope study, seed " (study.seed) ", drive file " code { (study.drive.digest) }
         ". The same seed and drive file give the same figures. All numbers are in study.json."
     };
-    page(&title, &about, &sections, &made)
+    page(&title, &about, &report(blocks), &made)
 }
 
 #[cfg(test)]
 mod tests {
+    use drivescope_scenarios::results::Pictures;
     use scraper::{Html, Selector};
 
     use super::*;
-    use crate::report::testing::{HOSTILE, fmpy, pictures, study};
+    use crate::answer::study::told;
+    use crate::report::testing::{HOSTILE, pictures, study};
 
     /// What a report may weigh, bytes.
     const SIZE_LIMIT: usize = 1_000_000;
+
+    fn written(study: &StudyResults, pictures: &[Pictures]) -> String {
+        study_html(study, &told(study, pictures))
+    }
 
     fn count(page: &Html, selector: &str) -> usize {
         page.select(&Selector::parse(selector).unwrap()).count()
@@ -92,7 +44,7 @@ mod tests {
 
     #[test]
     fn a_browser_has_nothing_to_mend_and_nothing_to_load() {
-        let text = study_html(&study(), &pictures());
+        let text = written(&study(), &pictures());
         let page = Html::parse_document(&text);
         assert!(page.errors.is_empty(), "{:?}", page.errors);
         assert_eq!(count(&page, "script, img, link, iframe, object, form, base"), 0);
@@ -107,12 +59,12 @@ mod tests {
         // The only address is the one in the drive's name, which is text.
         let mut plain = study();
         plain.drive.name.clear();
-        assert!(!study_html(&plain, &pictures()).contains("://"));
+        assert!(!written(&plain, &pictures()).contains("://"));
     }
 
     #[test]
     fn names_are_text() {
-        let page = Html::parse_document(&study_html(&study(), &pictures()));
+        let page = Html::parse_document(&written(&study(), &pictures()));
         let heading = page.select(&Selector::parse("h1").unwrap()).next().unwrap();
         assert_eq!(heading.text().collect::<String>(), format!("Fault study: {HOSTILE}"));
     }
@@ -120,13 +72,14 @@ mod tests {
     #[test]
     fn every_fault_has_its_row_its_picture_and_its_data() {
         let (study, pictures) = (study(), pictures());
-        let page = Html::parse_document(&study_html(&study, &pictures));
+        let page = Html::parse_document(&written(&study, &pictures));
         assert_eq!(count(&page, "#detection > div.scroll:first-of-type tbody tr"), 12);
         assert_eq!(count(&page, "#runs figure"), 13);
         assert_eq!(count(&page, "#figures figure"), 2);
         assert_eq!(count(&page, "#isolation figure"), 1);
-        // Table 2 with ours, the paper's, our test's classes, and every fault alone.
-        assert_eq!(count(&page, "#isolation tbody tr"), 4 * 12);
+        // Choices of classes; then Table 2 with ours, the paper's, our test's classes, and every fault
+        // alone.
+        assert_eq!(count(&page, "#isolation tbody tr"), 3 + 4 * 12);
         assert_eq!(count(&page, "#levels tbody tr"), 2 * 4);
         assert_eq!(count(&page, "#identification tbody tr"), 12);
         assert_eq!(count(&page, "#runs details table"), 13);
@@ -144,21 +97,17 @@ mod tests {
 
     #[test]
     fn the_report_is_small() {
-        let size = study_html(&study(), &pictures()).len();
+        let size = written(&study(), &pictures()).len();
         assert!(size < SIZE_LIMIT, "{size} bytes");
     }
 
+    /// `tools/compare_fmpy` puts its rows in the place of what stands between the comments.
     #[test]
-    fn what_is_missing_is_said_and_what_is_there_is_shown() {
-        let mut study = study();
-        assert!(study_html(&study, &[]).contains("fmpy was not run"));
-        study.fmu.fmpy = fmpy();
-        let text = study_html(&study, &[]);
-        assert!(!text.contains("fmpy was not run"));
-        let page = Html::parse_document(&text);
-        assert_eq!(count(&page, "#fmu tbody tr"), 12);
-        assert!(text.contains("6.1e−9"));
-        assert!(page.errors.is_empty(), "{:?}", page.errors);
+    fn runs_in_fmpy_have_their_place() {
+        let text = written(&study(), &[]);
+        let (_, rest) = text.split_once("<!-- fmpy -->").expect("a begin");
+        let (note, _) = rest.split_once("<!-- /fmpy -->").expect("an end");
+        assert!(note.contains("Not run in fmpy"), "{note}");
     }
 
     #[test]
@@ -169,7 +118,7 @@ mod tests {
         study.identification.clear();
         study.paper.detection.clear();
         study.model.residual_sd = 0.0;
-        let text = study_html(&study, &[]);
+        let text = written(&study, &[]);
         let page = Html::parse_document(&text);
         assert!(page.errors.is_empty(), "{:?}", page.errors);
         assert!(text.contains("0 of 0 faults detected") && !text.contains("NaN"));
@@ -184,7 +133,7 @@ mod tests {
         for picture in &mut pictures[2..4] {
             picture.t.clear();
         }
-        let text = study_html(&study(), &pictures);
+        let text = written(&study(), &pictures);
         assert!(text.contains("The run ends before the fault begins"));
         for plot in text.split("<svg").skip(1).filter_map(|rest| rest.split("</svg>").next()) {
             assert!(!plot.contains("NaN") && !plot.contains("inf"), "{plot}");

@@ -4,12 +4,13 @@
 use std::ops::Range;
 
 use drivescope_scenarios::results::{DetectorKind, Pictures, StudyResults};
-use maud::{Markup, html};
 
-use super::picture::outside;
-use crate::report::page::{self, figure, math, minus};
+use super::runs::outside;
+use super::words::{level as designed, sampling};
+use crate::answer::block::{Block, HTML, Picture, Plot};
+use crate::report::page::minus;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Span};
-use crate::report::words::{count, fault, given, number, percent};
+use crate::report::words::{count, fault, given, number};
 
 /// Samples that Fig. 3 shows.
 const HEALTHY: Range<usize> = 2000..3000;
@@ -20,19 +21,19 @@ const HEIGHT: f64 = 150.0;
 const DECISION: f64 = 50.0;
 
 /// The section.
-pub(super) fn section(study: &StudyResults, pictures: &[Pictures]) -> Markup {
+pub(super) fn told(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
     let healthy = pictures.iter().find(|picture| picture.fault.is_none());
     let first = |picture: &&Pictures| picture.fault.as_ref().is_some_and(|f| f.label == LABEL);
     let faulty = pictures.iter().find(first);
-    page::section(
-        "figures",
-        "Figures 3 and 4 of the paper, from our runs",
-        &html! {
-            @if healthy.is_none() && faulty.is_none() { p.note { "No traces were kept." } }
-            @if let Some(picture) = healthy { (healthy_figure(study, picture)) }
-            @if let Some(picture) = faulty { (faulty_figure(study, picture)) }
-        },
-    )
+    let drawn = [
+        healthy.map(|picture| healthy_figure(study, picture)),
+        faulty.map(|picture| faulty_figure(study, picture)),
+    ];
+    let mut blocks: Vec<Block> = drawn.into_iter().flatten().map(Block::Figure).collect();
+    if blocks.is_empty() {
+        blocks.push(Block::Note("No traces were kept".to_owned()));
+    }
+    vec![Block::In(HTML, blocks)]
 }
 
 fn shown(picture: &Pictures, wanted: Range<usize>) -> Range<usize> {
@@ -59,11 +60,10 @@ fn band(picture: &Pictures, shown: &Range<usize>) -> Layer {
 }
 
 fn axis(study: &StudyResults, shown: &Range<usize>) -> Axis {
-    Axis::new("sample", format!("{} ms each", given(1e3 * study.drive.period_s)))
-        .from_to(shown.start as f64, shown.end as f64)
+    Axis::new("sample", sampling(study)).from_to(shown.start as f64, shown.end as f64)
 }
 
-fn healthy_figure(study: &StudyResults, picture: &Pictures) -> Markup {
+fn healthy_figure(study: &StudyResults, picture: &Pictures) -> Picture {
     let shown = shown(picture, HEALTHY);
     let unit = &study.drive.tacho_unit;
     let level = |label: &str, y| Layer::Level {
@@ -96,29 +96,28 @@ fn healthy_figure(study: &StudyResults, picture: &Pictures) -> Markup {
     };
     let paper = study.paper.r_fd;
     let [constant, mem] = [DetectorKind::Constant, DetectorKind::Mem].map(|it| study.r_fd.of(it));
-    figure(
-        "figure-3",
-        drawn.svg(),
-        "Figure 3, from our run",
-        &html! {
-            "Fig. 3: a healthy residual (a) with constant thresholds, " (math("r_fd"))
-            " = " (number(constant)) " over " (count(study.healthy.runs, "run")) " (paper: "
-            (given(paper.constant)) "), (b) with the bands of model error modelling, " (math("r_fd"))
-            " = " (number(mem)) " (paper: " (given(paper.mem)) "), both designed for "
-            (percent(study.beta, 0)) " %."
-        },
-    )
+    let caption = format!(
+        "Fig. 3: a healthy residual (a) with constant thresholds, r_fd = {} over {} (paper: {}), (b) \
+         with the bands of model error modelling, r_fd = {} (paper: {}), both designed for {} %.",
+        number(constant),
+        count(study.healthy.runs, "run"),
+        given(paper.constant),
+        number(mem),
+        given(paper.mem),
+        designed(study.beta)
+    );
+    Picture { plot: Plot::Figure(drawn), caption }
 }
 
-fn faulty_figure(study: &StudyResults, picture: &Pictures) -> Markup {
+fn faulty_figure(study: &StudyResults, picture: &Pictures) -> Picture {
     let from = study.fault_span.from;
     let shown = shown(picture, from.saturating_sub(BESIDE.0)..from + BESIDE.1);
     let decision: Vec<f64> =
         (0..shown.end).map(|k| f64::from(u8::from(outside(picture, k)))).collect();
-    let name = picture.fault.as_ref().map_or_else(String::new, |name| minus(&fault(name)));
+    let name = picture.fault.as_ref().map_or_else(String::new, fault);
     let drawn = Figure {
         id: "figure-4-plot".into(),
-        title: format!("Bands and decision logic under the fault {name}"),
+        title: format!("Bands and decision logic under the fault {}", minus(&name)),
         description: "Two panels over the same samples: the residual with its bands, and the \
                       decision, one while a sample lies outside them."
             .into(),
@@ -145,19 +144,14 @@ fn faulty_figure(study: &StudyResults, picture: &Pictures) -> Markup {
         ],
     };
     let paper = study.paper.detection.iter().find(|row| row.label == LABEL);
-    figure(
-        "figure-4",
-        drawn.svg(),
-        "Figure 4, from our run",
-        &html! {
-            "Fig. 4: the fault " (name) ", (a) bands by model error modelling, (b) decision logic "
-            "without the time window. "
-            @match picture.declared {
-                Some(sample) => { "With the window it was declared at sample " (sample) }
-                None => { "With the window it was not declared" }
-            }
-            @if let Some(row) = paper { " (paper: " (row.t_dt) ")" }
-            "."
-        },
-    )
+    let declared = match picture.declared {
+        Some(sample) => format!("declared at sample {sample}"),
+        None => "not declared".to_owned(),
+    };
+    let paper = paper.map_or_else(String::new, |row| format!(" (paper: {})", row.t_dt));
+    let caption = format!(
+        "Fig. 4: the fault {name}, (a) bands by model error modelling, (b) decision logic without the \
+         time window. With the window it was {declared}{paper}."
+    );
+    Picture { plot: Plot::Figure(drawn), caption }
 }

@@ -3,7 +3,11 @@
 //! Sentences and numbers stand in a block as they are read, with plain hyphens before digits; how a
 //! block looks is the affair of [`super::text`] and [`super::html`].
 
+mod table;
+
 use crate::report::plot::{Figure, Rows};
+
+pub(crate) use table::{Align, Cell, Column, Row, Table};
 
 /// Where an answer is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,12 +65,32 @@ pub(crate) enum Block {
     Cards(Vec<Card>),
     /// A part of a section.
     Heading(String),
+    /// The same with a title that can be linked to.
+    Part { id: String, title: String, blocks: Vec<Block> },
     /// What may be unfolded.
     Details { summary: String, blocks: Vec<Block> },
     /// A part with a title that can be linked to.
     Section { id: &'static str, title: &'static str, blocks: Vec<Block> },
+    /// Where to go in a report: a list a line, of ids and what is there.
+    Contents(Vec<Vec<(String, String)>>),
+    /// What another program may put something else in the place of, between comments of this name.
+    Slot { name: &'static str, blocks: Vec<Block> },
     /// Blocks for some media.
     In(Media, Vec<Block>),
+}
+
+/// What a value means, beside what it is.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tone {
+    /// Nothing of its own.
+    #[default]
+    Plain,
+    /// It is the one to look at among others.
+    Strong,
+    /// It is as it should be.
+    Good,
+    /// It is not.
+    Alert,
 }
 
 /// What something in a block stands for, so that the page can offer what may be done with it.
@@ -82,6 +106,8 @@ pub(crate) enum Key {
     Parameter { name: String, unit: String, value: f64 },
     /// A span of time, s, and what happens there.
     Span { from: f64, to: f64, sentence: String },
+    /// A place in a report, by its id.
+    Place(String),
 }
 
 /// A value with its name.
@@ -93,17 +119,25 @@ pub(crate) struct Fact {
     pub(crate) value: String,
     /// What to know of it.
     pub(crate) note: String,
+    /// What it means.
+    pub(crate) tone: Tone,
     /// Where it is shown.
     pub(crate) media: Media,
 }
 
 impl Fact {
     pub(crate) fn new(media: Media, name: impl Into<String>, value: impl Into<String>) -> Self {
-        Self { name: name.into(), value: value.into(), note: String::new(), media }
+        let (note, tone) = (String::new(), Tone::Plain);
+        Self { name: name.into(), value: value.into(), note, tone, media }
     }
 
     pub(crate) fn note(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
+    }
+
+    /// As it should be, or not.
+    pub(crate) fn judged(self, good: bool) -> Self {
+        Self { tone: if good { Tone::Good } else { Tone::Alert }, ..self }
     }
 }
 
@@ -118,87 +152,6 @@ pub(crate) struct Item {
     pub(crate) head: String,
     /// What to know of it.
     pub(crate) note: String,
-}
-
-/// Rows and columns.
-#[derive(Debug)]
-pub(crate) struct Table {
-    /// What it shows.
-    pub(crate) caption: String,
-    /// The columns; the first one names the rows.
-    pub(crate) columns: Vec<Column>,
-    /// The rows, with a cell for every column.
-    pub(crate) rows: Vec<Row>,
-}
-
-impl Table {
-    /// Without rows as yet.
-    pub(crate) fn new(caption: impl Into<String>, columns: Vec<Column>) -> Self {
-        Self { caption: caption.into(), columns, rows: Vec::new() }
-    }
-
-    /// With a row more.
-    pub(crate) fn push(&mut self, cells: Vec<Cell>) {
-        self.rows.push(Row { key: None, cells });
-    }
-}
-
-/// How the cells of a column stand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Align {
-    /// Numbers, flush right.
-    Number,
-    /// Names, flush left.
-    Name,
-    /// Symbols of the equations, typeset where they can be.
-    Symbol,
-    /// Sentences, which may break.
-    Words,
-}
-
-/// A column.
-#[derive(Debug)]
-pub(crate) struct Column {
-    /// What stands above it, with the unit.
-    pub(crate) heading: String,
-    /// How its cells stand.
-    pub(crate) align: Align,
-    /// Where it is shown.
-    pub(crate) media: Media,
-}
-
-impl Column {
-    pub(crate) fn new(align: Align, heading: impl Into<String>) -> Self {
-        Self { heading: heading.into(), align, media: ALL }
-    }
-
-    pub(crate) fn only(self, media: Media) -> Self {
-        Self { media, ..self }
-    }
-}
-
-/// A row.
-#[derive(Debug)]
-pub(crate) struct Row {
-    /// What it stands for.
-    pub(crate) key: Option<Key>,
-    /// Its cells.
-    pub(crate) cells: Vec<Cell>,
-}
-
-/// A cell.
-#[derive(Debug)]
-pub(crate) struct Cell {
-    /// What it says.
-    pub(crate) text: String,
-    /// What it stands for.
-    pub(crate) key: Option<Key>,
-}
-
-impl<T: Into<String>> From<T> for Cell {
-    fn from(text: T) -> Self {
-        Self { text: text.into(), key: None }
-    }
 }
 
 /// A plot with what to see in it.

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::cards::cards;
 use super::ladder::{Step, has_errors};
 use crate::answer::block::{Block, Fact, Item, TERMINAL};
-use crate::report::words::{error, number, significant};
+use crate::report::words::{error, given, number, significant};
 
 /// Error over its floor from which on it is said what is left.
 const ABOVE_FLOOR: f64 = 1.1;
@@ -90,7 +90,9 @@ fn values(found: &Discovery, id: &str) -> Option<(String, String)> {
         let error = fitted.filter(|fitted| fitted.std_error.is_finite());
         let error = error.map_or(String::new(), |it| format!(" \u{b1} {}", number(it.std_error)));
         let unit = if it.unit == "1" { String::new() } else { format!(" {}", it.unit) };
-        Some(format!("{name} = {}{error}{unit}", significant(it.value, DIGITS)))
+        let is_whole = it.value.fract() == 0.0;
+        let value = if is_whole { given(it.value) } else { significant(it.value, DIGITS) };
+        Some(format!("{name} = {value}{error}{unit}"))
     };
     let all: Vec<String> = found.drive.parameters().into_iter().filter_map(value).collect();
     Some((id.to_owned(), all.join(", ")))

@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use crate::detector::Verdict;
 use crate::memory::{Memory, MemoryError, Walk};
+use crate::verdict::Verdict;
 
 /// Counts exceedances in a row. A declared fault is held until half as many samples in a row lie
 /// inside: single ones within a fault do not end it.

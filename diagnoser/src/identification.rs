@@ -11,8 +11,8 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::decision::{SpanError, Trace};
-use crate::detector::Verdict;
 use crate::threshold::Band;
+use crate::verdict::Verdict;
 
 /// Size of a fault relative to others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

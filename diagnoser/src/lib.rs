@@ -51,6 +51,7 @@ mod stability;
 #[cfg(test)]
 mod testing;
 mod threshold;
+mod verdict;
 mod windows;
 
 pub use arx::{
@@ -60,7 +61,7 @@ pub use cusum::{Cusum, CusumError, CusumLanes, CusumStep, Whitening, threshold_f
 pub use data::{Column, Data, DataError};
 pub use decision::{Detection, RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
-pub use detector::{Detector, DetectorError, Verdict};
+pub use detector::{Detector, DetectorError};
 pub use detectors::{
     ConstantThreshold, DetectorKind, DetectorRun, Elsewhere, Info, Judged, ModelError, Refusal,
     ResidualDetector, ResidualTest, Stored,
@@ -97,6 +98,7 @@ pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, Start, free_run, residual};
 pub use threshold::{Band, Confidence, ConfidenceError, Threshold};
+pub use verdict::Verdict;
 pub use windows::{
     Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, Rest, WindowError, WindowWatch, Windows,
 };

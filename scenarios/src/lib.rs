@@ -21,5 +21,6 @@ pub mod native;
 pub mod parity;
 pub mod profile;
 pub mod results;
+mod shares;
 pub mod study;
 pub mod trials;

@@ -5,7 +5,6 @@
 //! runs of other seeds: of each one healthy run and the twelve faults. The drive runs natively,
 //! which the FMU repeats bit for bit.
 
-use drivescope_numerics::wilson_95;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -14,6 +13,7 @@ use crate::experiment::{Experiment, Stream};
 use crate::faults::{Fault, twelve};
 use crate::native::ClosedLoops;
 use crate::results::{ByDetector, DetectionRow, DetectorKind, FaultName, TorqueReading};
+pub use crate::shares::{Share, Spread};
 use crate::study::{
     Designed, Judgement, SAMPLES, Signals, StudyError, Watch, false_rate_of, row_of,
 };
@@ -22,60 +22,6 @@ use crate::study::{
 const LANES: usize = 16;
 /// A fault of this detection time or less counts as found in time (the paper's 4057 and the like).
 pub const IN_TIME: usize = 4060;
-
-/// Standard deviations of a mean on either side of its 95 % interval.
-const QUANTILE: f64 = 1.959_964;
-
-/// A count of successes with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Share {
-    /// Successes.
-    pub hits: usize,
-    /// Trials.
-    pub of: usize,
-    /// Their ratio.
-    pub share: f64,
-    /// Its 95 % score interval.
-    pub interval: [f64; 2],
-}
-
-impl Share {
-    /// Of `of` trials, `hits` successes.
-    pub fn new(hits: usize, of: usize) -> Self {
-        Self { hits, of, share: hits as f64 / of as f64, interval: wilson_95(hits, of) }
-    }
-}
-
-/// Mean and spread of a figure over the seeds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// Mean.
-    pub mean: f64,
-    /// 95 % interval of the mean, from the scatter of the seeds; not numbers for less than two.
-    pub interval: [f64; 2],
-    /// 5 and 95 % of the seeds lie below.
-    pub range: [f64; 2],
-    /// The least of all.
-    pub least: f64,
-}
-
-impl Spread {
-    /// Over values of which there is at least one; not numbers otherwise.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        let mut sorted: Vec<f64> = values.into_iter().collect();
-        sorted.sort_by(f64::total_cmp);
-        let n = sorted.len();
-        let at = |share: f64| {
-            let place = (share * n.saturating_sub(1) as f64).round() as usize;
-            sorted.get(place).copied().unwrap_or(f64::NAN)
-        };
-        let mean = sorted.iter().sum::<f64>() / n as f64;
-        let squares: f64 = sorted.iter().map(|value| (value - mean).powi(2)).sum();
-        let half = QUANTILE * (squares / (n as f64 * (n as f64 - 1.0))).sqrt();
-        let interval = [mean - half, mean + half];
-        Self { mean, interval, range: [at(0.05), at(0.95)], least: at(0.0) }
-    }
-}
 
 /// One fault under one method, over all seeds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -264,19 +210,5 @@ fn method_rows(method: DetectorKind, faults: &[Fault], seeds: &[OfSeed]) -> Meth
         r_fd: Spread::of(seeds.iter().map(|seed| seed.r_fd.of(method))),
         silent: count(&|seed| seed.alarms.of(method) == 0),
         faults: faults.iter().enumerate().map(fault).collect(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_spread_is_of_the_middle_nine_tenths() {
-        let spread = Spread::of((0..=100).map(f64::from));
-        assert_eq!((spread.mean, spread.range, spread.least), (50.0, [5.0, 95.0], 0.0));
-        // Deviation 29.3 over the root of 101 values.
-        assert!((spread.interval[1] - 50.0 - 1.96 * 2.915).abs() < 0.01, "{spread:?}");
-        assert!(Spread::of([]).mean.is_nan() && Spread::of([1.0]).interval[0].is_nan());
     }
 }

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use drivescope_numerics::{LinearFit, Regression, RegressionError, aic};
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::model_orders::Orders;
 use super::{Arx, shift};
 use crate::data::{Data, DataError};
 
@@ -54,33 +54,6 @@ pub enum ArxError {
         /// Why the last one failed.
         last: Box<ArxError>,
     },
-}
-
-/// Orders of an ARX model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Orders {
-    /// Past outputs.
-    pub n_a: usize,
-    /// Past samples of every input.
-    pub n_b: usize,
-    /// Whether a constant is fitted.
-    pub constant: bool,
-}
-
-impl Orders {
-    /// The paper's n_a = n_b = 20, and a constant.
-    pub const PAPER: Self = Self { n_a: 20, n_b: 20, constant: true };
-
-    /// Past samples that the first equation needs.
-    pub(super) fn reach(&self) -> usize {
-        self.n_a.max(self.n_b)
-    }
-
-    /// Parameters for that many inputs.
-    pub fn parameters(&self, inputs: usize) -> usize {
-        self.n_a + inputs * self.n_b + usize::from(self.constant)
-    }
 }
 
 /// A fitted ARX model and how well its equations hold.

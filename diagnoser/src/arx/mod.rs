@@ -7,6 +7,7 @@
 
 mod fit;
 mod free_run_orders;
+mod model_orders;
 mod orders;
 mod shift;
 
@@ -14,9 +15,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::fit::{ArxError, ArxFit, Orders};
+pub use self::fit::{ArxError, ArxFit};
 pub use self::free_run_orders::{FreeRunOrders, FreeRunRow};
 pub(crate) use self::free_run_orders::{WORTH, leaves_half, longest_run_up};
+pub use self::model_orders::Orders;
 pub use self::orders::{OrderRow, OrderTable};
 use crate::data::Data;
 use crate::history::{History, dot};

@@ -3,7 +3,8 @@
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::law::{Info, Judged, Refusal, ResidualDetector, ResidualTest};
+use super::law::{Info, Refusal, ResidualDetector};
+use super::running::{Judged, ResidualTest};
 use crate::data::{Data, DataError};
 use crate::detector::DetectorError;
 use crate::diagnoser::Diagnoser;

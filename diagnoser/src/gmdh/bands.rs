@@ -6,8 +6,9 @@
 use std::sync::Arc;
 
 use super::bounds::{BoundError, Corners, Regressor};
+use super::robust::{NeuronBounds, RobustGmdh};
 use super::run::{Flow, shift_in};
-use super::{Gmdh, NeuronBounds, NeuronOrders, RobustGmdh, Source};
+use super::{Gmdh, NeuronOrders, Source};
 use crate::memory::{Memory, MemoryError, Walk};
 use crate::threshold::{Band, Threshold};
 

@@ -154,7 +154,7 @@ pub fn symptoms_of(
 mod tests {
     use super::*;
     use crate::data::Column;
-    use crate::detector::Verdict;
+    use crate::verdict::Verdict;
 
     fn fault(samples: Vec<Vec<f64>>) -> FaultSymptoms {
         FaultSymptoms { fault: "tacho +5 %".into(), samples }

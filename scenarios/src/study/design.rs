@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use drivescope_diagnoser::{
-    Channel, Column, Confidence, Data, DataError, Design, Diagnoser, ErrorModel, Interface,
-    Learned, Model, Orders, Recipe, Sets, Start, Structure, residual,
+    Channel, Confidence, Design, Diagnoser, ErrorModel, Interface, Learned, Model, Orders, Recipe,
+    Sets, Start, Structure, residual,
 };
 use drivescope_fmu::import::Fmu;
-use drivescope_recording::Recording;
 
 use super::judge::Watch;
+use super::signals::{Signals, mean_and_deviation, values};
 use super::structures::structures;
 use super::{RUN_UP, SAMPLES, StudyError};
 use crate::experiment::{Experiment, Stream};
@@ -27,32 +27,6 @@ const TEST_SAMPLES: usize = 3000;
 const WIDTH_SAMPLES: usize = 1_000_000;
 /// Consecutive exceedances that declare a fault: 0.25 s at 5 ms.
 pub(super) const WINDOW: usize = 50;
-
-/// Control signal and tachometer signal of one run.
-#[derive(Debug, Clone)]
-pub struct Signals {
-    /// C_m, V.
-    pub c_m: Vec<f64>,
-    /// T.
-    pub t: Vec<f64>,
-}
-
-impl Signals {
-    /// Those of a recording.
-    pub fn of(recording: &Recording) -> Self {
-        let of = |name| values(recording, name).to_vec();
-        Self { c_m: of("C_m"), t: of("T") }
-    }
-
-    /// The signals as a diagnoser takes them.
-    ///
-    /// # Errors
-    /// A signal that is not finite.
-    pub fn data(&self) -> Result<Data<'_>, DataError> {
-        let column = |name, values| Column { name, values };
-        Data::new(vec![column("C_m", &self.c_m)], column("T", &self.t))
-    }
-}
 
 /// A diagnoser, the runs that it was made from, and what was found on the way.
 #[derive(Debug, Clone)]
@@ -175,16 +149,4 @@ fn summary(
         recurrent_error: recurrent,
         gmdh,
     })
-}
-
-/// The values of a signal; none if the recording does not have it.
-pub(super) fn values<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
-    recording.signal(name).map_or(&[], |signal| &signal.values)
-}
-
-pub(super) fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;
-    (mean, variance.sqrt())
 }

@@ -9,8 +9,9 @@ use drivescope_numerics::Regression;
 use rayon::prelude::*;
 
 use super::StudyError;
-use super::design::{Signals, WINDOW};
+use super::design::WINDOW;
 use super::judge::Judgement;
+use super::signals::Signals;
 use crate::experiment::{Experiment, Stream};
 use crate::faults::{Fault, SPAN, twelve};
 use crate::native::ClosedLoops;

@@ -8,7 +8,7 @@ use drivescope_diagnoser::{
 };
 use drivescope_recording::Recording;
 
-use super::design::values;
+use super::signals::values;
 use super::{SAMPLES, StudyError};
 use crate::cosimulated::Follower;
 use crate::faults::Fault;

@@ -14,6 +14,7 @@ mod design;
 mod isolation;
 mod judge;
 mod paper;
+mod signals;
 mod structures;
 mod summary;
 
@@ -34,9 +35,10 @@ use crate::faults::{Fault, SPAN, twelve};
 use crate::profile::Profile;
 use crate::results::{Pictures, StudyResults, TorqueReading};
 use crate::{cosimulated, native};
-pub use design::{Designed, Signals, design};
+pub use design::{Designed, design};
 pub(crate) use isolation::{STARTS, symptoms};
 pub use judge::{Judgement, Watch, false_rate_of, row_of};
+pub use signals::Signals;
 
 /// Samples of a closed-loop run: up to the end of the faults.
 pub const SAMPLES: usize = SPAN.end;

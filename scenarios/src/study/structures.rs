@@ -10,7 +10,7 @@ use drivescope_diagnoser::{
     Trained, Training, residual, select_structure,
 };
 
-use super::design::mean_and_deviation;
+use super::signals::mean_and_deviation;
 use super::{RUN_UP, StudyError};
 use crate::results::{StructureSummary, TheoremRow, TheoremSummary};
 

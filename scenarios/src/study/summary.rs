@@ -4,8 +4,9 @@ use drivescope_diagnoser::{Confidence, size_groups};
 use drivescope_plant::drive::Drive;
 use sha2::{Digest, Sha256};
 
-use super::design::{Designed, Signals, WINDOW};
+use super::design::{Designed, WINDOW};
 use super::judge::Judgement;
+use super::signals::Signals;
 use super::{Judged, RUN_UP, Run, SAMPLES, Study, StudyError, StudyOptions, isolation, paper};
 use crate::experiment::Experiment;
 use crate::faults::{Fault, SPAN};

@@ -1,51 +1,27 @@
-//! The test bench: machines of one kind, what they show, and the bank that watches them.
+//! The test bench: machines of one kind, and the bank that watches them.
 
 use drivescope_diagnoser::bank::{Cause, Event, Judgement, Limits, Row, Tails};
 use drivescope_plant::drive::Drive;
-use rand::{RngExt, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64Mcg;
+use rand::RngExt;
 use rayon::prelude::*;
 
-use super::healthy::Course;
+use super::course::Course;
+use super::machine::{Group, Machine, Plan, machine};
 use super::{TrialError, TrialOptions};
-use crate::experiment::{Experiment, Stream};
+use crate::experiment::Experiment;
 use crate::faults::Fault;
-use crate::native::ClosedLoops;
 use crate::profile::Profile;
 use crate::results::FaultName;
 use drivescope_monitor::bank::{AnyProcess, AnyWatch, Designed, design, without_current};
 
-/// Standard deviations over machines of one kind, as fractions.
-const RESISTANCE: f64 = 0.03;
-const FRICTION: f64 = 0.10;
-/// Torques of dry friction, by effect: they share a factor with the viscous one.
-const DRY: [(&str, &str); 2] = [("coulomb", "T_c"), ("stribeck", "T_b")];
 /// Healthy runs of the design, and samples of each.
 const DESIGN_RUNS: u64 = 2;
 const DESIGN_SAMPLES: usize = 4000;
 /// Healthy samples between a baseline and a fault, at least, and at most so many more.
 pub(super) const HEALTHY_BEFORE: usize = 100;
 const SOME_MORE: usize = 100;
-/// Closed loops side by side.
-const LANES: usize = 16;
 /// Limits that nothing reaches.
 pub(super) const NEVER: Limits = Limits { ratio: f64::INFINITY, squares: f64::INFINITY };
-
-/// What is tried, for seeds that do not meet.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Group {
-    Design,
-    Classes,
-    Mechanisms,
-    Delays,
-    Known,
-    Incipient,
-    Unknown,
-    Healthy,
-    Curves,
-    Hidden,
-}
 
 /// The bank and how machines are drawn.
 pub(super) struct Bench {
@@ -54,19 +30,6 @@ pub(super) struct Bench {
     pub(super) machines: usize,
     pub(super) arl_0: f64,
     pub(super) judged_seed: u64,
-}
-
-/// A machine, with noise of its own.
-pub(super) struct Machine {
-    pub(super) experiment: Experiment,
-    pub(super) random: Pcg64Mcg,
-}
-
-/// A run of a machine.
-pub(super) struct Plan {
-    /// Speed that it follows, rad/s, one value a sample.
-    pub(super) reference: Vec<f64>,
-    pub(super) faults: Vec<Fault>,
 }
 
 /// What a watch found about a fault.
@@ -188,63 +151,17 @@ impl Bench {
     }
 }
 
-fn machine(experiment: &Experiment, group: Group, number: u64) -> Machine {
-    /// Spreads neighbouring seeds and numbers: 2^64 over the golden ratio, odd.
-    const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
-    let seed = experiment.seed.wrapping_mul(SPREAD).rotate_left(23)
-        ^ ((group as u64) << 40 | number).wrapping_mul(SPREAD);
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let mut factor = |sd: f64| {
-        let normal: f64 = StandardNormal.sample(&mut random);
-        1.0 + sd * normal
-    };
-    let mut drive = experiment.drive.clone();
-    drive.motor.r = drive.motor.r.map(|r| r * factor(RESISTANCE));
-    let friction = factor(FRICTION);
-    drive.motor.b_m *= friction;
-    for effect in &mut drive.effects {
-        let dry = |name: &str| DRY.contains(&(effect.kind.as_str(), name));
-        let torques = effect.parameters.iter_mut().filter(|(name, _)| dry(name));
-        torques.for_each(|(_, torque)| *torque *= friction);
-    }
-    Machine { experiment: experiment.with_drive(drive).with_seed(seed), random }
-}
-
 impl Machine {
-    /// From now on with the noise of that number: each thing that is tried on a machine has its own.
-    pub(super) fn renew_noise(&mut self, number: usize) {
-        self.experiment = self.experiment.with_seed(self.experiment.seed ^ number as u64);
-    }
-
-    /// What the sensors show over those runs, which have one length.
-    pub(super) fn rows(&self, plans: &[Plan]) -> Vec<Vec<Row>> {
-        let mut loops = ClosedLoops::<LANES>::new(&self.experiment.drive);
-        let per_si = self.experiment.drive.sensors.tacho_unit.per_si();
-        let mut made = Vec::with_capacity(plans.len());
-        for (some, first) in plans.chunks(LANES).zip((0..).step_by(LANES)) {
-            let inputs = some.iter().zip(first..).map(|(plan, number)| {
-                let stream = Stream::Faulty(number);
-                self.experiment.following(plan.reference.clone(), stream, &plan.faults)
-            });
-            let inputs: Vec<_> = inputs.collect();
-            made.extend(loops.run(&inputs).iter().map(|run| {
-                let [c_m, t, i_m] = [0, 1, 2].map(|signal| &run.signals[signal].values);
-                let row =
-                    |k: usize| Row { control: c_m[k], shown: [t[k] / per_si, i_m[k], f64::NAN] };
-                (0..run.len()).map(row).collect::<Vec<_>>()
-            }));
-        }
-        made
-    }
-
     /// An onset some time after the baseline.
     pub(super) fn onset(&mut self, bench: &Bench) -> usize {
         bench.designed.how.baseline + HEALTHY_BEFORE + self.random.random_range(0..SOME_MORE)
     }
+}
 
-    /// Plus or minus one.
-    pub(super) fn sign(&mut self) -> f64 {
-        if self.random.random() { 1.0 } else { -1.0 }
+impl Course {
+    /// Speeds of a baseline at the set point that was shown, and of the course after it.
+    pub(super) fn reference(self, bench: &Bench, machine: &mut Machine) -> Vec<f64> {
+        self.speeds(machine.experiment.set_point, bench.designed.how.baseline, machine)
     }
 }
 

@@ -3,10 +3,11 @@
 use drivescope_diagnoser::bank::{Candidate, Cause, Judgement};
 use serde::Serialize;
 
-use super::bench::{Bench, Group, Plan, with_or_without};
+use super::bench::{Bench, with_or_without};
+use super::machine::{Group, Plan};
 use crate::faults::{Fault, twelve};
-use crate::parity::Share;
 use crate::results::{FaultName, TorqueReading};
+use crate::shares::Share;
 
 /// Samples of a run after the onset: a horizon, and time for an alarm that comes late.
 const AFTER: usize = 300;

@@ -6,10 +6,11 @@ use drivescope_diagnoser::bank::{Limits, Row, Tail};
 use drivescope_plant::fault::MECHANISMS;
 use serde::Serialize;
 
-use super::bench::{Bench, Group, Machine, NEVER, Plan, fault};
+use super::bench::{Bench, NEVER, fault};
+use super::machine::{Group, Machine, Plan};
 use super::{ARL_0, TrialError};
-use crate::parity::{Share, Spread};
 use crate::profile::Profile;
+use crate::shares::{Share, Spread};
 use drivescope_monitor::bank::{AnyProcess, known_process, with_noise};
 
 /// The faults.

@@ -10,12 +10,13 @@ use drivescope_diagnoser::bank::{Limits, Row, Tail, Verified};
 use drivescope_plant::drive::Drive;
 use serde::{Deserialize, Serialize};
 
-use super::bench::{Bench, Group, NEVER, Plan, fault};
+use super::bench::{Bench, NEVER, fault};
+use super::course::{Course, WATCHED};
 use super::delays::first_over;
-use super::healthy::{Course, WATCHED};
+use super::machine::{Group, Plan};
 use super::{TrialError, TrialOptions};
-use crate::parity::Share;
 use crate::profile::Profile;
+use crate::shares::Share;
 
 /// Mechanisms that are tried, and sizes, each larger than the last by a half.
 const KINDS: [&str; 6] = ["tacho", "flux", "actuator", "resistance", "friction", "load"];

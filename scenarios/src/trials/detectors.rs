@@ -13,13 +13,15 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::along::Along;
-use super::bench::{Bench, Group, Plan, fault};
+use super::bench::{Bench, fault};
+use super::course::WATCHED;
 use super::delays::{AFTER, DelayRow, FAULTS, delays};
-use super::healthy::{HealthyRow, WATCHED, held};
+use super::healthy::{HealthyRow, held};
+use super::machine::{Group, Plan};
 use super::{ARL_0, TrialError};
-use crate::parity::{Share, Spread};
 use crate::profile::Profile;
 use crate::results::DetectorKind;
+use crate::shares::{Share, Spread};
 use crate::study::Designed;
 
 /// Samples after which another exceedance is another alarm.

@@ -3,10 +3,11 @@
 use drivescope_diagnoser::bank::Limits;
 use serde::Serialize;
 
-use super::bench::{Bench, Group, Plan, fault, set};
+use super::bench::{Bench, fault, set};
 use super::delays::first_over;
-use crate::parity::{Share, Spread};
+use super::machine::{Group, Plan};
 use crate::profile::Profile;
+use crate::shares::{Share, Spread};
 
 /// Full size, and samples over which it is reached.
 const FULL: f64 = 0.2;

@@ -15,13 +15,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::bench::{Bench, Group};
+use super::bench::Bench;
 use super::classes::{Classes, classes};
+use super::machine::Group;
 use super::{TrialError, TrialOptions};
 use crate::experiment::Experiment;
 use crate::faults::{Fault, twelve};
-use crate::parity::{Share, Spread};
 use crate::results::{FaultName, TorqueReading};
+use crate::shares::{Share, Spread};
 use crate::study::{Designed, STARTS, StudyError, symptoms};
 
 /// What is tried.

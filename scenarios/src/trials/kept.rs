@@ -6,9 +6,10 @@ use std::path::Path;
 use drivescope_diagnoser::bank::Row;
 use serde::Serialize;
 
-use super::bench::{Bench, Group, Plan, fault};
+use super::bench::{Bench, fault};
+use super::course::WATCHED;
 use super::delays::{AFTER, FAULTS};
-use super::healthy::WATCHED;
+use super::machine::{Group, Plan};
 use crate::profile::Profile;
 
 /// Healthy machines to learn from, and those that limits and false alarms are taken from.

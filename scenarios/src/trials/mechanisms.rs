@@ -4,9 +4,10 @@ use drivescope_plant::sampled::rated_torque;
 use rand::RngExt;
 use serde::Serialize;
 
-use super::bench::{Bench, Group, Machine, Plan, fault, set};
-use crate::parity::Share;
+use super::bench::{Bench, fault, set};
+use super::machine::{Group, Machine, Plan};
 use crate::profile::Profile;
+use crate::shares::Share;
 
 /// The mechanisms. An inertia does not show at a constant speed, and the supply acts as the
 /// amplifier does but for its limit.

@@ -14,6 +14,7 @@
 mod along;
 mod bench;
 mod classes;
+mod course;
 mod delays;
 mod detectable;
 mod detectors;
@@ -21,6 +22,7 @@ mod healthy;
 mod incipient;
 mod isolation;
 mod kept;
+mod machine;
 mod mechanisms;
 #[cfg(test)]
 mod rig_tests;
@@ -41,10 +43,11 @@ use bench::Bench;
 use drivescope_monitor::bank::{DesignError, ProcessError};
 
 pub use classes::{ClassRow, ClassTable, Classes};
+pub use course::Course;
 pub use delays::{Delay, DelayRow};
 pub use detectable::{Detectable, HIDDEN_STEPS, HiddenEffect, ModelRows, hidden_effect};
 pub use detectors::{Curves, DetectorRow, FaultDelays};
-pub use healthy::{Course, Healthy, HealthyRow};
+pub use healthy::{Healthy, HealthyRow};
 pub use incipient::Incipient;
 pub use isolation::{
     ClassifierRow, DesignRow, IsolationOptions, IsolationTrialError, IsolationTrials, isolation,

@@ -6,9 +6,10 @@ use drivescope_diagnoser::bank::Cause;
 use serde::Serialize;
 
 use super::TrialError;
-use super::bench::{Bench, Group, Plan, fault};
-use crate::parity::Share;
+use super::bench::{Bench, fault};
+use super::machine::{Group, Plan};
 use crate::profile::Profile;
+use crate::shares::Share;
 use drivescope_monitor::bank::process;
 
 /// Samples of a run after the onset.

@@ -10,6 +10,7 @@
 mod corners;
 mod equations;
 mod frame;
+mod inequalities;
 mod lp;
 mod polytope;
 mod regressor;

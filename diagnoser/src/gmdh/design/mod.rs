@@ -19,35 +19,12 @@ mod tests;
 use std::ops::Range;
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::Gmdh;
 use super::bands::Intervals;
 use super::bound_options::{BoundOptions, Orthants, RobustError, Uncertain};
 use super::bounds::{BoundError, Equations, ParameterSet};
+use super::robust::{NeuronBounds, RobustGmdh};
 use crate::data::Data;
-
-/// What is known of one neuron.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NeuronBounds {
-    /// Which one.
-    pub neuron: usize,
-    /// epsilon^m and epsilon^M, standardised as the output is.
-    pub noise: [f64; 2],
-    /// Its feasible parameters.
-    pub set: ParameterSet,
-}
-
-/// A GMDH network with bounded parameters, in the form it is stored in.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RobustGmdh {
-    /// The network.
-    pub network: Arc<Gmdh>,
-    /// Uncertain neurons, in the order of the network; the output neuron is one of them.
-    pub bounds: Vec<NeuronBounds>,
-}
 
 impl RobustGmdh {
     /// Bounds the parameters of a network on healthy recordings of the kind that it will watch,
@@ -85,24 +62,6 @@ impl RobustGmdh {
             bounds.push(NeuronBounds { neuron, noise: found.noise, set: found.set });
         }
         Ok(Self { network: Arc::clone(network), bounds })
-    }
-
-    /// Noise bounds epsilon^m, epsilon^M of the output, in its unit.
-    pub fn noise(&self) -> Option<[f64; 2]> {
-        let last = self.bounds.last()?;
-        Some(last.noise.map(|epsilon| epsilon * self.network.output_scale.deviation))
-    }
-
-    /// Input signals, or `None` if the parts do not fit together.
-    pub fn inputs(&self) -> Option<usize> {
-        let parameters = self.network.orders()?.parameters();
-        let output = self.network.neurons.len() - 1;
-        let fits = self.bounds.last().is_some_and(|last| last.neuron == output)
-            && self
-                .bounds
-                .iter()
-                .all(|bounds| bounds.neuron <= output && bounds.set.centre.len() == parameters);
-        fits.then_some(self.network.input_scales.len())
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::gather::{Gathered, Kept};
-use crate::parity::{Share, Spread};
+use crate::shares::{Share, Spread};
 
 /// Sizes that a table tells apart, at most: a plan's own grid where it is no finer.
 const SIZES: usize = 12;

@@ -12,7 +12,7 @@ mod worst;
 use serde::Serialize;
 
 use super::parts::{FolderError, Part};
-use crate::parity::{Share, Spread};
+use crate::shares::{Share, Spread};
 pub use detection::{KindRow, SizeRow};
 use gather::{Gathered, Judged};
 pub use sensitivity::Sensitivity;

@@ -128,7 +128,7 @@ fn bands_stand_about_the_middle_of_the_design_data() {
         assert!((report.bands.mean - 4.0).abs() < 1.5, "{report:?}");
         let mut detector = diagnoser.detector(DetectorKind::Mem).unwrap();
         let verdicts = detector.run(&data(&widths)).unwrap().verdicts;
-        let off = |v: &crate::detector::Verdict| v.residual - 0.5 * (v.lower + v.upper);
+        let off = |v: &crate::Verdict| v.residual - 0.5 * (v.lower + v.upper);
         let mean = verdicts[RUN_UP..].iter().map(off).sum::<f64>() / DESIGN_SAMPLES as f64;
         // What the start from another constant leaves of its transient.
         assert!(mean.abs() < 0.01 * report.bands.deviation, "{mean}");

@@ -24,19 +24,16 @@ from spoil_recordings import make, spoilings
 from spoiling import drawing, files, judging
 
 ROOT = Path(__file__).resolve().parent.parent
-BUILD = ["cargo", "build", "--quiet", "--locked", "--example", "convert"]
-RELEASE = ("release", ["-p", "drivescope-recording", "--release"])
-# As the Rust tests build it, so that nothing is compiled twice.
-TEST = ("debug", ["--workspace", "--all-features", "--profile", "test"])
+# With the features that the Rust tests ask for, so that nothing is compiled twice.
+BUILD = "cargo build --quiet --locked --release --workspace --all-features --example convert"
 LONGEST_RUN_S = 900.0
 BAD = ["refused", "wrong", "panic"]
 
 
-def built(profile=RELEASE):
-    """The program of a profile: its folder, and what cargo is told."""
-    folder, told = profile
-    subprocess.run([*BUILD, *told], cwd=ROOT, check=True)
-    return ROOT / "target" / folder / "examples/convert"
+def built():
+    """The program that reads a list of files."""
+    subprocess.run(BUILD.split(), cwd=ROOT, check=True)
+    return ROOT / "target/release/examples/convert"
 
 
 def convert(program, folder, paths):

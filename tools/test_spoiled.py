@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-from check_spoiled import TEST, built, check
+from check_spoiled import built, check
 from spoiling import judging
 
 CASES = 60
@@ -80,7 +80,7 @@ class Spoiled(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = Path(tempfile.mkdtemp(prefix="spoiled-"))
-        cls.outcomes = check(built(TEST), cls.folder, CASES, SEED)
+        cls.outcomes = check(built(), cls.folder, CASES, SEED)
 
     @classmethod
     def tearDownClass(cls):

@@ -15,5 +15,7 @@ pub mod model;
 pub mod noise;
 pub mod parameters;
 pub mod sampled;
+#[cfg(test)]
+mod testing;
 pub mod unit;
 pub mod units;

@@ -86,6 +86,16 @@ pub(crate) fn given(value: f64) -> String {
     }
 }
 
+/// An estimate with its standard error, where that is known, and its unit; `value` is in words.
+pub(crate) fn estimated(value: &str, std_error: f64, unit: &str) -> String {
+    let error = match std_error.is_finite() {
+        true => format!(" \u{b1} {}", number(std_error)),
+        false => String::new(),
+    };
+    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    format!("{value}{error}{unit}")
+}
+
 /// A probability, short of certainty.
 pub(crate) fn probability(p: f64) -> String {
     match p {

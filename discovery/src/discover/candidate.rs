@@ -8,6 +8,7 @@
 
 use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_plant::effects::law::{Info, Variable};
+use drivescope_plant::effects::registry::Entry;
 
 /// An effect at its null with one choice of its shape.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,6 +81,11 @@ impl Candidate {
     /// Whether it is a torque, a voltage or a flux of the motor: it changes no sensor and delays nothing.
     pub(crate) fn acts_at_motor(&self) -> bool {
         !self.info.senses() && !self.info.delays
+    }
+
+    /// Whether it has states of its own.
+    pub(crate) fn has_states(&self) -> bool {
+        Entry::find(self.info.id).is_some_and(|entry| !entry.states.is_empty())
     }
 
     /// The drive with this variant in it.

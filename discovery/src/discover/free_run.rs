@@ -2,7 +2,6 @@
 
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::Variable;
-use drivescope_plant::effects::registry::Entry;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
@@ -32,7 +31,9 @@ impl Round<'_> {
         let seen = |_| self.watch.stopped();
         let (estimation, validation) = (self.estimation, self.validation);
         let before = self.torque_left(ground.drive());
-        let of_model = self.torque_left(&self.model.fitted.drive);
+        // Where no observer follows the motion, its error says what a drive leaves.
+        let observed = self.model.setting.observer.hz > 0.0;
+        let of_model = observed.then(|| self.torque_left(&self.model.fitted.drive)).flatten();
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
@@ -118,12 +119,12 @@ impl Round<'_> {
     /// observer follows what a model does not predict, and its error may fall by a wrong inertia.
     /// What has states of its own, or stands at a sensor, is no part of that balance.
     fn raises_torque(&self, candidate: &Candidate, before: Option<f64>, with: &Model) -> bool {
-        let has_states = Entry::find(candidate.info.id).is_some_and(|it| !it.states.is_empty());
-        if self.model.setting.observer.hz == 0.0 || has_states || !candidate.acts_at_motor() {
+        let Some(before) = before.filter(|_| !candidate.has_states() && candidate.acts_at_motor())
+        else {
             return false;
-        }
-        let both = before.zip(self.torque_left(&with.fitted.drive));
-        both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before)
+        };
+        let after = self.torque_left(&with.fitted.drive);
+        after.is_some_and(|after| after > (1.0 + self.rule.size) * before)
     }
 
     /// Whether a drive explains most of the torque that the round's own leaves.

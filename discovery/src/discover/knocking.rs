@@ -46,8 +46,7 @@ impl Round<'_> {
     /// Whether sensors beside the motor were recorded that it acts on: the motor's balance does not
     /// tell its size.
     pub(super) fn acts_beside(&self, it: &Candidate) -> bool {
-        let has_states = || Entry::find(it.info.id).is_some_and(|entry| !entry.states.is_empty());
-        self.looks_beside() && has_states()
+        self.looks_beside() && it.has_states()
     }
 
     /// Whether sensors beside the motor were recorded, which the filter does not look at.

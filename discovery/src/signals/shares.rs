@@ -70,7 +70,7 @@ impl Columns {
                 DVector::from_iterator(subset.of.len(), subset.of.iter().map(|k| shown[*k]));
             let found = &subset.inverse * &target;
             let gain = found.dot(&target);
-            // Turned signs are right signs of the reversed driver.
+            // Reversed signs are right signs of the reversed driver.
             if found.iter().all(|it| *it >= 0.0) {
                 best[0] = best[0].max(gain);
             } else if found.iter().all(|it| *it <= 0.0) {

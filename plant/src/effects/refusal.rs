@@ -68,13 +68,10 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
-    const EMPS: &str = include_str!("../../../scenarios/drives/emps.toml");
+    use crate::testing::{DR300, EMPS, drive};
 
     fn refused(text: &str, id: &str) -> Option<Refusal> {
-        let drive = Drive::parse(text, "test.toml").expect("a right drive file");
-        drive.refuses(Entry::find(id).expect("it is registered"))
+        drive(text).refuses(Entry::find(id).expect("it is registered"))
     }
 
     #[test]

@@ -103,8 +103,7 @@ fn number(value: f64) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
+    use crate::testing::DR300;
 
     fn change(name: &str, value: f64) -> Change {
         Change { name: name.to_owned(), value, origin: format!("fitted: {name}") }

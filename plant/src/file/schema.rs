@@ -186,9 +186,7 @@ fn learned() -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
-    const EMPS: &str = include_str!("../../../scenarios/drives/emps.toml");
+    use crate::testing::{DR300, EMPS};
 
     /// What the schema's words, as far as this schema uses them, say against the value.
     fn against(schema: &Value, value: &Value) -> Option<String> {

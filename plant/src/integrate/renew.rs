@@ -99,17 +99,14 @@ impl<R: Real, const N: usize> Affine<R, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::Drive;
     use crate::integrate::{State, longest_substep};
     use crate::model::{Applied, SPEED};
-
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
+    use crate::testing::{DR300, drive};
 
     /// Lanes whose resistance, friction and inertia change one after the other, through rest.
     #[test]
     fn a_lane_that_changes_is_stepped_as_in_a_new_block() {
-        let drive = Drive::parse(DR300, "dr300.toml").expect("a right drive file");
-        let model = drive.model();
+        let model = drive(DR300).model();
         let longest = 0.5 * longest_substep(&model, 400.0);
         let mut some = Block::<f64, 4>::paced(Model::side_by_side([&model; 4]), longest);
         let mut all = some.clone();

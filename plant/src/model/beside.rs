@@ -43,15 +43,12 @@ impl<R: Real, const N: usize> Model<R, N> {
 
 #[cfg(test)]
 mod tests {
-    use crate::drive::Drive;
     use crate::effects::info::Beside;
     use crate::model::OWN;
-
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
+    use crate::testing::{DR300, drive};
 
     fn shown(effects: &str, x: &[f64]) -> [Option<f64>; 3] {
-        let drive = Drive::parse(&format!("{DR300}\n{effects}"), "d.toml").expect("a right drive");
-        let model = drive.model();
+        let model = drive(&format!("{DR300}\n{effects}")).model();
         assert_eq!(model.states(), x.len());
         let x: Vec<[f64; 1]> = x.iter().map(|value| [*value]).collect();
         Beside::ALL.map(|sensor| model.beside(sensor, &x, 0))

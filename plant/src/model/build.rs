@@ -93,15 +93,9 @@ mod tests {
     use super::*;
     use crate::drive::Drive;
     use crate::model::{Applied, field};
+    use crate::testing::{DR300, EMPS, drive};
     use drivescope_numerics::Dual;
     use std::cell::RefCell;
-
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
-    const EMPS: &str = include_str!("../../../scenarios/drives/emps.toml");
-
-    fn drive(text: &str) -> Drive {
-        Drive::parse(text, "shipped.toml").expect("a right drive file")
-    }
 
     fn asked(drive: &Drive) -> Vec<String> {
         let names = RefCell::new(Vec::new());

@@ -133,13 +133,7 @@ fn magnitude(value: f64, typical: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::effects::registry::REGISTRY;
-
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
-    const EMPS: &str = include_str!("../../../scenarios/drives/emps.toml");
-
-    fn drive(text: &str) -> Drive {
-        Drive::parse(text, "shipped.toml").expect("a right drive file")
-    }
+    use crate::testing::{DR300, EMPS, drive};
 
     fn names(all: &[NamedParameter]) -> Vec<&str> {
         all.iter().map(|parameter| parameter.name.as_str()).collect()

@@ -69,17 +69,12 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
-
-    fn dr300() -> Drive {
-        Drive::parse(DR300, "shipped.toml").expect("a right drive file")
-    }
+    use crate::testing::{DR300, drive};
 
     /// Each place is read back under its own name: no two rows of the list are swapped.
     #[test]
     fn every_parameter_can_be_set_and_changes_alone() {
-        let mut drive = dr300();
+        let mut drive = drive(DR300);
         drive.generator =
             Some(crate::drive::GeneratorData { k_m: 0.06, gain: 0.2, limit: Some(2.0) });
         let before = drive.parameters();
@@ -97,7 +92,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_set_is_refused() {
-        let mut drive = dr300();
+        let mut drive = drive(DR300);
         let before = drive.clone();
         let shown = drive.set("coulomb.t_c", 1.0).expect_err("no such name").to_string();
         assert!(

@@ -173,16 +173,15 @@ mod tests {
     use crate::drive::Drive;
     use crate::integrate::Integrator;
     use crate::model::{CURRENT, SPEED};
+    use crate::testing::{self, DR300};
     use drivescope_numerics::Dual;
 
-    const DR300: &str = include_str!("../../../scenarios/drives/dr300.toml");
     /// Sampling time, s.
     const H: f64 = 1e-3;
 
     /// The DR300; K_m is free as in a run.
     fn drive() -> Drive {
-        let text = DR300.replace("tie_K = true", "tie_K = false");
-        Drive::parse(&text, "dr300.toml").expect("a right drive file")
+        testing::drive(&DR300.replace("tie_K = true", "tie_K = false"))
     }
 
     fn input(k: usize) -> f64 {

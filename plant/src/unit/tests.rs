@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::drive::TachoUnit;
+use crate::testing::{DR300, drive};
 
 fn dr300() -> Drive {
-    let text = include_str!("../../../scenarios/drives/dr300.toml");
-    Drive::parse(text, "dr300.toml").expect("the shipped drive is right")
+    drive(DR300)
 }
 
 fn set(unit: &mut Unit, name: &str, value: f64) {

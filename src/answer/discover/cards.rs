@@ -12,7 +12,7 @@ use crate::answer::block::{
 use crate::answer::compare::pictures;
 use crate::formula_text::{self, PREFIX};
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel};
-use crate::report::words::{number, percent, probability, significant};
+use crate::report::words::{estimated, number, percent, probability, significant};
 
 /// Formulas that are shown.
 const FORMULAS: usize = 3;
@@ -200,12 +200,7 @@ fn facts(one: &Ranked) -> Vec<Fact> {
         Fact::new(ALL, "Share of the error above the noise", removed),
     ];
     facts.extend(one.parameters.iter().map(|(name, it)| {
-        let unit = if it.unit == "1" { String::new() } else { format!(" {}", it.unit) };
-        let error = match it.std_error.is_finite() {
-            true => format!(" \u{b1} {}", number(it.std_error)),
-            false => String::new(),
-        };
-        Fact::new(HTML, name, format!("{}{error}{unit}", number(it.value)))
+        Fact::new(HTML, name, estimated(&number(it.value), it.std_error, &it.unit))
     }));
     if !one.confusion_set.is_empty() {
         facts.push(Fact::new(HTML, "Could also be", one.confusion_set.join(", ")));

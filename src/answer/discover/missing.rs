@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::cards::cards;
 use super::ladder::{Step, has_errors};
 use crate::answer::block::{Block, Fact, Item, TERMINAL};
-use crate::report::words::{error, given, number, significant};
+use crate::report::words::{error, estimated, given, number, significant};
 
 /// Error over its floor from which on it is said what is left.
 const ABOVE_FLOOR: f64 = 1.1;
@@ -87,12 +87,10 @@ fn values(found: &Discovery, id: &str) -> Option<(String, String)> {
     let value = |it: NamedParameter| {
         let name = it.name.strip_prefix(&own)?;
         let fitted = ranked.and_then(|ranked| ranked.parameters.get(&it.name));
-        let error = fitted.filter(|fitted| fitted.std_error.is_finite());
-        let error = error.map_or(String::new(), |it| format!(" \u{b1} {}", number(it.std_error)));
-        let unit = if it.unit == "1" { String::new() } else { format!(" {}", it.unit) };
+        let error = fitted.map_or(f64::NAN, |fitted| fitted.std_error);
         let is_whole = it.value.fract() == 0.0;
         let value = if is_whole { given(it.value) } else { significant(it.value, DIGITS) };
-        Some(format!("{name} = {value}{error}{unit}"))
+        Some(format!("{name} = {}", estimated(&value, error, &it.unit)))
     };
     let all: Vec<String> = found.drive.parameters().into_iter().filter_map(value).collect();
     Some((id.to_owned(), all.join(", ")))

@@ -75,7 +75,7 @@ impl Html<'_> {
             Block::Cards(cards) => html! { div.cards { @for card in cards { (self.card(card)) } } },
             Block::Heading(words) => html! { h3 { (typeset(words)) } },
             Block::Part { id, title, blocks } => html! {
-                h3 id=(id) { a href={ "#" (id) } { (typeset(&capital(title))) } }
+                h3 id=(id) { (link(id, typeset(&capital(title)))) }
                 (self.blocks(blocks))
             },
             Block::Details { summary, blocks } => html! {

@@ -6,9 +6,8 @@ use drivescope_scenarios::results::{
 };
 
 use super::runs;
-use super::words::{paper_delay, paper_row, row_of, rows_of};
+use super::words::{false_alarms, labelled, paper_delay, paper_row, row_of, rows_of};
 use crate::answer::block::{Align, Block, Cell, Column, HTML, Key, Picture, Plot, Table, Tone};
-use crate::report::page::{label, minus};
 use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
 use crate::report::words::{fault, given, percent};
 
@@ -143,7 +142,7 @@ fn further(study: &StudyResults) -> Table {
             row.method.label().into(),
             Cell::from(delay).toned(Tone::Alert, row.delay.is_none()),
             percent(row.r_td, 1).into(),
-            Cell::from(row.false_alarms.to_string()).toned(Tone::Alert, row.false_alarms > 0),
+            false_alarms(row.false_alarms),
         ]);
     }
     table
@@ -190,8 +189,7 @@ fn delays(study: &StudyResults) -> Rows {
             .map(|row| {
                 let name = &row.fault;
                 let values = IN_PAPER.into_iter().flat_map(|m| [ours(name, m), paper(name, m)]);
-                let title = format!("{}  {}", minus(&fault(name)), label(&name.label));
-                (title, values.collect())
+                (labelled(name), values.collect())
             })
             .collect(),
     }

@@ -5,8 +5,7 @@ use std::ops::Range;
 
 use drivescope_scenarios::results::{DetectorKind, Pictures, StudyResults};
 
-use super::runs::outside;
-use super::words::{level as designed, sampling};
+use super::words::{level as designed, outside, sampling};
 use crate::answer::block::{Block, HTML, Picture, Plot};
 use crate::report::page::minus;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Span};

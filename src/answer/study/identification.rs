@@ -2,8 +2,8 @@
 
 use drivescope_scenarios::results::{IdentificationRow, StudyResults};
 
+use super::words::labelled;
 use crate::answer::block::{Align, Block, Column, HTML, Picture, Plot, Table};
-use crate::report::page::{label, minus};
 use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
 use crate::report::words::fault;
 
@@ -41,8 +41,7 @@ fn chart(rows: &[IdentificationRow]) -> Rows {
         rows: rows
             .iter()
             .map(|row| {
-                let name = format!("{}  {}", minus(&fault(&row.fault)), label(&row.fault.label));
-                (name, vec![Value::Number(row.s), Value::Number(row.s_paper)])
+                (labelled(&row.fault), vec![Value::Number(row.s), Value::Number(row.s_paper)])
             })
             .collect(),
     }

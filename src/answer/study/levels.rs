@@ -2,7 +2,7 @@
 
 use drivescope_scenarios::results::{DetectionRow, DetectorKind, StudyResults};
 
-use super::words::rows_of;
+use super::words::{false_alarms, rows_of};
 use crate::answer::block::{Align, Block, Cell, Column, HTML, Table, Tone};
 use crate::report::words::{given, percent, torque};
 
@@ -23,9 +23,8 @@ pub(super) fn told(study: &StudyResults) -> Vec<Block> {
         for method in DetectorKind::ALL {
             let mut cells = vec![method.label().into(), given(beta).into()];
             cells.extend(found(&rows_of(detection, method)));
-            let alarms = alarms.of(method);
             cells.push(percent(r_fd.of(method), 2).into());
-            cells.push(Cell::from(alarms.to_string()).toned(Tone::Alert, alarms > 0));
+            cells.push(false_alarms(alarms.of(method)));
             table.push(cells);
         }
     }

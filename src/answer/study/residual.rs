@@ -2,8 +2,8 @@
 
 use drivescope_scenarios::results::{DetectorKind, StudyResults};
 
-use super::words::{TEST_LEVEL, level, normality, rows_of, whiteness};
-use crate::answer::block::{Align, Block, Cell, Column, HTML, Table, Tone};
+use super::words::{TEST_LEVEL, false_alarms, level, normality, rows_of, whiteness};
+use crate::answer::block::{Align, Block, Column, HTML, Table};
 use crate::report::words::{count, given, number, p_value, percent};
 
 /// Samples of the paper's sum of squared errors.
@@ -45,7 +45,6 @@ fn alarms(study: &StudyResults) -> Table {
     let healthy = &study.healthy;
     let caption = format!("{}, {} samples", count(healthy.runs, "healthy run"), healthy.samples);
     let mut table = Table::new(caption, columns);
-    let counted = |n: usize| Cell::from(n.to_string()).toned(Tone::Alert, n > 0);
     for method in DetectorKind::ALL {
         let rows = rows_of(&study.detection, method);
         let paper = study.paper.r_fd.of(method);
@@ -55,8 +54,8 @@ fn alarms(study: &StudyResults) -> Table {
             percent(study.r_fd.of(method), 2).into(),
             paper.map_or_else(|| "-".to_owned(), |rate| percent(rate, 1)).into(),
             designed.map_or_else(|| level(study.beta), str::to_owned).into(),
-            counted(healthy.alarms.of(method)),
-            counted(rows.iter().map(|row| row.false_alarms).sum()),
+            false_alarms(healthy.alarms.of(method)),
+            false_alarms(rows.iter().map(|row| row.false_alarms).sum()),
         ]);
     }
     table

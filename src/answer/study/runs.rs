@@ -5,9 +5,9 @@ use std::ops::Range;
 use drivescope_scenarios::results::{DetectorKind, Pictures, StudyResults};
 
 use super::trace::drawing;
-use super::words::{level, row_of};
+use super::words::{level, name, outside, row_of};
 use crate::answer::block::{Align, Block, Column, HTML, Picture, Plot, Table};
-use crate::report::words::{capital, fault, number, percent};
+use crate::report::words::{capital, number, percent};
 
 /// Rows of the data table of a run.
 const BLOCKS: usize = 20;
@@ -15,11 +15,6 @@ const BLOCKS: usize = 20;
 /// Where the run is on its page.
 pub(super) fn id(place: usize) -> String {
     format!("run-{}", place + 1)
-}
-
-/// What was run.
-pub(super) fn name(picture: &Pictures) -> String {
-    picture.fault.as_ref().map_or_else(|| "healthy".into(), fault)
 }
 
 /// Where every run is, and what was run.
@@ -50,13 +45,11 @@ pub(crate) fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Blo
         let why = "The run ends before the fault begins: there is nothing to show";
         vec![Block::Note(why.to_owned())]
     } else {
-        let plot = Plot::Figure(drawing(study, picture, &shown, &id));
+        let caption = caption(study, picture, &shown);
+        let plot = Plot::Figure(drawing(study, picture, &shown, (&id, &caption)));
         let summary = format!("Data of this picture, in blocks of {} samples", block(&shown));
         let blocks = vec![Block::Table(data(study, picture, &shown))];
-        vec![
-            Block::Figure(Picture { plot, caption: caption(study, picture, &shown) }),
-            Block::Details { summary, blocks },
-        ]
+        vec![Block::Figure(Picture { plot, caption }), Block::Details { summary, blocks }]
     };
     Block::Part { id, title, blocks }
 }
@@ -69,20 +62,13 @@ fn shown(study: &StudyResults, picture: &Pictures) -> Range<usize> {
     span.from.saturating_sub(beside).min(end)..end
 }
 
-/// Whether a sample lies outside the bands; where there is no band, it does not.
-pub(super) fn outside(picture: &Pictures, k: usize) -> bool {
-    let at = |signal: &[f64]| signal.get(k).copied().unwrap_or(f64::NAN);
-    let r = at(&picture.residual);
-    r < at(&picture.lower) || r > at(&picture.upper)
-}
-
 fn share_outside(picture: &Pictures, samples: Range<usize>) -> f64 {
     let count = samples.len();
     samples.filter(|k| outside(picture, *k)).count() as f64 / count as f64
 }
 
 /// What to see, in words.
-pub(super) fn caption(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> String {
+fn caption(study: &StudyResults, picture: &Pictures, shown: &Range<usize>) -> String {
     let Some(name) = &picture.fault else {
         let declared = match picture.declared {
             Some(sample) => format!("a fault was declared at sample {sample}: a false alarm"),

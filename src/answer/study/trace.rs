@@ -4,20 +4,19 @@ use std::ops::Range;
 
 use drivescope_scenarios::results::{Pictures, StudyResults};
 
-use super::runs::{caption, name, outside};
-use super::words::sampling;
+use super::words::{name, outside, sampling};
 use crate::report::page::minus;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Marker, Panel, Point, Span, Strip};
 
 const RESIDUAL_HEIGHT: f64 = 220.0;
 const SIGNAL_HEIGHT: f64 = 54.0;
 
-/// The figure of the samples `shown`, as `id` on its page.
+/// The figure of the samples `shown`, as `id` on its page, with what to see in it.
 pub(super) fn drawing(
     study: &StudyResults,
     picture: &Pictures,
     shown: &Range<usize>,
-    id: &str,
+    (id, caption): (&str, &str),
 ) -> Figure {
     let unit = &study.drive.tacho_unit;
     let points = |signal: &[f64]| -> Vec<Point> {
@@ -58,7 +57,7 @@ pub(super) fn drawing(
     Figure {
         id: format!("{id}-plot"),
         title: format!("Residual and bands, {}", minus(&name(picture))),
-        description: caption(study, picture, shown),
+        description: caption.to_owned(),
         x: Axis::new("sample", sampling(study)).from_to(shown.start as f64, shown.end as f64),
         spans: acts.into_iter().collect(),
         markers: declared.into_iter().collect(),

@@ -1,14 +1,38 @@
 //! What the sections of a study share: rows, sentences.
 
 use drivescope_scenarios::results::{
-    DetectionRow, DetectorKind, FaultName, PaperRow, StudyResults,
+    DetectionRow, DetectorKind, FaultName, PaperRow, Pictures, StudyResults,
 };
 
-use crate::report::words::{count, given, number};
+use crate::answer::block::{Cell, Tone};
+use crate::report::page::{label, minus};
+use crate::report::words::{count, fault, given, number};
 
 /// The unit of speed and of torque for T in this unit: only axes measure in m/s.
 pub(super) fn si_units(tacho_unit: &str) -> (&'static str, &'static str) {
     if tacho_unit == "m/s" { ("m/s", "N") } else { ("rad/s", "N m") }
+}
+
+/// What was run.
+pub(super) fn name(picture: &Pictures) -> String {
+    picture.fault.as_ref().map_or_else(|| "healthy".into(), fault)
+}
+
+/// Whether a sample lies outside the bands; where there is no band, it does not.
+pub(super) fn outside(picture: &Pictures, k: usize) -> bool {
+    let at = |signal: &[f64]| signal.get(k).copied().unwrap_or(f64::NAN);
+    let r = at(&picture.residual);
+    r < at(&picture.lower) || r > at(&picture.upper)
+}
+
+/// A fault with its label, before its marks in a picture.
+pub(super) fn labelled(name: &FaultName) -> String {
+    format!("{}  {}", minus(&fault(name)), label(&name.label))
+}
+
+/// False alarms.
+pub(super) fn false_alarms(count: usize) -> Cell {
+    Cell::from(count.to_string()).toned(Tone::Alert, count > 0)
 }
 
 /// The rows of one method.

@@ -13,9 +13,8 @@ use crate::effects::learned::{Factor, Over};
 use crate::effects::registry::{Entry, REGISTRY};
 use crate::file::BALANCES;
 use crate::parameters::{Role, possible};
+use crate::testing::{DR300, EMPS};
 
-const DR300: &str = include_str!("../../../../scenarios/drives/dr300.toml");
-const EMPS: &str = include_str!("../../../../scenarios/drives/emps.toml");
 /// A product of a few rounded numbers: what the file gives in SI against the source's rpm.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 

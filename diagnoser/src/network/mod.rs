@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 pub use self::approximation::{ApproximationExample, ApproximationRow};
 pub(crate) use self::layers::activation;
 pub use self::run::NetworkRun;
-pub use self::select::{StructureRow, select_structure};
+pub use self::select::{Selection, StructureRow, select_structure};
 pub use self::theta::Theta;
 pub(crate) use self::train::longest_memory;
 pub use self::train::{Method, StartRow, Trained, Training, TrainingError, train};

@@ -75,6 +75,10 @@ fn chart(hidden: &HiddenEffect) -> Rows {
 
 fn table(hidden: &HiddenEffect) -> Table {
     let size = |of: &Detectable| match of.size {
+        // The smallest that was tried.
+        Some(size) if of.curve.first().is_some_and(|(least, _)| size <= *least) => {
+            format!("{} or less", percent(size, 2))
+        }
         Some(size) => percent(size, 2),
         None => {
             let most = of.curve.last().map_or(f64::NAN, |(size, _)| *size);

@@ -17,10 +17,10 @@ fn said(study: &StudyResults) -> String {
 }
 
 fn hidden() -> HiddenEffect {
-    let detectable = |size| Detectable {
-        mechanism: "load".to_owned(),
+    let detectable = |mechanism: &str, size| Detectable {
+        mechanism: mechanism.to_owned(),
         size,
-        curve: vec![(0.1, 0.2), (0.6, 0.8)],
+        curve: vec![(0.002, 0.2), (0.6, 0.8)],
     };
     let rows = |size| ModelRows {
         torque_noise: 0.004,
@@ -28,7 +28,7 @@ fn hidden() -> HiddenEffect {
         samples: 300_000,
         arl_0_at_least: 5e4,
         learned: 15,
-        mechanisms: vec![detectable(size)],
+        mechanisms: vec![detectable("load", size), detectable("tacho", Some(0.002))],
     };
     HiddenEffect {
         effect: "quadratic_drag".to_owned(),
@@ -125,6 +125,7 @@ fn sizes_before_and_after_stand_side_by_side() {
     for told in [text(&blocks), in_report(&blocks)] {
         assert!(told.contains("quadratic drag hidden and added"), "{told}");
         assert!(told.contains("not up to 60") && told.contains("4.21"), "{told}");
+        assert!(told.contains("0.20 or less") && !told.contains("4.21 or"), "{told}");
     }
 }
 

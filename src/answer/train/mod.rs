@@ -8,15 +8,13 @@ mod told;
 use std::path::PathBuf;
 
 use drivescope_diagnoser::{
-    BandDesign, Channel, DetectorKind, FaultsReport, KnownFaults, Learned, Stored, StructureRow,
+    BandDesign, Channel, DetectorKind, FaultsReport, KnownFaults, Learned, Selection, Stored,
+    StructureRow,
 };
 use drivescope_scenarios::results::SizeGroup;
 use serde::Serialize;
 
 pub(crate) use bank::{BankAnswer, Confusion, Separable, VerifiedAnswer};
-
-/// Sizes that were compared, and the place of the chosen ones.
-pub(crate) type Compared = (Vec<StructureRow>, usize);
 
 #[derive(Debug, Serialize)]
 pub(crate) struct Answer {
@@ -69,6 +67,8 @@ struct StructureAnswer {
     order: usize,
     effective_parameters: usize,
     aic: f64,
+    /// Standard deviation of the residual of a healthy recording, unit of the output.
+    healthy: f64,
     chosen: bool,
 }
 
@@ -147,7 +147,7 @@ impl Answer {
         output: Option<PathBuf>,
         learned: &Learned,
         (faults, bank): (Option<&FaultsReport>, Option<&BankAnswer>),
-        (compared, recurrent_difference): (Option<&Compared>, Option<f64>),
+        (compared, recurrent_difference): (Option<&Selection>, Option<f64>),
     ) -> Self {
         let Learned { diagnoser, process, design, recurrent_error, gmdh } = learned;
         let unit = process.network.output_scales[0].deviation;
@@ -219,16 +219,17 @@ impl Answer {
     }
 }
 
-fn structures((rows, best): &(Vec<StructureRow>, usize)) -> Vec<StructureAnswer> {
+fn structures(compared: &Selection) -> Vec<StructureAnswer> {
     let answer = |(k, row): (usize, &StructureRow)| StructureAnswer {
         v1: row.structure.v1,
         v2: row.structure.v2,
         order: row.structure.order,
         effective_parameters: row.effective_parameters,
         aic: row.trained.aic,
-        chosen: k == *best,
+        healthy: row.healthy,
+        chosen: k == compared.used,
     };
-    rows.iter().enumerate().map(answer).collect()
+    compared.rows.iter().enumerate().map(answer).collect()
 }
 
 impl FaultsAnswer {

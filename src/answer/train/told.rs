@@ -46,11 +46,14 @@ impl Answer {
         if !self.structures.is_empty() {
             let size = |row: &StructureAnswer| {
                 let chosen = if row.chosen { " (chosen)" } else { "" };
-                let StructureAnswer { v1, v2, order, aic, .. } = row;
-                format!("{v1}/{v2}/{order} {aic:.0}{chosen}")
+                let StructureAnswer { v1, v2, order, aic, healthy, .. } = row;
+                format!("{v1}/{v2}/{order} {aic:.0}, {}{chosen}", of(*healthy))
             };
             let sizes: Vec<String> = self.structures.iter().map(size).collect();
-            facts.push(fact("Sizes v1/v2/order by AIC".to_owned(), sizes.join("; ")));
+            facts.push(fact(
+                "Sizes v1/v2/order by AIC, residual on a healthy recording".to_owned(),
+                sizes.join("; "),
+            ));
         }
         facts.push(bands("ARX error model", &self.bands, &of));
         let recurrent = self.recurrent_error.as_ref();

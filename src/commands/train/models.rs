@@ -4,15 +4,13 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use drivescope_diagnoser::{
-    BoundOptions, Design, ErrorModel, Limits, Method, Orders, Orthants, Recipe, Sets, Structure,
-    Training, Uncertain, select_structure,
+    BoundOptions, Design, ErrorModel, Limits, Method, Orders, Orthants, Recipe, Selection, Sets,
+    Structure, Trained, Training, Uncertain, select_structure,
 };
 
-use crate::answer::train::Compared;
 use crate::failure::told;
 
-/// Starts and steps of every candidate of a choice of sizes: the chosen one is trained again with
-/// more.
+/// Starts and steps of every candidate of a choice of sizes.
 const STARTS: usize = 2;
 const STEPS: usize = 60;
 /// Outer steps of the paper's random search, and its starts.
@@ -23,7 +21,7 @@ const SEARCHES: usize = 1;
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Models {
     /// Sizes of the process model: `paper` (3 IIR, 6 FIR neurons, first order), `aic` for the smallest
-    /// criterion among 16, or V1,V2,ORDER.
+    /// criterion of those among 16 that follow a healthy recording as well as the best, or V1,V2,ORDER.
     #[arg(long, value_name = "paper|aic|V1,V2,R", default_value = "paper")]
     structure: Sizes,
     /// Orders of the ARX error model: `free-run` for the least error in free run on data that are not
@@ -128,13 +126,13 @@ impl FromStr for ErrorOrders {
 }
 
 impl Models {
-    /// The recipe, with the sizes that were compared and the place of the chosen ones.
+    /// The recipe, with the sizes that were compared.
     pub(super) fn recipe(
         &self,
         (design, seed): (Design, u64),
         sets: &Sets,
         (recurrent, gmdh): (bool, bool),
-    ) -> miette::Result<(Recipe, Option<Compared>)> {
+    ) -> miette::Result<(Recipe, Option<Selection>)> {
         let orders = |[n_a, n_b]: [usize; 2]| Orders { n_a, n_b, constant: true };
         let error_model = match self.orders {
             ErrorOrders::FreeRun => design.error_model.clone(),
@@ -155,6 +153,7 @@ impl Models {
                 recipe.recurrent_error.map(|(sizes, training)| (sizes, searched(training)));
         }
         let mut compared = None;
+        let run_up = recipe.design.run_up;
         recipe.structure = match self.structure {
             Sizes::Paper => recipe.structure,
             Sizes::Given([v1, v2, order]) => Structure { v1, v2, order, ..recipe.structure },
@@ -165,12 +164,10 @@ impl Models {
                 let memory = recipe.structure.memory;
                 let grid = Structure::grid(inputs, 1).into_iter();
                 let grid: Vec<_> = grid.map(|sizes| Structure { memory, ..sizes }).collect();
-                let [estimation, validation] = &sets.excited;
-                let found = select_structure(&grid, estimation, validation, &training);
-                let (rows, best) = found.map_err(told)?;
-                let structure = rows[best].structure;
-                compared = Some((rows, best));
-                structure
+                let excited = sets.excited.each_ref();
+                let found = select_structure(&grid, excited, (&sets.healthy[0], run_up), &training);
+                let found = compared.insert(found.map_err(told)?);
+                found.rows[found.used].structure
             }
         };
         if let Some((_, bounds)) = &mut recipe.gmdh {
@@ -193,6 +190,12 @@ impl Models {
             recipe.gmdh = None;
         }
         Ok((recipe, compared))
+    }
+
+    /// The process model where the comparison of sizes has trained it: training it again would leave out
+    /// the healthy run. Another search begins anew.
+    pub(super) fn process(&self, compared: Option<&Selection>) -> Option<Trained> {
+        compared.filter(|_| self.search == Search::Lm).map(|it| it.network().clone())
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use drivescope_diagnoser::{
     Channel, Confidence, Data, Design, Diagnoser, FaultsReport, FaultyRun, Gmdh, Interface,
-    IsolatorOptions, Learned, Sets, free_run,
+    IsolatorOptions, Learned, Selection, Sets, free_run,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
@@ -13,7 +13,7 @@ use drivescope_recording::Recording;
 use super::models::Models;
 use super::{bank, joined};
 use crate::answer::block::Block;
-use crate::answer::train::{Answer, BankAnswer, Compared};
+use crate::answer::train::{Answer, BankAnswer};
 use crate::failure::{Failure, told};
 use crate::interrupt;
 use crate::session::Session;
@@ -73,7 +73,7 @@ pub(crate) struct Trained {
     pub(crate) learned: Learned,
     faults: Option<FaultsReport>,
     bank: Option<BankAnswer>,
-    compared: Option<Compared>,
+    compared: Option<Selection>,
     /// Greatest difference of the GMDH network from its locally recurrent form on a healthy recording.
     recurrent_difference: Option<f64>,
 }
@@ -165,7 +165,10 @@ pub(crate) fn train(
     let sets = Sets { excited, healthy };
     let recipe = plan.models.recipe((design, session.seed), &sets, parts);
     let (recipe, compared) = recipe.inspect_err(|_| spinner.finish_and_clear())?;
-    let learned = Diagnoser::learn(interface.clone(), &sets, &recipe);
+    let learned = match plan.models.process(compared.as_ref()) {
+        Some(process) => Diagnoser::learn_around(interface.clone(), process, &sets, &recipe),
+        None => Diagnoser::learn(interface.clone(), &sets, &recipe),
+    };
     spinner.finish_and_clear();
     interrupt::check()?;
     let mut learned = learned.map_err(told)?;

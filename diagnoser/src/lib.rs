@@ -90,8 +90,7 @@ pub use model::{Model, ModelRun};
 pub use model_error::{BandDesign, ErrorBands};
 pub use network::{
     ApproximationExample, ApproximationRow, FirNeuron, IirNeuron, Method, Network, NetworkRun,
-    Selection, StartRow, Structure, StructureRow, Theta, Trained, Training, TrainingError,
-    select_structure, train,
+    Selection, StartRow, Structure, StructureRow, Theta, Trained, Training, TrainingError, train,
 };
 pub use range::{OperatingRange, RangeWatch};
 pub use recipe::{Learned, Recipe, RecipeError, Sets};

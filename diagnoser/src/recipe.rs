@@ -15,6 +15,7 @@
 
 use std::ops::Range;
 
+use drivescope_numerics::Limits;
 use thiserror::Error;
 
 use crate::arx::longest_run_up;
@@ -27,7 +28,10 @@ use crate::gmdh::{
 use crate::interface::Interface;
 use crate::model::Model;
 use crate::model_error::BandDesign;
-use crate::network::{Structure, Trained, Training, TrainingError, longest_memory, train};
+use crate::network::{
+    Method, Selection, Structure, Trained, Training, TrainingError, longest_memory,
+    select_structure, train,
+};
 use crate::range::OperatingRange;
 use crate::signal_model::Start;
 use crate::windows::{BASELINE_S, WINDOW_S, Windows};
@@ -61,6 +65,9 @@ pub struct Recipe {
 /// bounded on, beyond the run-up: more add time, not knowledge.
 const SYNTHESIS: usize = 2000;
 const BOUNDED: usize = 4000;
+/// Starts of every candidate of a choice of sizes, and their steps.
+const STARTS: usize = 2;
+const STEPS: usize = 60;
 
 impl Recipe {
     /// The paper's sizes and orders; beside its ARX error model a recurrent one, and a GMDH network.
@@ -107,6 +114,22 @@ impl Recipe {
             self.recurrent_error.iter_mut().for_each(|(sizes, _)| sizes.memory = memory);
         }
         self
+    }
+
+    /// Sizes of a process model with the memory of this one's, compared by AIC over the excited runs;
+    /// the one to use follows the first healthy run as well as the best.
+    ///
+    /// # Errors
+    /// [`TrainingError`]
+    pub fn compare_sizes(&self, sets: &Sets) -> Result<Selection, TrainingError> {
+        let limits = Limits { steps: STEPS, relative_decrease: 1e-6 };
+        let method = Method::LevenbergMarquardt(limits);
+        let training = Training { method, starts: STARTS, ..self.training };
+        let Structure { inputs, memory, .. } = self.structure;
+        let grid = Structure::grid(inputs, 1).into_iter();
+        let grid: Vec<_> = grid.map(|sizes| Structure { memory, ..sizes }).collect();
+        let healthy = (&sets.healthy[0], self.design.run_up);
+        select_structure(&grid, sets.excited.each_ref(), healthy, &training)
     }
 }
 

@@ -59,7 +59,7 @@ impl Selection {
 ///
 /// # Errors
 /// [`TrainingError`]; [`TrainingError::NoCandidate`] where there is none.
-pub fn select_structure(
+pub(crate) fn select_structure(
     candidates: &[Structure],
     [estimation, validation]: [&Data; 2],
     (healthy, run_up): (&Data, usize),
@@ -68,28 +68,29 @@ pub fn select_structure(
     let mut classes: Vec<Structure> = candidates.iter().map(Structure::class).collect();
     classes.sort_by_key(|class| (class.parameters(), class.v1, class.v2, class.order));
     classes.dedup();
-    let mut trained: Vec<(Structure, Trained)> = Vec::new();
-    for structure in classes {
-        let contained = trained.iter().filter(|(class, _)| structure.contains(class));
-        let best = contained.min_by(|a, b| a.1.sse.total_cmp(&b.1.sse));
-        let smaller: Vec<&Theta> = best.iter().map(|(_, trained)| &trained.theta).collect();
-        let data = (estimation, validation);
-        let found = train_from(&smaller, Keep::BestFit, structure, data, training)?;
-        trained.push((structure, found));
-    }
     let deviation = |trained: &Trained| {
         let left = residual(&mut trained.network.run(), healthy, training.start);
         mean_and_deviation(&healthy.judged(&left, run_up)).1
     };
+    let mut trained: Vec<(Structure, Trained, f64)> = Vec::new();
+    for structure in classes {
+        let contained = trained.iter().filter(|(class, ..)| structure.contains(class));
+        let best = contained.min_by(|a, b| a.1.sse.total_cmp(&b.1.sse));
+        let smaller: Vec<&Theta> = best.iter().map(|(_, trained, _)| &trained.theta).collect();
+        let data = (estimation, validation);
+        let found = train_from(&smaller, Keep::BestFit, structure, data, training)?;
+        let healthy = deviation(&found);
+        trained.push((structure, found, healthy));
+    }
     let row = |structure: &Structure| {
         let class = structure.class();
-        let (_, trained) = trained.iter().find(|(of, _)| *of == class)?;
+        let (_, trained, healthy) = trained.iter().find(|(of, ..)| *of == class)?;
         Some(StructureRow {
             structure: *structure,
             parameters: structure.parameters(),
             effective_parameters: structure.effective_parameters(),
             trained: trained.clone(),
-            healthy: deviation(trained),
+            healthy: *healthy,
         })
     };
     let rows: Vec<StructureRow> = candidates.iter().filter_map(row).collect();
@@ -136,8 +137,7 @@ mod tests {
             select_structure(candidates, excited, (&data(&healthy), 500), training)
         };
         let found = select(&candidates, &training).unwrap();
-        let Selection { rows, best, .. } = &found;
-        let best = *best;
+        let (rows, best) = (&found.rows, found.best);
         assert_eq!(rows.iter().map(|row| row.structure).collect::<Vec<_>>(), candidates);
         assert!(best > 0, "one neuron for a curve with a corner at zero");
         assert!(rows.iter().all(|row| row.trained.aic >= rows[best].trained.aic));

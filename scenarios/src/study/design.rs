@@ -77,8 +77,7 @@ pub fn design(
         excited: [excited[0].data()?, excited[1].data()?],
         healthy: [fitted.data()?, long.data()?],
     };
-    let how = (recipe.structure.memory, experiment.seed);
-    let (structures, process) = structures(&sets.excited, &sets.healthy[0], how)?;
+    let (structures, process) = structures(&recipe, &sets)?;
     let learned = Diagnoser::learn_around(interface, process, &sets, &recipe)?;
     let summary = summary(experiment, &recipe, &learned, &sets, &tested)?;
     Ok(Designed { diagnoser: Arc::new(learned.diagnoser), summary, structures })

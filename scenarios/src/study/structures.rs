@@ -1,35 +1,20 @@
 //! How large the process model should be, and Theorem 1 on an example.
 
 use drivescope_diagnoser::{
-    ApproximationExample, ApproximationRow, Data, Limits, Method, Selection, Structure,
-    StructureRow, Trained, Training, select_structure,
+    ApproximationExample, ApproximationRow, Recipe, Selection, Sets, Structure, StructureRow,
+    Trained,
 };
 
-use super::{RUN_UP, StudyError};
+use super::StudyError;
 use crate::results::{StructureSummary, TheoremRow, TheoremSummary};
 
-/// Starts of every candidate, and their steps.
-const STARTS: usize = 2;
-const STEPS: usize = 60;
-
-/// The AIC table over the excited runs, to estimate on and to judge, of networks with that memory, and
-/// the network to use: the winner among those whose free run on the healthy run is close to the best.
+/// The AIC table, and the network to use: the winner among those whose free run on a healthy run is
+/// close to the best.
 pub(super) fn structures(
-    [estimation, validation]: &[Data; 2],
-    healthy: &Data,
-    (memory, seed): (Option<usize>, u64),
+    recipe: &Recipe,
+    sets: &Sets,
 ) -> Result<(Vec<StructureSummary>, Trained), StudyError> {
-    let limits = Limits { steps: STEPS, relative_decrease: 1e-6 };
-    let training = Training {
-        method: Method::LevenbergMarquardt(limits),
-        starts: STARTS,
-        seed,
-        ..Training::default()
-    };
-    let grid = Structure::grid(1, 1).into_iter();
-    let grid: Vec<_> = grid.map(|sizes| Structure { memory, ..sizes }).collect();
-    let (excited, healthy) = ([estimation, validation], (healthy, RUN_UP));
-    let found = select_structure(&grid, excited, healthy, &training)?;
+    let found = recipe.compare_sizes(sets)?;
     let process = found.network().clone();
     let Selection { rows, best, used } = found;
     let summary = |(k, row): (usize, StructureRow)| {
@@ -45,7 +30,7 @@ pub(super) fn structures(
             aic: row.trained.aic,
             validation: unit * row.trained.starts[row.trained.best].validation,
             healthy: row.healthy,
-            paper: row.structure == Structure { memory, ..Structure::PAPER },
+            paper: row.structure == recipe.structure,
             best: k == best,
             used: k == used,
         }

@@ -4,15 +4,12 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use drivescope_diagnoser::{
-    BoundOptions, Design, ErrorModel, Limits, Method, Orders, Orthants, Recipe, Selection, Sets,
-    Structure, Trained, Training, Uncertain, select_structure,
+    BoundOptions, Design, ErrorModel, Method, Orders, Orthants, Recipe, Selection, Sets, Structure,
+    Trained, Training, Uncertain,
 };
 
 use crate::failure::told;
 
-/// Starts and steps of every candidate of a choice of sizes.
-const STARTS: usize = 2;
-const STEPS: usize = 60;
 /// Outer steps of the paper's random search, and its starts.
 const OUTER: usize = 100;
 const SEARCHES: usize = 1;
@@ -153,20 +150,11 @@ impl Models {
                 recipe.recurrent_error.map(|(sizes, training)| (sizes, searched(training)));
         }
         let mut compared = None;
-        let run_up = recipe.design.run_up;
         recipe.structure = match self.structure {
             Sizes::Paper => recipe.structure,
             Sizes::Given([v1, v2, order]) => Structure { v1, v2, order, ..recipe.structure },
             Sizes::Aic => {
-                let limits = Limits { steps: STEPS, relative_decrease: 1e-6 };
-                let method = Method::LevenbergMarquardt(limits);
-                let training = Training { method, starts: STARTS, ..recipe.training };
-                let memory = recipe.structure.memory;
-                let grid = Structure::grid(inputs, 1).into_iter();
-                let grid: Vec<_> = grid.map(|sizes| Structure { memory, ..sizes }).collect();
-                let excited = sets.excited.each_ref();
-                let found = select_structure(&grid, excited, (&sets.healthy[0], run_up), &training);
-                let found = compared.insert(found.map_err(told)?);
+                let found = compared.insert(recipe.compare_sizes(sets).map_err(told)?);
                 found.rows[found.used].structure
             }
         };

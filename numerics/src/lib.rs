@@ -2,13 +2,15 @@
 //!
 //! [`Real`] is the scalar that all physics is written over: `f64` for a run, [`Dual`] where
 //! exact derivatives are wanted. [`elementary`] holds its branch-free functions, which the
-//! compiler turns into vector code when they stand inside a loop over lanes.
+//! compiler turns into vector code when they stand inside a loop over lanes; [`dispatch`] compiles that
+//! code for what the processor has.
 //!
 //! With the feature `estimation`, which the physics does without, `Regression` solves linear least
 //! squares row by row, `minimise` nonlinear ones; `ljung_box` and `omnibus_normality` test what is
 //! left, `aic` weighs it against the number of parameters, `wilson_95` is the interval of a counted
 //! share.
 
+pub mod dispatch;
 mod dual;
 pub mod elementary;
 #[cfg(feature = "estimation")]

@@ -1,9 +1,10 @@
 //! A run of the drive without any FMU: the reference for what the FMU must give, bit for bit.
 
+use drivescope_numerics::dispatch::{prefetch, turned};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::OutputLanes;
 use drivescope_plant::fault::{FaultLanes, Faults, Mechanism};
-use drivescope_plant::integrate::{Block, Integrator, Stepper, prefetch, turned};
+use drivescope_plant::integrate::{Block, Integrator, Stepper};
 use drivescope_plant::model::Model;
 use drivescope_plant::sampled::{
     InputLanes, Inputs, Sampled, Samples, SignalLanes, Span, speed_bound,

@@ -9,6 +9,8 @@
 
 use std::collections::VecDeque;
 
+use drivescope_numerics::dispatch::{Work, widest};
+
 use super::filter::Correction;
 use super::process::{Advanced, MECHANISMS, Mechanism, SENSORS, Sensed};
 use crate::memory::{Memory, MemoryError, Walk};
@@ -17,8 +19,8 @@ use crate::memory::{Memory, MemoryError, Walk};
 const KEPT: usize = 14;
 /// Age at which an onset is given up, samples.
 pub(crate) const OLDEST: usize = 256;
-/// Lanes of a vector: four single-precision numbers fit the least that a 64-bit processor has.
-const WIDE: usize = 4;
+/// Lanes of a vector: eight single-precision numbers fit what most processors have.
+const WIDE: usize = 8;
 const VECTORS: usize = MECHANISMS / WIDE;
 /// Keeps a quotient finite where a mechanism does not show.
 const NO_INFORMATION: f32 = 1e-12;
@@ -27,8 +29,24 @@ const NO_INFORMATION: f32 = 1e-12;
 type Lanes = [[f32; WIDE]; VECTORS];
 const ZERO: Lanes = [[0.0; WIDE]; VECTORS];
 
-fn lanes(of: impl Fn(usize) -> f64) -> Lanes {
-    std::array::from_fn(|v| std::array::from_fn(|j| of(WIDE * v + j) as f32))
+/// In single precision.
+#[inline(always)]
+fn lanes(of: &[f64; MECHANISMS]) -> Lanes {
+    let mut lanes = ZERO;
+    for (lanes, of) in lanes.iter_mut().zip(of.as_chunks().0) {
+        *lanes = single(of);
+    }
+    lanes
+}
+
+/// In single precision; a loop becomes vector code where `map` does not.
+#[inline(always)]
+fn single<const K: usize>(of: &[f64; K]) -> [f32; K] {
+    let mut made = [0.0; K];
+    for k in 0..K {
+        made[k] = of[k] as f32;
+    }
+    made
 }
 
 /// All mechanisms from one onset.
@@ -73,24 +91,34 @@ struct Step<const N: usize> {
 }
 
 impl<const N: usize> Step<N> {
+    #[inline(always)]
     fn new(sensed: &Sensed<N>, correction: &Correction<N>, advanced: &Advanced<N>) -> Self {
-        let small = |columns: &[f64; MECHANISMS]| lanes(|j| columns[j]);
-        let row = |row: &[f64; N]| row.map(|x| x as f32);
-        Self {
-            sensors: sensed.columns.each_ref().map(small),
-            states: advanced.columns.each_ref().map(small),
-            rows: sensed.rows.each_ref().map(row),
-            gain: correction.gain.each_ref().map(row),
-            inverse_sd: correction.inverse_sd.map(|x| x as f32),
-            innovation: correction.innovation.map(|x| x as f32),
-            transition: advanced.transition.each_ref().map(row),
+        let mut step = Self {
+            sensors: [ZERO; SENSORS],
+            states: [ZERO; N],
+            rows: [[0.0; N]; SENSORS],
+            gain: [[0.0; N]; SENSORS],
+            inverse_sd: single(&correction.inverse_sd),
+            innovation: single(&correction.innovation),
+            transition: [[0.0; N]; N],
+        };
+        for m in 0..SENSORS {
+            step.sensors[m] = lanes(&sensed.columns[m]);
+            step.rows[m] = single(&sensed.rows[m]);
+            step.gain[m] = single(&correction.gain[m]);
         }
+        for n in 0..N {
+            step.states[n] = lanes(&advanced.columns[n]);
+            step.transition[n] = single(&advanced.transition[n]);
+        }
+        step
     }
 }
 
 impl<const N: usize> Onsets<N> {
     pub(crate) fn new(mechanisms: &[Mechanism], moving: usize) -> Self {
-        let most = lanes(|j| mechanisms.get(j).map_or(0.0, |mechanism| mechanism.most));
+        let most = |j: usize| mechanisms.get(j).map_or(0.0, |mechanism| mechanism.most);
+        let most = lanes(&std::array::from_fn(most));
         let vectors = mechanisms.len().div_ceil(WIDE);
         Self { kept: Vec::with_capacity(KEPT), most, vectors, moving }
     }
@@ -136,11 +164,43 @@ impl<const N: usize> Onsets<N> {
         correction: &Correction<N>,
         advanced: &Advanced<N>,
     ) {
-        let step = Step::new(sensed, correction, advanced);
-        for onset in &mut self.kept {
-            for v in 0..self.vectors {
+        widest(Stepping { onsets: self, sensed, correction, advanced });
+    }
+
+    /// The best explanation; nothing before the first sample.
+    #[inline]
+    pub(crate) fn peak(&self) -> Option<Peak> {
+        let mut best = [[(f32::NEG_INFINITY, 0); WIDE]; VECTORS];
+        widest(Comparing { onsets: self, best: &mut best });
+        let (mut top, mut peak) = ((f32::NEG_INFINITY, 0), None);
+        for (mechanism, (ratio, k)) in best.into_iter().flatten().enumerate() {
+            // Of equal ones the oldest onset.
+            if ratio > top.0 || (ratio == top.0 && k < top.1) {
+                top = (ratio, k);
+                peak = Some(mechanism);
+            }
+        }
+        let onset = self.kept.get(top.1)?.sample;
+        peak.map(|mechanism| Peak { ratio: top.0.into(), mechanism, onset })
+    }
+}
+
+/// A sample taken in by every onset.
+struct Stepping<'a, const N: usize> {
+    onsets: &'a mut Onsets<N>,
+    sensed: &'a Sensed<N>,
+    correction: &'a Correction<N>,
+    advanced: &'a Advanced<N>,
+}
+
+impl<const N: usize> Work for Stepping<'_, N> {
+    #[inline(always)]
+    fn run(self) {
+        let step = Step::new(self.sensed, self.correction, self.advanced);
+        for onset in &mut self.onsets.kept {
+            for v in 0..self.onsets.vectors {
                 // A count that the compiler knows keeps e in registers.
-                match self.moving {
+                match self.onsets.moving {
                     2 => onset.step::<2>(v, &step),
                     3 => onset.step::<3>(v, &step),
                     4 => onset.step::<4>(v, &step),
@@ -149,23 +209,29 @@ impl<const N: usize> Onsets<N> {
             }
         }
     }
+}
 
-    /// The best explanation; nothing before the first sample.
-    #[inline]
-    pub(crate) fn peak(&self) -> Option<Peak> {
-        let (mut top, mut best) = (f32::NEG_INFINITY, None);
-        for onset in &self.kept {
-            for v in 0..self.vectors {
-                let ratio = onset.ratio(v, &self.most[v]);
-                for (j, ratio) in ratio.into_iter().enumerate() {
-                    if ratio > top {
-                        top = ratio;
-                        best = Some((WIDE * v + j, onset.sample));
-                    }
+/// The greatest ratio of every mechanism, and the place of its onset.
+struct Comparing<'a, const N: usize> {
+    onsets: &'a Onsets<N>,
+    best: &'a mut [[(f32, usize); WIDE]; VECTORS],
+}
+
+impl<const N: usize> Work for Comparing<'_, N> {
+    #[inline(always)]
+    fn run(self) {
+        for v in 0..self.onsets.vectors {
+            let (mut top, mut at) = ([f32::NEG_INFINITY; WIDE], [0_u32; WIDE]);
+            for (onset, k) in self.onsets.kept.iter().zip(0..) {
+                let ratio = onset.ratio(v, &self.onsets.most[v]);
+                for j in 0..WIDE {
+                    let is_greater = ratio[j] > top[j];
+                    top[j] = if is_greater { ratio[j] } else { top[j] };
+                    at[j] = if is_greater { k } else { at[j] };
                 }
             }
+            self.best[v] = std::array::from_fn(|j| (top[j], at[j] as usize));
         }
-        best.map(|(mechanism, onset)| Peak { ratio: top.into(), mechanism, onset })
     }
 }
 

@@ -9,8 +9,8 @@
 
 use std::ops::Range;
 
+use drivescope_numerics::dispatch::{Work, widest};
 use drivescope_plant::drive::Drive;
-use drivescope_plant::integrate::{Work, widest};
 use drivescope_plant::model::OWN;
 
 use super::direction::Direction;

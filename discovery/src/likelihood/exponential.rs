@@ -5,7 +5,7 @@
 //! phi_2(z) = (phi_1(z) - 1) / z, by a series for a small part of the sample and doubling (Moler and
 //! Van Loan, SIAM Review 45, 2003, method 3).
 
-use drivescope_plant::integrate::{Work, widest};
+use drivescope_numerics::dispatch::{Work, widest};
 
 use super::rows::{NO_ROWS, Row, Rows, add, product, unit};
 

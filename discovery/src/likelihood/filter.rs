@@ -9,8 +9,8 @@
 //! motion that was measured ([`Direction`]).
 //! A random load is thus a part of the model and no excuse: whatever it explains has its price.
 
+use drivescope_numerics::dispatch::{Work, widest};
 use drivescope_plant::drive::{Drive, Input};
-use drivescope_plant::integrate::{Work, widest};
 use drivescope_plant::model::{CURRENT, POSITION, SPEED};
 
 use super::beginning::beginning;

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use drivescope_numerics::dispatch::{Work, widest};
 use drivescope_plant::drive::{Drive, Input};
-use drivescope_plant::integrate::{Work, widest};
 use drivescope_plant::model::{CURRENT, SPEED};
 use nalgebra::{DMatrix, DMatrixView, Dyn};
 use rayon::prelude::*;

@@ -57,7 +57,8 @@ pub enum Variable {
     OmegaSign,
     /// Armature current (the commanded signal of a force-driven drive).
     Current,
-    /// Position; on a rotary drive within the revolution.
+    /// Position; a comparison shows it over the period that it finds, on a rotary drive the revolution
+    /// or a part of it.
     Theta,
     /// Time since the start.
     Time,
@@ -141,8 +142,9 @@ pub struct Info {
     pub excludes: &'static [&'static str],
     /// Parameters and the values at which the effect vanishes; infinity for a stiffness.
     pub nulls: &'static [(&'static str, f64)],
-    /// Parameters that count periods a revolution: whole numbers on a rotary drive, chosen from the
-    /// grid and not estimated there.
+    /// Parameters that count periods, which must close after a revolution or a whole number of them:
+    /// on a rotary drive they are chosen from the grid and not estimated. Any position is meant, not
+    /// that within one revolution: a grid of halves closes after two.
     pub counts: &'static [&'static str],
     /// The shapes at which a discovery weighs it, of parameters that have no finite null; at least
     /// one. Parameters without a value there are at their nominal ones.

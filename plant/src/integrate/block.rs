@@ -1,8 +1,8 @@
 //! Lanes of drives advanced together; a lane that meets an event is redone alone.
 
 use drivescope_numerics::Real;
+use drivescope_numerics::dispatch::{Work, widest};
 
-use super::dispatch::{Work, widest};
 use super::step::{Stages, may_dip, step};
 use super::{Integrator, Pace, Plan, State, within_budget};
 use crate::model::{Applied, Model, OWN, Rows, SPEED};

@@ -21,7 +21,6 @@
 mod affine;
 mod automaton;
 mod block;
-pub(crate) mod dispatch;
 mod exponential;
 mod grain;
 mod renew;
@@ -35,7 +34,6 @@ use grain::Grain;
 use step::{Armature, Stages};
 
 pub use block::Block;
-pub use dispatch::{Work, prefetch, turned, widest};
 
 /// Sub-step times fastest rate. A free oscillation is off by x^4 / 120 a radian at order four:
 /// 1e-8, which an armature that rings over several radians with all of its current sums to 4e-8.

@@ -4,11 +4,12 @@
 //! The other loop, of [`Unit`](crate::unit::Unit), cannot be this one: its caller chooses the steps, and
 //! a sample is taken where one falls due. What a sample is, both have from [`Sampled`].
 
+use drivescope_numerics::dispatch::{Work, widest};
+
 use super::{InputLanes, Sampled, SignalLanes};
 use crate::effects::law::OutputLanes;
 use crate::fault::FaultLanes;
 use crate::integrate::Stepper;
-use crate::integrate::dispatch::{Work, widest};
 
 /// What a run takes from outside and what becomes of its signals. Both methods are called once a
 /// sample and should be `#[inline(always)]`.

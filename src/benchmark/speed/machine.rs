@@ -3,7 +3,7 @@
 
 use std::hint::black_box;
 
-use drivescope_plant::integrate::{Work, widest};
+use drivescope_numerics::dispatch::{Work, widest};
 use serde::Serialize;
 
 use super::clock::least;

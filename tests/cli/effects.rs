@@ -63,7 +63,8 @@ fn typed(entry: &Entry, k_m: f64) -> Option<String> {
     (!text.is_empty()).then_some(text)
 }
 
-/// Laws of the library that are one formula or several.
+/// Laws of the library that are one formula or several, at least: a printed law that is no formula
+/// any more would be passed over in silence.
 const FORMULAS: usize = 17;
 
 #[test]
@@ -103,7 +104,7 @@ fn a_printed_law_that_is_typed_is_the_effect() {
             assert!(does > 1e-5, "{} does {does:e}: nothing was compared", entry.info.id);
         }
     }
-    assert_eq!(found, FORMULAS);
+    assert!(found >= FORMULAS, "only {found} printed laws could be typed");
 }
 
 /// Co-simulation is the same code over the same steps.

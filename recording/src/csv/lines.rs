@@ -18,7 +18,7 @@ const LONGEST_LINE: usize = 1 << 20;
 pub(super) type Numbered = (u64, Vec<u8>);
 
 /// Reads line by line into one buffer and counts lines and bytes.
-pub(super) struct LineReader<R: Read> {
+pub(crate) struct LineReader<R: Read> {
     reader: BufReader<Decoded<R>>,
     file: String,
     line: Vec<u8>,
@@ -34,7 +34,7 @@ pub(super) struct LineReader<R: Read> {
 }
 
 impl<R: Read> LineReader<R> {
-    pub(super) fn new(reader: R, file: &str) -> Result<LineReader<R>, Error> {
+    pub(crate) fn new(reader: R, file: &str) -> Result<LineReader<R>, Error> {
         let decoded =
             decoded(reader).map_err(|source| Error::Read { file: file.to_owned(), source })?;
         Ok(LineReader {
@@ -59,12 +59,12 @@ impl<R: Read> LineReader<R> {
     }
 
     /// The place of the line that was given last.
-    pub(super) fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> Place {
         self.place_of(self.given)
     }
 
     /// The place of a line of that number.
-    pub(super) fn place_of(&self, line: u64) -> Place {
+    pub(crate) fn place_of(&self, line: u64) -> Place {
         Place { file: self.file.clone(), at: line, counted: Counted::Lines }
     }
 
@@ -74,7 +74,7 @@ impl<R: Read> LineReader<R> {
     }
 
     /// The next line without its end, blank ones left out, and its number.
-    pub(super) fn next(&mut self) -> Result<Option<(u64, &[u8])>, Error> {
+    pub(crate) fn next(&mut self) -> Result<Option<(u64, &[u8])>, Error> {
         if let Some((number, line)) = self.again.pop_front() {
             (self.given, self.line) = (number, line);
             return Ok(Some((self.given, &self.line)));

@@ -1,4 +1,7 @@
 //! Recordings as CSV: read at once, read row by row, written.
+//!
+//! Other formats that are text take its lines, in any encoding and with their places, from
+//! [`lines::LineReader`], and numbers from [`number`].
 
 mod body;
 mod clock;
@@ -9,9 +12,9 @@ mod first_lines;
 mod kinds;
 mod layout;
 mod line;
-mod lines;
+pub(crate) mod lines;
 mod names;
-mod number;
+pub(crate) mod number;
 mod rows;
 mod settings;
 mod stream;

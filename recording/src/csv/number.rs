@@ -9,7 +9,7 @@ pub(super) const LONGEST_NUMBER: usize = 64;
 
 /// What marks the decimals of a column, as far as its cells have told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Mark {
+pub(crate) enum Mark {
     /// Nothing has told yet: `1,234` counts as a decimal comma, `1.234` as a point.
     #[default]
     Unknown,
@@ -21,7 +21,7 @@ pub(super) enum Mark {
 
 impl Mark {
     /// The number that a field holds; what it tells of the mark is kept.
-    pub(super) fn number(&mut self, field: &[u8]) -> Option<f64> {
+    pub(crate) fn number(&mut self, field: &[u8]) -> Option<f64> {
         let grouped = *self == Mark::Comma && memchr::memchr(b'.', field).is_some();
         if !grouped && let Some(value) = plain(field) {
             return Some(value);
@@ -40,7 +40,7 @@ impl Mark {
 }
 
 /// The number that a field holds by itself, NaN where it says that it holds none.
-pub(super) fn number(field: &[u8]) -> Option<f64> {
+pub(crate) fn number(field: &[u8]) -> Option<f64> {
     if is_missing(field) { Some(f64::NAN) } else { Mark::Unknown.number(field) }
 }
 

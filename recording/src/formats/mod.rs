@@ -1,7 +1,7 @@
 //! Formats of recordings: one file a format, one line a format in the registry below.
 //!
-//! Reading a file, the errors about unknown files, the page's file picker and the README's
-//! sentence all follow this list.
+//! Reading a file, the errors about unknown files and the page's file picker follow this list; a test
+//! holds the README's sentence to it.
 
 // Without the large formats some of what they share has no other user.
 #![cfg_attr(not(feature = "containers"), allow(dead_code))]
@@ -51,7 +51,8 @@ pub struct Format {
     pub name: &'static str,
     /// Extensions of its files, in lower case and without the dot; the usual one first.
     pub extensions: &'static [&'static str],
-    /// Whether a file that begins with these bytes is one; the start may be shorter than asked.
+    /// Whether a file that begins with these bytes, its first 4096 or all, is one. Formats are asked
+    /// in the order of the list, and only what none of them knows can be text.
     pub(crate) starts: fn(&[u8]) -> bool,
     /// Reads a file's columns.
     pub(crate) read: fn(File, &str, &ReadOptions) -> Result<Table, Error>,

@@ -7,7 +7,7 @@ mod table;
 
 use crate::report::plot::{Figure, Rows};
 
-pub(crate) use table::{Align, Cell, Column, Row, Table};
+pub(crate) use table::{Align, Cell, Column, Row, Said, Table};
 
 /// Where an answer is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,6 +2,9 @@
 
 use super::{ALL, Key, Media, Tone};
 
+/// What a column says of what a row stands for.
+pub(crate) type Said<T> = fn(&T) -> Cell;
+
 /// Rows and columns.
 #[derive(Debug)]
 pub(crate) struct Table {
@@ -19,6 +22,21 @@ impl Table {
     /// Without rows as yet.
     pub(crate) fn new(caption: impl Into<String>, columns: Vec<Column>) -> Self {
         Self { caption: caption.into(), columns, rows: Vec::new(), parts: Vec::new() }
+    }
+
+    /// A row for each of those things. A column stands beside what its cells say, so that no cell can
+    /// get under another's heading.
+    pub(crate) fn of<T>(
+        caption: impl Into<String>,
+        described: impl IntoIterator<Item = (Column, Said<T>)>,
+        rows: impl IntoIterator<Item = T>,
+    ) -> Self {
+        let (columns, said): (Vec<_>, Vec<_>) = described.into_iter().unzip();
+        let mut table = Self::new(caption, columns);
+        for row in rows {
+            table.push(said.iter().map(|cell| cell(&row)).collect());
+        }
+        table
     }
 
     /// With a row more.

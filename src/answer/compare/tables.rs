@@ -5,7 +5,7 @@ use drivescope_plant::drive::Motion;
 use drivescope_plant::units::for_motion;
 
 use super::{Setting, correlations};
-use crate::answer::block::{ALL, Align, Block, Column, Fact, HTML, Table};
+use crate::answer::block::{ALL, Align, Block, Column, Fact, HTML, Said, Table};
 use crate::answer::{noise, run};
 use crate::report::words::{error, fit_percent, number, p_value, percent};
 
@@ -111,37 +111,27 @@ pub(super) fn tests(output: &OutputComparison) -> [&'static str; 2] {
 
 /// Every output of every recording, and whether its residual is white.
 pub(super) fn residuals(compared: &Comparison) -> Vec<Block> {
-    let column = Column::new;
-    let columns = vec![
-        column(Align::Name, "Recording"),
-        column(Align::Name, "Output"),
-        column(Align::Number, "Fit"),
-        column(Align::Number, "Fit one step ahead"),
-        column(Align::Number, "rms difference"),
-        column(Align::Number, "Error"),
-        column(Align::Number, "Error one step ahead").only(HTML),
-        column(Align::Number, "Effective samples").only(HTML),
-        column(Align::Name, "White"),
-        column(Align::Name, "Knows the input"),
+    type Output<'a> = (&'a str, &'a OutputComparison);
+    let name = |heading: &str| Column::new(Align::Name, heading);
+    let figure = |heading: &str| Column::new(Align::Number, heading);
+    let columns: [(Column, Said<Output>); 10] = [
+        (name("Recording"), |(recording, _)| (*recording).into()),
+        (name("Output"), |(_, it)| it.name.into()),
+        (figure("Fit"), |(_, it)| fit(it.fit_percent).into()),
+        (figure("Fit one step ahead"), |(_, it)| fit(it.one_step_percent).into()),
+        (figure("rms difference"), |(_, it)| format!("{} {}", number(it.rms), it.unit).into()),
+        (figure("Error"), |(_, it)| error(it.error).into()),
+        (figure("Error one step ahead").only(HTML), |(_, it)| error(it.one_step_error).into()),
+        (figure("Effective samples").only(HTML), |(_, it)| {
+            format!("{:.0}", it.autocorrelation.effective_samples).into()
+        }),
+        (name("White"), |(_, it)| tests(it)[0].into()),
+        (name("Knows the input"), |(_, it)| tests(it)[1].into()),
     ];
-    let mut table = Table::new("Residuals", columns);
-    for recording in &compared.recordings {
-        for it in &recording.outputs {
-            let [white, input] = tests(it);
-            table.push(vec![
-                recording.name.as_str().into(),
-                it.name.into(),
-                fit(it.fit_percent).into(),
-                fit(it.one_step_percent).into(),
-                format!("{} {}", number(it.rms), it.unit).into(),
-                error(it.error).into(),
-                error(it.one_step_error).into(),
-                format!("{:.0}", it.autocorrelation.effective_samples).into(),
-                white.into(),
-                input.into(),
-            ]);
-        }
-    }
+    let rows = compared.recordings.iter().flat_map(|recording| {
+        recording.outputs.iter().map(move |it| (recording.name.as_str(), it))
+    });
+    let table = Table::of("Residuals", columns, rows);
     let about = Block::Note(
         "Errors in units of the noise. Bands of the correlations allow for correlated samples \
          (Bartlett). The prediction one step ahead uses what was left of all outputs before"

@@ -6,7 +6,7 @@ use drivescope_plant::file::Change;
 use drivescope_plant::parameters::NamedParameter;
 
 use crate::evidence::Gathered;
-use crate::failure::told;
+use crate::failure::into_report;
 
 /// The text of a drive file, of that name, with the effects and the values of the found drive.
 ///
@@ -38,7 +38,7 @@ pub(crate) fn with_effects(
             origin: format!("fitted: {from}, by discovery"),
         })
         .collect();
-    let (text, _) = Drive::edited(&text, name, &changes).map_err(told)?;
+    let (text, _) = Drive::edited(&text, name, &changes).map_err(into_report)?;
     Ok(text)
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn with_estimates(
     fitted: &Fitted,
     gathered: &Gathered,
 ) -> miette::Result<String> {
-    let (text, _) = Drive::edited(text, name, &changes(fitted, gathered)).map_err(told)?;
+    let (text, _) = Drive::edited(text, name, &changes(fitted, gathered)).map_err(into_report)?;
     Ok(text)
 }
 

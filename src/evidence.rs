@@ -9,7 +9,7 @@ use drivescope_discovery::{Evidence, Measured, NoiseSource, Purpose};
 use drivescope_plant::drive::Drive;
 
 use crate::commands::RecordingOptions;
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::next::Next;
 use crate::read_evidence::{KnownNoise, ReadEvidence, given_noise, read_evidence};
 use crate::session::Session;
@@ -187,8 +187,8 @@ fn split(
         whole.name,
         whole.time(from)
     );
-    estimation.push(whole.part(0..from).map_err(told)?);
-    validation.push(whole.part(from..whole.len()).map_err(told)?);
+    estimation.push(whole.part(0..from).map_err(into_report)?);
+    validation.push(whole.part(from..whole.len()).map_err(into_report)?);
     noises.push(noises[0].clone());
     Ok(split)
 }

@@ -118,7 +118,7 @@ pub(crate) enum Failure {
 
 /// An error of a library as a report: its message, and of its causes what the message does not
 /// say already.
-pub(crate) fn told(error: impl std::error::Error) -> Report {
+pub(crate) fn into_report(error: impl std::error::Error) -> Report {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(inner) = cause {

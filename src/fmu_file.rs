@@ -14,7 +14,7 @@ use drivescope_fmu_blocks::{
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::output;
 
 /// The shared libraries of this platform, built with the program (see `build.rs`).
@@ -66,9 +66,9 @@ pub(crate) enum NoFmu {
 
 impl NoFmu {
     /// In words for a person.
-    pub(crate) fn told(self) -> miette::Report {
+    pub(crate) fn into_report(self) -> miette::Report {
         match self {
-            Self::Diagnoser(error) => told(error),
+            Self::Diagnoser(error) => into_report(error),
             Self::Written(error) => error,
         }
     }
@@ -90,10 +90,10 @@ pub(crate) fn write_diagnoser(
     let model = DiagnoserModel::new(diagnoser.clone(), baseline.cloned());
     let model = model.map_err(NoFmu::Diagnoser)?;
     let description = model.description();
-    let text = diagnoser.to_toml().map_err(|error| other(told(error)))?;
+    let text = diagnoser.to_toml().map_err(|error| other(into_report(error)))?;
     let names: Vec<&str> = description.variables.iter().map(|it| it.name.as_str()).collect();
     let of_baseline = baseline.map(|baseline| baseline_text(baseline, &names)).transpose();
-    let of_baseline = of_baseline.map_err(|error| other(told(error)))?;
+    let of_baseline = of_baseline.map_err(|error| other(into_report(error)))?;
     let mut resources = vec![(DIAGNOSER_FILE.to_owned(), text.as_bytes())];
     let stored = of_baseline.iter().map(|text| (BASELINE_FILE.to_owned(), text.as_bytes()));
     resources.extend(stored);
@@ -109,6 +109,6 @@ fn put(
 ) -> miette::Result<()> {
     let libraries = vec![(platform()?, library)];
     let archive = Archive { description, libraries, resources, documentation: Vec::new() };
-    let bytes = archive.to_bytes(version).map_err(told)?;
+    let bytes = archive.to_bytes(version).map_err(into_report)?;
     Ok(output::write_file(path, |out| out.write_all(&bytes))?)
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use drivescope_recording::{Recording, TextSignal, write_whole};
 use serde::Serialize;
 
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::interrupt;
 
 /// Writes a file, whole or not at all; a device or a pipe is written through.
@@ -30,7 +30,7 @@ pub(crate) fn write_file(
 pub(crate) fn write_recording(path: &Path, recording: &Recording) -> miette::Result<()> {
     let _not_now = interrupt::writing();
     unless_stopped(path)?;
-    drivescope_recording::write(path, recording).map_err(told)
+    drivescope_recording::write(path, recording).map_err(into_report)
 }
 
 /// A run that was stopped writes nothing any more, though it may notice late; but for one that answers
@@ -63,7 +63,7 @@ pub(crate) fn write_with_texts(
         .into());
     }
     let _not_now = interrupt::writing();
-    drivescope_recording::write_csv_with_texts(path, recording, texts).map_err(told)
+    drivescope_recording::write_csv_with_texts(path, recording, texts).map_err(into_report)
 }
 
 /// Finds out whether a file can be written there, before the work that fills it.

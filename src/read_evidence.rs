@@ -10,7 +10,7 @@ use drivescope_recording::Recording;
 use serde::Serialize;
 
 use crate::commands::RecordingOptions;
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::session::Session;
 
 /// The noise of one output of a recording.
@@ -89,9 +89,10 @@ pub(crate) fn evidence_of(
         let (recording, mut spoiled) = repaired(recording.clone());
         spoiled.iter_mut().for_each(|it| it.recording.clone_from(name));
         read.signals.extend(spoiled);
-        let measured = Measured::of(drive, &recording, purpose).map_err(told)?;
+        let measured = Measured::of(drive, &recording, purpose).map_err(into_report)?;
         let measured = Measured { name: name.clone(), ..measured };
-        read.doubts.extend(doubts(drive, &measured).map_err(told)?.iter().map(ToString::to_string));
+        read.doubts
+            .extend(doubts(drive, &measured).map_err(into_report)?.iter().map(ToString::to_string));
         let found = noise(drive, &measured, given);
         let known = measured.outputs.iter().zip(&found).map(|(channel, noise)| KnownNoise {
             name: channel.name,

@@ -210,15 +210,18 @@ pub(crate) mod tests {
             let evidence = Evidence { recordings: vec![measured], noise };
             let setting = Setting::new(&far, Observer::NONE);
             let fitted = fit(&far, &evidence, &setting, &Options::default()).expect("it fits");
-            let told = fitted.parameters.iter().find(|it| it.name == "flexible_coupling.k");
-            let told = told.expect("it is told").clone();
-            assert!((told.value - 0.5).abs() < OFF * told.std_error, "{names:?}: {told:?}");
+            let estimated = fitted.parameters.iter().find(|it| it.name == "flexible_coupling.k");
+            let estimated = estimated.expect("it is told").clone();
+            assert!(
+                (estimated.value - 0.5).abs() < OFF * estimated.std_error,
+                "{names:?}: {estimated:?}"
+            );
             if names.len() > 4 {
                 let zero = fitted.recordings[0].starts[0].load_zero;
                 assert!((zero - 3.0).abs() < OFF * SDS[2], "{zero}");
                 assert!(fitted.squares.error() < 1.02, "{}", fitted.squares.error());
             }
-            told.std_error
+            estimated.std_error
         };
         let motor = error(&["u", "i", "omega", "theta"]);
         let both = error(&["u", "i", "omega", "theta", "theta_load"]);

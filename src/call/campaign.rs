@@ -11,7 +11,7 @@ use drivescope_scenarios::campaign::{
 use super::{Refused, guarded};
 use crate::claim::Claim;
 use crate::commands;
-use crate::failure::told;
+use crate::failure::into_report;
 
 /// A plan with its detectors.
 #[derive(Debug)]
@@ -45,8 +45,8 @@ impl Scenarios {
     /// What is wrong with them.
     pub fn parse(plan: &str, folder: &Path, design: &str) -> Result<Self, Refused> {
         guarded(|| {
-            let plan = Plan::parse(plan, "plan", folder).map_err(told)?;
-            let design = Design::parse(design).map_err(told)?;
+            let plan = Plan::parse(plan, "plan", folder).map_err(into_report)?;
+            let design = Design::parse(design).map_err(into_report)?;
             Ok(Self(Campaign::new(plan, design)))
         })
     }
@@ -71,7 +71,7 @@ impl Scenarios {
     /// # Errors
     /// An internal error only.
     pub fn design(&self) -> Result<String, Refused> {
-        guarded(|| self.0.design().to_toml().map_err(told))
+        guarded(|| self.0.design().to_toml().map_err(into_report))
     }
 
     /// Digest of plan, drive and detectors.
@@ -89,7 +89,7 @@ impl Scenarios {
     pub fn run(&self, range: &Range<u64>, file: &Path) -> Result<(), Refused> {
         let rows = guarded(|| Ok(self.0.run(range.clone(), &|_| false)))?;
         let rows = rows.ok_or(Refused::Stopped)?;
-        guarded(|| write_rows(file, &self.0, range, &rows).map_err(told))
+        guarded(|| write_rows(file, &self.0, range, &rows).map_err(into_report))
     }
 
     /// Writes the row of one that ends the process which runs it.
@@ -98,7 +98,9 @@ impl Scenarios {
     /// It cannot be written.
     pub fn aborted(&self, scenario: u64, file: &Path) -> Result<(), Refused> {
         let range = scenario..scenario + 1;
-        guarded(|| write_rows(file, &self.0, &range, &self.0.aborted(scenario)).map_err(told))
+        guarded(|| {
+            write_rows(file, &self.0, &range, &self.0.aborted(scenario)).map_err(into_report)
+        })
     }
 
     /// What a folder lacks.
@@ -107,8 +109,8 @@ impl Scenarios {
     /// Another campaign's folder, or scenarios that are there twice.
     pub fn missing(&self, folder: &Path) -> Result<Missing, Refused> {
         guarded(|| {
-            let Whole { parts, damaged } = parts_of(folder, Some(&self.0)).map_err(told)?;
-            let ranges = missing(&parts, self.count()).map_err(told)?;
+            let Whole { parts, damaged } = parts_of(folder, Some(&self.0)).map_err(into_report)?;
+            let ranges = missing(&parts, self.count()).map_err(into_report)?;
             Ok((ranges, damaged.into_iter().map(|(path, why)| (path, why.to_string())).collect()))
         })
     }
@@ -137,5 +139,5 @@ pub fn part(range: &Range<u64>) -> String {
 /// # Errors
 /// What is missing, damaged or of another campaign.
 pub fn merge(folder: &Path) -> Result<PathBuf, Refused> {
-    guarded(|| Ok(campaign::merge(folder).map_err(told)?.0))
+    guarded(|| Ok(campaign::merge(folder).map_err(into_report)?.0))
 }

@@ -6,7 +6,7 @@ use drivescope_recording::{Recording, Report};
 
 use super::{Refused, guarded};
 use crate::commands::RecordingOptions;
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::{drive_source, output};
 
 /// The text of a drive file, or of a built-in drive, and what the drive is called.
@@ -40,7 +40,7 @@ pub fn read(
 ) -> Result<(Recording, Report), Refused> {
     guarded(|| {
         let (options, _) = RecordingOptions::new(columns, resample, rows_every).options(path)?;
-        drivescope_recording::read(path, &options).map_err(told)
+        drivescope_recording::read(path, &options).map_err(into_report)
     })
 }
 
@@ -56,7 +56,7 @@ pub fn of_columns(
 ) -> Result<(Recording, Report), Refused> {
     guarded(|| {
         let options = RecordingOptions::new(columns, resample, rows_every).said()?;
-        drivescope_recording::of_columns(name, signals, &options).map_err(told)
+        drivescope_recording::of_columns(name, signals, &options).map_err(into_report)
     })
 }
 
@@ -65,7 +65,7 @@ pub fn of_columns(
 /// # Errors
 /// What makes it unreadable.
 pub fn reread(recording: Recording, name: &str) -> Result<(Recording, Report), Refused> {
-    guarded(|| recording.reread(name).map_err(told))
+    guarded(|| recording.reread(name).map_err(into_report))
 }
 
 /// Writes a recording; the file's extension tells the format.

@@ -12,7 +12,7 @@ use drivescope_discovery::{
 use super::{RecordingOptions, Run};
 use crate::answer::compare::{self as answer, Answer};
 use crate::answer::text;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::read_evidence::{ReadEvidence, given_noise, read_evidence};
 use crate::report::compare::compare_html;
@@ -62,9 +62,9 @@ impl Run for Compare {
         let spinner = session.spinner();
         spinner.set_message("comparing");
         let options = Options { curves: true, seed: session.seed };
-        let compared = compare(&drive, &evidence, &setting, &options).map_err(told)?;
+        let compared = compare(&drive, &evidence, &setting, &options).map_err(into_report)?;
         let validation_error = validation
-            .map(|it| evaluate(&drive, &it.evidence, &setting, true).map_err(told))
+            .map(|it| evaluate(&drive, &it.evidence, &setting, true).map_err(into_report))
             .transpose()?
             .map(|judged| judged.squares.error());
         spinner.finish_and_clear();
@@ -74,7 +74,7 @@ impl Run for Compare {
         let setting =
             answer::Setting::new(&drive, &evidence, &noise[0], validation_error, &doubts, seed);
         let answer = Answer::new(&compared, &setting, &signals, force);
-        let blocks = answer.told();
+        let blocks = answer.blocks();
         if let Some(out) = &self.out {
             let html = compare_html(&setting, &blocks);
             output::write_file(out, |file| file.write_all(html.as_bytes()))?;

@@ -9,7 +9,7 @@ use drivescope_recording::{ReadOptions, Recording, read, rounded};
 use serde::Serialize;
 
 use super::Run;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::output;
 use crate::session::Session;
@@ -59,9 +59,9 @@ fn early(end: &End) -> Option<String> {
 
 impl Run for Cosim {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let document = open(&self.system).map_err(told)?;
+        let document = open(&self.system).map_err(into_report)?;
         session.check_writable(&[&self.output])?;
-        let mut system = document.build(&recording).map_err(told)?;
+        let mut system = document.build(&recording).map_err(into_report)?;
         let left_out = system.left_out();
         if !left_out.is_empty() {
             session.remark(format_args!(
@@ -69,7 +69,7 @@ impl Run for Cosim {
                 left_out.join(", ")
             ));
         }
-        let outcome = system.run().map_err(told)?;
+        let outcome = system.run().map_err(into_report)?;
         output::write_recording(&self.output, &outcome.recording)?;
         let recording = &outcome.recording;
         let (samples, period) = (recording.len(), recording.period_s);

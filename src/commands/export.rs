@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::diagnose::{read_for, refused};
 use super::{RecordingOptions, Run};
 use crate::drive_source;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::fmu_file::{self, NoFmu};
 use crate::next::Next;
 use crate::session::Session;
@@ -110,7 +110,7 @@ impl Export {
             }
             .into());
         }
-        let diagnoser = Diagnoser::load(path).map_err(told)?;
+        let diagnoser = Diagnoser::load(path).map_err(into_report)?;
         session.check_writable(&[&self.output])?;
         let file = self.baseline.as_ref();
         let baseline = file.map(|file| read_for(&diagnoser, file, &self.reading, session));
@@ -118,7 +118,7 @@ impl Export {
         let made = fmu_file::write_diagnoser(&diagnoser, baseline.as_ref(), version, &self.output);
         let (description, learns_for) = made.map_err(|error| match error {
             NoFmu::Diagnoser(DiagnoserError::Monitor(error)) => refused(path, &error).into(),
-            other => other.told(),
+            other => other.into_report(),
         })?;
         let machine = match (learns_for, &baseline) {
             (Some(s), _) => format!("the machine is learned from the first {s} s of a run"),

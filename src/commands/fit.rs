@@ -13,7 +13,7 @@ use crate::answer::text;
 use crate::drive_source;
 use crate::drive_text::with_estimates;
 use crate::evidence::{EvidenceOptions, Gathered};
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::output;
 use crate::session::Session;
@@ -39,14 +39,14 @@ impl Run for Fit {
         let setting = Setting::of_fit(&base, estimation);
         let bar = session.progress(3, "fitting");
         let judge = |drive: &Drive, evidence: &Evidence, own: bool| {
-            let judged = evaluate(drive, evidence, &setting, own).map_err(told)?;
+            let judged = evaluate(drive, evidence, &setting, own).map_err(into_report)?;
             Ok::<_, miette::Report>(Judged::new(drive, evidence, &setting, &judged))
         };
         // The base may overflow where the fitted drive does not: it then has no error to tell.
         let before = [judge(&base, estimation, false).ok(), judge(&base, validation, true).ok()];
         bar.inc(1);
         let options = Options { seed: session.seed, ..Options::default() };
-        let fitted = fit(&base, estimation, &setting, &options).map_err(told)?;
+        let fitted = fit(&base, estimation, &setting, &options).map_err(into_report)?;
         bar.inc(1);
         let after = [
             Judged::of_fit(&fitted, estimation, &setting),
@@ -66,7 +66,7 @@ impl Run for Fit {
             session.seed,
         );
         let next = self.evidence.on(Next::new("compare").files([&self.output]));
-        session.wrote(&text(&answer.told()), &answer, &next)?;
+        session.wrote(&text(&answer.blocks()), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

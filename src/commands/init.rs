@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::Run;
 use super::recording_options::RecordingOptions;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::first_drive::{FirstDrive, Given, Origin, Value, offer};
 use crate::next::Next;
 use crate::output;
@@ -82,7 +82,7 @@ impl Run for Init {
         session.check_writable(&[&self.output])?;
         let (recording, report) = self.reading.read_for_model(&self.recording, session)?;
         let used = USED.into_iter().filter(|name| recording.signal(name).is_some());
-        report.require(&recording, &used.collect::<Vec<_>>()).map_err(told)?;
+        report.require(&recording, &used.collect::<Vec<_>>()).map_err(into_report)?;
         if let Some(offer) = offer(&report.constants, &given) {
             session.remark(offer);
         }

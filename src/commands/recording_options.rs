@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use drivescope_recording::{Mapping, ReadOptions, Recording, Report, Suspicion, read, rounded};
 
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::next::Next;
 use crate::session::Session;
 
@@ -63,18 +63,19 @@ impl RecordingOptions {
     /// A mapping of columns that is none.
     pub(crate) fn said(&self) -> miette::Result<ReadOptions> {
         let columns = self.columns.as_deref().map(Mapping::parse_list).transpose();
-        let columns = columns.map_err(told)?.unwrap_or_default();
+        let columns = columns.map_err(into_report)?.unwrap_or_default();
         Ok(ReadOptions { columns, resample: self.resample, rows_every: self.rows_every })
     }
 
     /// What the command line says, or else what was said before of this recording; then the file
     /// that keeps it.
     pub(crate) fn options(&self, path: &Path) -> miette::Result<(ReadOptions, Option<PathBuf>)> {
-        let said = self.columns.as_deref().map(Mapping::parse_list).transpose().map_err(told)?;
+        let said =
+            self.columns.as_deref().map(Mapping::parse_list).transpose().map_err(into_report)?;
         let kept = match said {
             // Columns that are named anew are all that counts.
             Some(_) => None,
-            None => ReadOptions::kept(path).map_err(told)?,
+            None => ReadOptions::kept(path).map_err(into_report)?,
         };
         let kept_at = kept.is_some().then(|| ReadOptions::kept_at(path));
         let kept = kept.unwrap_or_default();
@@ -124,7 +125,7 @@ impl RecordingOptions {
         if let Some(file) = kept_at {
             session.remark(format_args!("columns as kept in {}", file.display()));
         }
-        let found = read(path, &options).map_err(told)?;
+        let found = read(path, &options).map_err(into_report)?;
         if self.is_said() {
             session.keep_later(path, options);
         }
@@ -159,7 +160,7 @@ pub(crate) fn at_period(
         rounded(recording.period_s),
         rounded(period_s)
     ));
-    recording.resample(period_s).map_err(told)
+    recording.resample(period_s).map_err(into_report)
 }
 
 /// Says what was assumed and what deserves attention.

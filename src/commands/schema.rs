@@ -5,7 +5,7 @@ use drivescope_plant::file::schema_json;
 use drivescope_scenarios::campaign;
 
 use super::Run;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::session::Session;
 
@@ -31,7 +31,7 @@ impl Run for Schema {
             Kind::Drive => schema_json(),
             Kind::Plan => campaign::plan::schema_json(),
         };
-        let value: serde_json::Value = serde_json::from_str(&text).map_err(told)?;
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(into_report)?;
         let next = match self.of {
             Kind::Drive => Next::new("init REC -o drive.toml"),
             Kind::Plan => Next::new("campaign plan.toml -o campaign"),

@@ -5,7 +5,7 @@ use clap_complete::Shell;
 
 use super::Run;
 use crate::cli::Cli;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::output;
 use crate::session::Session;
 
@@ -34,13 +34,13 @@ impl Run for Man {
         let mut text = Vec::new();
         let mut root = Cli::command();
         root.build();
-        clap_mangen::Man::new(root.clone()).render(&mut text).map_err(told)?;
+        clap_mangen::Man::new(root.clone()).render(&mut text).map_err(into_report)?;
         for command in root.get_subcommands().filter(|command| command.get_name() != "help") {
             let page = clap_mangen::Man::new(command.clone());
-            page.render_name_section(&mut text).map_err(told)?;
-            page.render_synopsis_section(&mut text).map_err(told)?;
-            page.render_description_section(&mut text).map_err(told)?;
-            page.render_options_section(&mut text).map_err(told)?;
+            page.render_name_section(&mut text).map_err(into_report)?;
+            page.render_synopsis_section(&mut text).map_err(into_report)?;
+            page.render_description_section(&mut text).map_err(into_report)?;
+            page.render_options_section(&mut text).map_err(into_report)?;
         }
         output::print(&String::from_utf8_lossy(&text))?;
         Ok(Ending::Done)

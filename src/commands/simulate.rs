@@ -13,7 +13,7 @@ use super::Run;
 use super::recording_options::RecordingOptions;
 use crate::drive_source;
 use crate::expression::SignalOverTime;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::next::Next;
 use crate::session::Session;
 use crate::simulation::fault::FaultOverTime;
@@ -104,10 +104,10 @@ impl Run for Simulate {
 impl Simulate {
     fn replayed(&self, drive: &Drive, measured: &Path, session: &Session) -> miette::Result<()> {
         let (measured, report) = self.reading.read(measured, session)?;
-        let (what, driver) = driving(drive, &measured).map_err(told)?;
+        let (what, driver) = driving(drive, &measured).map_err(into_report)?;
         let load = measured.signal("T_l").map(|load| load.name.as_str());
         let needed: Vec<&str> = [Some(driver.name.as_str()), load].into_iter().flatten().collect();
-        report.require(&measured, &needed).map_err(told)?;
+        report.require(&measured, &needed).map_err(into_report)?;
         if let Some(remark) = what.remark() {
             session.remark(format_args!("{}: {remark}", measured.name));
         }

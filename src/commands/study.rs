@@ -23,7 +23,7 @@ use super::Run;
 use super::counts::all_positive;
 use super::twelve::TwelveDetected;
 use crate::answer::block::Block;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::next::Next;
 use crate::report::study::study_html;
 use crate::run_folder::RunFolder;
@@ -133,7 +133,7 @@ impl Run for Study {
         });
         bar.finish_and_clear();
         interrupt::check()?;
-        let mut outcome = outcome.map_err(told)?;
+        let mut outcome = outcome.map_err(into_report)?;
         if let Some((effect, drive)) = self.hidden.as_ref().zip(model) {
             let bar = session.progress(HIDDEN_STEPS, "smallest detectable faults");
             let found =
@@ -143,10 +143,10 @@ impl Run for Study {
                 });
             bar.finish_and_clear();
             interrupt::check()?;
-            outcome.results.hidden_effect = Some(found.map_err(told)?);
+            outcome.results.hidden_effect = Some(found.map_err(into_report)?);
         }
 
-        let told = answer::study::told(&outcome.results, &outcome.pictures);
+        let told = answer::study::blocks(&outcome.results, &outcome.pictures);
         write(&outcome, &told, folder.work())?;
         folder.finish()?;
         session.remark(format_args!("report: {}", self.out.join("report.html").display()));

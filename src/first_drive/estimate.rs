@@ -12,7 +12,7 @@ use super::offset::with_constant_load;
 use super::origins::values;
 use super::usual::template;
 use super::{Choice, FirstDrive, FirstDriveError, Given, Origin, Quality, Value};
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::simulation::replay::Fit;
 
 /// A fit may leave at most this many times what least squares leave of a balance unexplained.
@@ -55,7 +55,7 @@ pub(super) fn first_drive(
 
 /// The recording as that drive's, with the noise of its outputs.
 pub(super) fn seen(drive: &Drive, recording: &Recording) -> miette::Result<Evidence> {
-    let measured = Measured::new(drive, recording).map_err(told)?;
+    let measured = Measured::new(drive, recording).map_err(into_report)?;
     let sds = noise(drive, &measured, &[]).iter().map(|it| it.sd).collect();
     Ok(Evidence { recordings: vec![measured], noise: vec![sds] })
 }

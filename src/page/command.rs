@@ -12,7 +12,7 @@ use super::law::TypedLaw;
 use super::recordings::Taken;
 use super::rung::Rung;
 use super::work;
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 
 /// A command, as the page sends it.
 #[derive(Debug, Deserialize)]
@@ -197,6 +197,6 @@ fn with_value(rung: &Rung, name: &str, value: f64) -> Result<(String, String), S
         changes.push(Change { name: "K_m".to_owned(), ..change });
     }
     let (text, _) = Drive::edited(&rung.text, "the drive", &changes)
-        .map_err(|error| told(error).to_string())?;
+        .map_err(|error| into_report(error).to_string())?;
     Ok((format!("{name} = {value} by hand"), text))
 }

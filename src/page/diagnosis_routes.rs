@@ -16,7 +16,7 @@ use super::recordings::Taken;
 use super::routes::{bench, off_the_loop};
 use super::site::Site;
 use super::{download, upload};
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::fmu_file;
 
 /// The view.
@@ -78,7 +78,7 @@ pub(super) async fn give(
     match (what.as_str(), fmi) {
         ("toml", _) => {
             let text = ready.trained.learned.diagnoser.to_toml();
-            let text = text.map(String::into_bytes).map_err(told);
+            let text = text.map(String::into_bytes).map_err(into_report);
             Ok(download::file("application/toml", FILE, text))
         }
         ("fmu", Some(fmi @ (2 | 3))) => {
@@ -90,7 +90,7 @@ pub(super) async fn give(
                 let path = own.path().join("diagnoser.fmu");
                 let diagnoser = &ready.trained.learned.diagnoser;
                 fmu_file::write_diagnoser(diagnoser, None, version, &path)
-                    .map_err(|error| error.told())?;
+                    .map_err(|error| error.into_report())?;
                 Ok(std::fs::read(&path).map_err(|source| Failure::Read { path, source })?)
             };
             let fmu = off_the_loop(made).await?;

@@ -7,7 +7,7 @@ use indicatif::ProgressBar;
 use super::bench::GivenDrive;
 use super::recordings::Taken;
 use crate::expression::SignalOverTime;
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::simulation::typed::{Driven, Run};
 
 /// A machine, what its model knows, and the inputs under which it was recorded.
@@ -65,9 +65,9 @@ impl Example {
     /// # Errors
     /// Never for what ships: a test runs them all.
     pub(super) fn recorded(&self) -> miette::Result<(Vec<Taken>, GivenDrive)> {
-        let machine = Drive::parse(self.machine, "machine.toml").map_err(told)?;
+        let machine = Drive::parse(self.machine, "machine.toml").map_err(into_report)?;
         // Whoever built the machine knows its sensors.
-        let noise = Drive::parse(MACHINE, "machine.toml").map_err(told)?.noise;
+        let noise = Drive::parse(MACHINE, "machine.toml").map_err(into_report)?.noise;
         let samples = (LENGTH_S / PERIOD_S).round() as usize + 1;
         let record = |(name, input, seed): (&str, &'static str, u64)| {
             let u = SignalOverTime::parse("u", input, Quantity::Voltage)?;
@@ -85,7 +85,7 @@ impl Example {
             ))
         };
         let recordings = INPUTS.into_iter().map(record).collect::<miette::Result<_>>()?;
-        let drive = Drive::parse(self.model, "model.toml").map_err(told)?;
+        let drive = Drive::parse(self.model, "model.toml").map_err(into_report)?;
         let given = GivenDrive {
             name: "model.toml".to_owned(),
             text: self.model.to_owned(),

@@ -12,7 +12,7 @@ use super::rung::Rung;
 use super::work::Basis;
 use crate::answer::compare::{OfStep, Setting as About};
 use crate::evidence::Gathered;
-use crate::failure::told;
+use crate::failure::into_report;
 
 /// What an estimate says of a drive.
 pub(super) struct Drawn {
@@ -64,17 +64,17 @@ impl Fresh {
     ) -> miette::Result<Rung> {
         let Drawn { parameters, not_identifiable, fitted } = drawn;
         // What is shown is what the file holds, to its last digit.
-        let drive = Drive::parse(&self.text, "the drive of this step").map_err(told)?;
+        let drive = Drive::parse(&self.text, "the drive of this step").map_err(into_report)?;
         progress.doing("looking where the model fails")?;
         let error = |evidence: &Evidence| {
-            let judged = evaluate(&drive, evidence, &setting, true).map_err(told)?;
+            let judged = evaluate(&drive, evidence, &setting, true).map_err(into_report)?;
             let fits = output_fits(&drive, evidence, &setting, &judged.recordings);
             Ok::<_, miette::Report>((judged.squares.error(), fits))
         };
         let (estimation, validation) = (&basis.gathered.estimation, &basis.gathered.validation);
         let ((error, _), (validation_error, fits)) = (error(estimation)?, error(validation)?);
         let options = Options { curves: true, seed: basis.seed };
-        let compared = compare(&drive, &basis.whole, &setting, &options).map_err(told)?;
+        let compared = compare(&drive, &basis.whole, &setting, &options).map_err(into_report)?;
         let Gathered { noise, doubts, .. } = &*basis.gathered;
         let judged = Some(validation_error);
         let mut about = About::new(&drive, &basis.whole, &noise[0], judged, doubts, basis.seed);

@@ -14,7 +14,7 @@ use tokio::sync::watch;
 
 use super::bench::words;
 use super::site::Site;
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::{drive_source, fmu_file};
 
 /// The drive that is studied, and the bands' confidence level: those of the command.
@@ -200,8 +200,8 @@ fn run(site: &Site, cancelled: &AtomicBool) -> miette::Result<(Value, Traces)> {
         });
         cancelled.load(Ordering::Relaxed)
     };
-    let outcome =
-        study(&options, (&closed, &open), &progress).map_err(|error: StudyError| told(error))?;
+    let outcome = study(&options, (&closed, &open), &progress)
+        .map_err(|error: StudyError| into_report(error))?;
     let results = serde_json::to_value(&outcome.results)
         .map_err(|error| Failure::Print { source: error.into() })?;
     Ok((results, (outcome.results, outcome.pictures)))

@@ -7,7 +7,7 @@ use drivescope_discovery::{Evidence, Measured, evaluate};
 
 use super::rung::Rung;
 use crate::evidence::Gathered;
-use crate::failure::told;
+use crate::failure::into_report;
 
 /// A rung over a stretch of one recording.
 pub(super) struct Window {
@@ -38,12 +38,13 @@ pub(super) fn compared(
     let end = (sample(to) + 1).min(measured.len());
     let range = sample(from).min(end)..end;
     let part = |range: Range<usize>| {
-        let part = measured.part(range).map_err(told)?;
+        let part = measured.part(range).map_err(into_report)?;
         Ok::<_, miette::Report>(Evidence { recordings: vec![part], noise: vec![noise.clone()] })
     };
     let drive = &rung.drive;
     let options = Options { curves: true, seed };
-    let compared = compare(drive, &part(range.clone())?, &rung.setting, &options).map_err(told)?;
+    let compared =
+        compare(drive, &part(range.clone())?, &rung.setting, &options).map_err(into_report)?;
     let judges = gathered.estimation.recordings.get(recording).map_or(0, Measured::len);
     let parts = [
         ("what it is fitted to", range.start..range.end.min(judges)),

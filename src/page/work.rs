@@ -19,7 +19,7 @@ use super::rung::Rung;
 use crate::answer::discover::Missing;
 use crate::drive_text::{with_effects, with_estimates};
 use crate::evidence::Gathered;
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::first_drive::{FirstDrive, Given};
 use crate::read_evidence::{ReadEvidence, evidence_of, given_noise};
 
@@ -98,7 +98,7 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
     let options = Options { seed: basis.seed, ..Options::default() };
     let fitted =
         fit_seen(&given.drive, estimation, &setting, &options, &|error| progress.fitting(error))
-            .map_err(told)?;
+            .map_err(into_report)?;
     let command = basis.files.begun(&given.name, given.made);
     let text = with_estimates((&given.name, &given.text), &fitted, &basis.gathered)?;
     let step = Fresh { parent: None, label: "the base, fitted".to_owned(), command, text };
@@ -125,7 +125,7 @@ fn lacking(drive: &Drive, basis: &Basis, progress: &Progress) -> miette::Result<
     progress.doing("asking what is missing")?;
     std::thread::sleep(FIRST_LOOK);
     let Gathered { estimation, validation, .. } = &*basis.gathered;
-    let found = discover(drive, estimation, validation, progress).map_err(told)?;
+    let found = discover(drive, estimation, validation, progress).map_err(into_report)?;
     progress.doing("done")?;
     Ok(Missing::of(&found, false))
 }
@@ -155,7 +155,7 @@ pub(super) fn extend(
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
     let (basis, rung) = at(progress, number)?;
     let Gathered { estimation, validation, .. } = &*basis.gathered;
-    let found = add(&rung.drive, effect, estimation, validation, progress).map_err(told)?;
+    let found = add(&rung.drive, effect, estimation, validation, progress).map_err(into_report)?;
     progress.doing("comparing")?;
     let name = file_of(number);
     let text = with_effects((&name, &rung.text), &rung.drive, &found.drive, &basis.gathered)?;
@@ -176,15 +176,15 @@ pub(super) fn refit(
     let (basis, rung) = at(progress, number)?;
     let next = progress.bench.state().rungs.len();
     let name = file_of(number);
-    let drive = Drive::parse(&text, &name).map_err(told)?;
+    let drive = Drive::parse(&text, &name).map_err(into_report)?;
     progress.doing("fitting")?;
     // As `fit` chooses it, but for the observer: errors along a ladder compare under one alone.
     let own = Setting::of_fit(&drive, &basis.gathered.estimation);
     let setting = Setting { observer: rung.setting.observer, ..own };
     let options = Options { seed: basis.seed, ..Options::default() };
     let seen = |error| progress.fitting(error);
-    let fitted =
-        fit_seen(&drive, &basis.gathered.estimation, &setting, &options, &seen).map_err(told)?;
+    let fitted = fit_seen(&drive, &basis.gathered.estimation, &setting, &options, &seen)
+        .map_err(into_report)?;
     let command = basis.files.refit((number, &rung.text), &text, next);
     let text = with_estimates((&name, &text), &fitted, &basis.gathered)?;
     let step = Fresh { parent: Some(number), label, command, text };
@@ -198,7 +198,7 @@ pub(super) fn judge(
     (label, text): (String, String),
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
     let (basis, rung) = at(progress, number)?;
-    let drive = Drive::parse(&text, &file_of(number)).map_err(told)?;
+    let drive = Drive::parse(&text, &file_of(number)).map_err(into_report)?;
     let setting = Setting::new(&drive, rung.setting.observer);
     let parameters = drive.fitted().into_iter().map(|it| {
         let old = rung.parameters.iter().find(|other| other.name == it.name);

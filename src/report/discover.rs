@@ -38,12 +38,12 @@ pub(crate) fn discover_html(found: &Found<'_>) -> String {
     let section = |id, title, blocks| Block::Section { id, title, blocks };
     let missing = found
         .missing
-        .map(|missing| section("missing", "What is missing", missing.told(&found.before.curves)));
+        .map(|missing| section("missing", "What is missing", missing.blocks(&found.before.curves)));
     let known = found.parameters.iter().map(|it| (it, String::new()));
     let rest = [
         section("ladder", "The error, step by step", ladder(found.motion, found.steps)),
         section("parameters", "Parameters", vec![parameters(known)]),
-        section("after", "The model at the end", compare::told(found.compared, found.setting)),
+        section("after", "The model at the end", compare::blocks(found.compared, found.setting)),
     ];
     let sections: Vec<Block> = missing.into_iter().chain(rest).collect();
     let made = html! {

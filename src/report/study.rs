@@ -28,14 +28,14 @@ mod tests {
     use scraper::{Html, Selector};
 
     use super::*;
-    use crate::answer::study::told;
+    use crate::answer::study::blocks;
     use crate::report::testing::{HOSTILE, pictures, study};
 
     /// What a report may weigh, bytes.
     const SIZE_LIMIT: usize = 1_000_000;
 
     fn written(study: &StudyResults, pictures: &[Pictures]) -> String {
-        study_html(study, &told(study, pictures))
+        study_html(study, &blocks(study, pictures))
     }
 
     fn count(page: &Html, selector: &str) -> usize {

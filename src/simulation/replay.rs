@@ -9,7 +9,7 @@ use indicatif::ProgressBar;
 
 use super::start::{FIRST, Start};
 use super::{SAMPLES_A_LOOK, column, has_current, place, position, shaft_states, speed};
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::interrupt;
 
 /// How well the model reproduces a measured signal.
@@ -72,7 +72,7 @@ pub(crate) fn replay(
     start: Start,
     progress: &ProgressBar,
 ) -> miette::Result<Recording> {
-    let u = driving(drive, measured).map_err(told)?.1;
+    let u = driving(drive, measured).map_err(into_report)?.1;
     let load = measured.signal("T_l");
     let mut unit = Unit::new(drive.clone(), true);
     let [at_u, at_load] = ["u", "T_l"].map(|name| place(&unit, name));

@@ -34,7 +34,7 @@ use windows::{Reading, Windows};
 pub use begin::begin;
 
 /// Share of the applied torque that an inertia which nothing tells may take.
-const UNTOLD_INERTIA: f64 = 0.01;
+const UNIDENTIFIED_INERTIA: f64 = 0.01;
 
 /// What a balance leaves unexplained.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -120,7 +120,7 @@ impl Balances {
             .fold([0.0; 2], |sum, it| [sum[0] + it[0], sum[1] + it[1]]);
         let acceleration = (squares[0] / squares[1]).sqrt();
         let torque = applied.rms / applied.share;
-        (acceleration > 0.0 && torque > 0.0).then(|| UNTOLD_INERTIA * torque / acceleration)
+        (acceleration > 0.0 && torque > 0.0).then(|| UNIDENTIFIED_INERTIA * torque / acceleration)
     }
 
     fn unexplained(&self, drive: &Drive, balance: usize) -> Option<Unexplained> {

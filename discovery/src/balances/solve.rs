@@ -69,8 +69,8 @@ impl Normal {
         for k in &usable {
             gram[(*k, *k)] -= noise[*k] * self.rows as f64;
         }
-        let told = distinct(&gram, &usable);
-        let mut free = told.clone();
+        let identified = distinct(&gram, &usable);
+        let mut free = identified.clone();
         let solved = loop {
             let solved = self.over(&gram, &free);
             let wrong =
@@ -86,7 +86,7 @@ impl Normal {
             }
         };
         let mut values: Vec<Option<f64>> = vec![None; columns];
-        told.iter().for_each(|k| values[*k] = Some(0.0));
+        identified.iter().for_each(|k| values[*k] = Some(0.0));
         free.iter().zip(solved.iter()).for_each(|(k, value)| values[*k] = Some(*value));
         let p = DVector::from_fn(columns, |k, _| values[k].unwrap_or(0.0));
         let mut whole = self.gram.clone();

@@ -27,7 +27,7 @@ const DRAWS: usize = 400;
 const WITHIN: f64 = 0.95;
 /// Directions of the information below this share of the largest are not told: nearly the base's
 /// own, they would only widen every band.
-const TOLD: f64 = 1e-3;
+const IDENTIFIED: f64 = 1e-3;
 /// Knots on each side of zero, as shares of the usual top.
 const SIDE: [f64; 5] = [0.0, 0.05, 0.2, 0.5, 1.0];
 /// Knots over a period of the angle, over time, over the losses.
@@ -277,7 +277,7 @@ fn pseudo_inverse(information: DMatrix<f64>) -> DMatrix<f64> {
     let largest = eigen.eigenvalues.max();
     let mut inverse = DMatrix::zeros(size, size);
     for k in 0..size {
-        if eigen.eigenvalues[k] > TOLD * largest {
+        if eigen.eigenvalues[k] > IDENTIFIED * largest {
             let v = eigen.eigenvectors.column(k);
             inverse.ger(1.0 / eigen.eigenvalues[k], &v, &v, 1.0);
         }

@@ -132,8 +132,8 @@ pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData,
     let id = drive.free_id(LEARNED);
     let values = driving(weight).into_iter().enumerate();
     let parameters = values.map(|(k, value)| (LawData::value_name(k), value)).collect();
-    let untold = weight.told.iter().enumerate().filter(|(_, told)| !**told);
-    let kept = untold.map(|(k, _)| format!("{id}.{}", LawData::value_name(k))).collect();
+    let unidentified = weight.identified.iter().enumerate().filter(|(_, identified)| !**identified);
+    let kept = unidentified.map(|(k, _)| format!("{id}.{}", LawData::value_name(k))).collect();
     let target = target(weight.curve.balance);
     let law = LawData::Learned { target, over, times, knots: weight.curve.knots.clone() };
     Some((EffectData { kind: LEARNED.to_owned(), id, parameters, law: Some(law) }, kept))

@@ -45,24 +45,24 @@ mod tests {
     #[test]
     fn what_is_named_is_the_most_probable() {
         // Refused for its size, with more evidence than what is named; evidence too small; named.
-        let told =
+        let found =
             probabilities(&Rule::NAMING, &[(900.0, true), (691.0, false), (7.4, true)], None);
-        assert!(told[1] > 0.9999 && told[0] < 1e-9 && told[2] < 1e-9, "{told:?}");
+        assert!(found[1] > 0.9999 && found[0] < 1e-9 && found[2] < 1e-9, "{found:?}");
         // Preferred for its simplicity, beside what has more evidence: the same, and the sum is 1.
-        let told = probabilities(&Rule::NAMING, &[(691.0, false), (700.0, false)], None);
-        assert!(told.iter().all(|it| (it - 0.5).abs() < 1e-12), "{told:?}");
+        let found = probabilities(&Rule::NAMING, &[(691.0, false), (700.0, false)], None);
+        assert!(found.iter().all(|it| (it - 0.5).abs() < 1e-12), "{found:?}");
     }
 
     #[test]
     fn where_nothing_is_named_nothing_or_the_unknown_is_probable() {
         // Odds of 0.04 e^3 = 0.8 to 1, though not enough to be named; one that imitates: 0.04 to 1.
-        let told = probabilities(&Rule::NAMING, &[(40.0, true), (3.0, true)], None);
+        let found = probabilities(&Rule::NAMING, &[(40.0, true), (3.0, true)], None);
         let odds = [0.04, 0.04 * 3.0_f64.exp()];
         let all = 1.0 + odds[0] + odds[1];
-        assert!((told[0] - odds[0] / all).abs() < 1e-12, "{told:?}");
-        assert!((told[1] - odds[1] / all).abs() < 1e-12, "{told:?}");
+        assert!((found[0] - odds[0] / all).abs() < 1e-12, "{found:?}");
+        assert!((found[1] - odds[1] / all).abs() < 1e-12, "{found:?}");
         // A curve that stands takes it all.
-        let told = probabilities(&Rule::NAMING, &[(40.0, true), (3.0, true)], Some(60.0));
-        assert!(told.iter().sum::<f64>() < 1e-9, "{told:?}");
+        let found = probabilities(&Rule::NAMING, &[(40.0, true), (3.0, true)], Some(60.0));
+        assert!(found.iter().sum::<f64>() < 1e-9, "{found:?}");
     }
 }

@@ -223,13 +223,13 @@ impl Discovery {
     /// What a person should know that these recordings could not show, those with the same reason
     /// together: names and reason.
     pub fn not_shown(&self) -> Vec<(Vec<&str>, &str)> {
-        let mut told: Vec<(Vec<&str>, &str)> = Vec::new();
+        let mut reasons: Vec<(Vec<&str>, &str)> = Vec::new();
         for one in self.not_judged.iter().filter(|one| one.worth_saying) {
-            match told.iter_mut().find(|(_, reason)| *reason == one.reason) {
+            match reasons.iter_mut().find(|(_, reason)| *reason == one.reason) {
                 Some((effects, _)) => effects.push(&one.effect),
-                None => told.push((vec![&one.effect], &one.reason)),
+                None => reasons.push((vec![&one.effect], &one.reason)),
             }
         }
-        told
+        reasons
     }
 }

@@ -77,10 +77,10 @@ fn at_balances(
     let not_identifiable = fitted.not_identifiable.clone();
     let mut made = conclude(&problem, &found, base, not_identifiable, fitted.starts_tried)?;
     for estimate in &mut made.parameters {
-        if let Some(told) = begun.identified.iter().find(|it| it.name == estimate.name) {
+        if let Some(identified) = begun.identified.iter().find(|it| it.name == estimate.name) {
             // Least squares leave no error to what they hold at zero.
-            estimate.at_bound |= told.std_error == 0.0;
-            estimate.std_error = if estimate.at_bound { f64::NAN } else { told.std_error };
+            estimate.at_bound |= identified.std_error == 0.0;
+            estimate.std_error = if estimate.at_bound { f64::NAN } else { identified.std_error };
         }
     }
     Ok(Fitted { by_balances: true, ..made })
@@ -117,8 +117,9 @@ mod tests {
         let evidence = evidence(&truth);
         let setting = Setting::new(&dr300(), Observer::NONE);
         let fitted = fit(&dr300(), &evidence, &setting, &Options::default()).expect("it fits");
-        let told = |name: &str| fitted.parameters.iter().find(|it| it.name == name).expect("told");
-        let (b_m, j) = (told("B_m"), told("J"));
+        let identified =
+            |name: &str| fitted.parameters.iter().find(|it| it.name == name).expect("told");
+        let (b_m, j) = (identified("B_m"), identified("J"));
         assert!(b_m.at_bound && b_m.value == 0.0 && b_m.std_error.is_nan(), "{b_m:?}");
         assert!(!j.at_bound && j.std_error > 0.0, "{j:?}");
     }

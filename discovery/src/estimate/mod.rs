@@ -217,12 +217,12 @@ fn not_identifiable(problem: &Problem<'_>, found: &Found, base: &Drive) -> Vec<N
     preference.sort_by_key(|k| name(*k).as_deref() != Some("K_m"));
     let all = base.parameters();
     let named = |k: usize| name(k).expect("shared");
-    let told = |it: identifiable::Combination| NotIdentifiable {
+    let combination = |it: identifiable::Combination| NotIdentifiable {
         kept: all.iter().find(|p| p.name == named(it.kept)).map_or(f64::NAN, |p| p.value),
         parameter: named(it.kept),
         with: it.with.into_iter().map(named).collect(),
     };
-    identifiable::unknown(&information, &preference).into_iter().map(told).collect()
+    identifiable::unknown(&information, &preference).into_iter().map(combination).collect()
 }
 
 fn conclude(

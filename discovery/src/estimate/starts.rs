@@ -42,12 +42,12 @@ pub(super) fn search(
     let values = problem.evidence.values() as f64;
     let least = Cell::new(f64::INFINITY);
     // Of several starts the best error so far is what falls.
-    let told = |sse: f64| {
+    let report = |sse: f64| {
         least.set(least.get().min(sse));
         seen((least.get() / values).sqrt())
     };
     let limits = Limits { steps: options.steps, relative_decrease: options.worth_a_step / values };
-    let from = |start: &[f64]| minimise_within(problem, start, &reaches, limits, &told);
+    let from = |start: &[f64]| minimise_within(problem, start, &reaches, limits, &report);
     let mut random = Pcg64::seed_from_u64(options.seed);
     let mut best = from(&problem.unknowns.guess);
     let mut tried = 1;

@@ -94,9 +94,9 @@ impl Alongside {
             let each = groups.iter().map(|count| {
                 from += count;
                 let columns: Vec<usize> = (from - count..from).collect();
-                let (information, score) = beside.told(&products, &columns);
+                let (information, score) = beside.information_and_score(&products, &columns);
                 let scale: Vec<f64> = columns.iter().map(|it| pooled.scale[*it]).collect();
-                told(&information, &score, &scale)
+                group_evidence(&information, &score, &scale)
             });
             Some((
                 likelihood + log_evidence(&products, &terms),
@@ -107,8 +107,8 @@ impl Alongside {
             grams.iter().zip(&self.filters).filter_map(under).collect();
         let most = each.iter().map(|(base, _)| *base).fold(f64::NEG_INFINITY, f64::max);
         let of = |group: usize| {
-            let under = |(base, told): &(f64, Vec<GroupEvidence>)| {
-                let GroupEvidence { evidence, coefficients } = told[group].clone();
+            let under = |(base, each_group): &(f64, Vec<GroupEvidence>)| {
+                let GroupEvidence { evidence, coefficients } = each_group[group].clone();
                 GroupEvidence { evidence: evidence + base - most, coefficients }
             };
             let best = each.iter().map(under).max_by(|a, b| a.evidence.total_cmp(&b.evidence));
@@ -131,7 +131,11 @@ fn sources(groups: &[usize]) -> Vec<usize> {
 }
 
 /// Of columns of that information and score, in units of which those are the scales.
-fn told(information: &DMatrix<f64>, score: &DVector<f64>, scale: &[f64]) -> GroupEvidence {
+fn group_evidence(
+    information: &DMatrix<f64>,
+    score: &DVector<f64>,
+    scale: &[f64],
+) -> GroupEvidence {
     let with = |size: f64| {
         let mut h = information.clone();
         (0..h.nrows()).for_each(|k| h[(k, k)] += 1.0 / (size * size));

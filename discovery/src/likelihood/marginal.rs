@@ -55,7 +55,7 @@ impl Beside {
 
     /// What the data tell of the coefficients of further columns, those of the terms integrated out:
     /// their information, and its product with their most probable values.
-    pub(crate) fn told(
+    pub(crate) fn information_and_score(
         &self,
         products: &Products,
         columns: &[usize],

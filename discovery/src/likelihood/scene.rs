@@ -270,8 +270,9 @@ impl Scene {
             let motor = &it.drive.motor;
             let force = motor.input == Input::Force;
             // Where friction is whatever it takes, the balance says nothing of its size.
-            let told = track.ticks.iter().filter(|tick| it.direction.loose(tick.sample) == 0.0);
-            told.map(move |tick| {
+            let identified =
+                track.ticks.iter().filter(|tick| it.direction.loose(tick.sample) == 0.0);
+            identified.map(move |tick| {
                 let i = if force { it.measured.u[tick.sample] } else { tick.mean[0] };
                 motor.k_m * i - motor.j * tick.acceleration(it.measured.period_s)
             })

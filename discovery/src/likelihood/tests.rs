@@ -96,8 +96,8 @@ fn the_column_of_every_law_is_the_difference_of_the_whole_filter() {
     let mut compared = 0;
     for entry in REGISTRY {
         let info = entry.info;
-        let told = !info.nulls.is_empty() && info.nulls.iter().all(|(_, null)| *null == 0.0);
-        if !told || drive.refuses(entry).is_some() {
+        let identified = !info.nulls.is_empty() && info.nulls.iter().all(|(_, null)| *null == 0.0);
+        if !identified || drive.refuses(entry).is_some() {
             continue;
         }
         let effect = |coefficient: f64| {

@@ -15,24 +15,24 @@ const CURVE_SIZES: [f64; 5] = [0.003, 0.01, 0.03, 0.1, 0.3];
 
 /// Standard deviation of a curve's value, over its largest, from which on it is not told, and the share
 /// of its information that must be new beside those that are.
-const TOLD: f64 = 0.1;
+const IDENTIFIED: f64 = 0.1;
 const NEW: f64 = 1e-3;
 
 /// Which values are told by that information, given the others: the rest is better kept.
-fn told_of(mut left: DMatrix<f64>, enough: f64) -> Vec<bool> {
+fn identified_of(mut left: DMatrix<f64>, enough: f64) -> Vec<bool> {
     let whole = left.diagonal();
-    let mut told = vec![false; whole.len()];
+    let mut identified = vec![false; whole.len()];
     loop {
-        let open = (0..told.len()).filter(|k| !told[*k]);
+        let open = (0..identified.len()).filter(|k| !identified[*k]);
         let Some(best) = open.max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)])) else {
-            return told;
+            return identified;
         };
         let pivot = left[(best, best)];
         // Not so, too, where the size is 0 and nothing is known.
         if !(pivot > enough.max(NEW * whole[best]) && pivot.is_finite()) {
-            return told;
+            return identified;
         }
-        told[best] = true;
+        identified[best] = true;
         let column = left.column(best).into_owned();
         left.ger(-1.0 / pivot, &column, &column, 1.0);
     }
@@ -44,7 +44,7 @@ struct Hats {
     size: f64,
     values: Vec<f64>,
     visited: Vec<bool>,
-    told: Vec<bool>,
+    identified: Vec<bool>,
 }
 
 /// Share of a column's amplitude beside the base below which the base imitates it.
@@ -162,16 +162,16 @@ impl Weighing<'_> {
         let from = self.background.columns.len();
         let Some(mean) = coefficients(&self.fitted, &terms) else { return Hats::default() };
         let own = mean.rows(from, columns.len());
-        let enough = 1.0 / (TOLD * own.amax()).powi(2);
+        let enough = 1.0 / (IDENTIFIED * own.amax()).powi(2);
         let visited = columns.iter().map(|it| self.fitted.of(*it, *it) > enough).collect();
-        let told = Beside::of(&self.fitted, &self.background);
+        let identified = Beside::of(&self.fitted, &self.background);
         Hats {
             size: own.norm(),
             values: (0..columns.len()).map(|k| own[k] * self.scale[columns[k]]).collect(),
             visited,
-            told: told.map_or_else(
+            identified: identified.map_or_else(
                 || vec![false; columns.len()],
-                |it| told_of(it.told(&self.fitted, columns).0, enough),
+                |it| identified_of(it.information_and_score(&self.fitted, columns).0, enough),
             ),
         }
     }
@@ -192,8 +192,8 @@ impl Weighing<'_> {
                 });
                 let hats = self.hats(&columns, size.unwrap_or(CURVE_SIZES[0]));
                 let repeats = all - bases[1] - evidence;
-                let Hats { size, values, visited, told } = hats;
-                CurveWeight { curve, evidence, repeats, size, values, visited, told }
+                let Hats { size, values, visited, identified } = hats;
+                CurveWeight { curve, evidence, repeats, size, values, visited, identified }
             })
             .collect();
         found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));

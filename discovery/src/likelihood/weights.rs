@@ -32,7 +32,7 @@ pub(crate) struct CurveWeight {
     /// beside the parameters of the base.
     pub(crate) values: Vec<f64>,
     pub(crate) visited: Vec<bool>,
-    pub(crate) told: Vec<bool>,
+    pub(crate) identified: Vec<bool>,
 }
 
 /// The weights of everything.

@@ -199,8 +199,8 @@ mod tests {
         let random =
             |values: &[f64]| gaussian(values.len(), 5).iter().map(|it| 50.0 * it).collect();
         for name in ["i", "omega"] {
-            let told = found(&spoiled(&[name], random));
-            assert!(matches!(&told[..], [(What::NoAnswer, it, _)] if it == name), "{told:?}");
+            let found = found(&spoiled(&[name], random));
+            assert!(matches!(&found[..], [(What::NoAnswer, it, _)] if it == name), "{found:?}");
         }
         // The outputs begin 1.5 s after u, and end with it.
         let late = |values: &[f64]| {

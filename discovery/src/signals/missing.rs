@@ -51,9 +51,9 @@ mod tests {
             check(&drive, &Evidence { recordings: vec![measured], noise: vec![vec![0.01, 0.3]] })
         };
         assert_eq!(found(100, 140), []);
-        let told = found(200, 300);
-        let at = told[0].at.expect("a place");
-        assert_eq!((told[0].channel.as_str(), at.from, at.to), ("i", 100, 299));
-        assert!((told[0].size.value - 0.14).abs() < 1e-12 && (at.to_s - 0.299).abs() < 1e-12);
+        let found = found(200, 300);
+        let at = found[0].at.expect("a place");
+        assert_eq!((found[0].channel.as_str(), at.from, at.to), ("i", 100, 299));
+        assert!((found[0].size.value - 0.14).abs() < 1e-12 && (at.to_s - 0.299).abs() < 1e-12);
     }
 }

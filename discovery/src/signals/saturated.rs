@@ -58,9 +58,9 @@ mod tests {
         };
         assert_eq!(found(&recording), []);
         recording.signals[1].values.iter_mut().for_each(|i| *i = i.clamp(-0.6, 0.7));
-        let told = found(&recording);
-        assert_eq!(told.iter().map(|it| it.channel.as_str()).collect::<Vec<_>>(), ["i", "i"]);
-        let at = told[0].at.expect("a place");
+        let found = found(&recording);
+        assert_eq!(found.iter().map(|it| it.channel.as_str()).collect::<Vec<_>>(), ["i", "i"]);
+        let at = found[0].at.expect("a place");
         let stay = &recording.signals[1].values[at.from..=at.to];
         assert!(stay.iter().all(|i| *i == -0.6) && stay.len() >= STAY, "{at:?}");
     }

@@ -148,8 +148,8 @@ mod tests {
             signal.expect("it is there").values[k] = value;
         }
         let found = repair(&mut spiked);
-        let told: Vec<_> = found.iter().map(|it| (it.channel.as_str(), it.size.value)).collect();
-        assert_eq!(told, [("u", 1.0), ("i", 1.0), ("omega", 2.0)]);
+        let sizes: Vec<_> = found.iter().map(|it| (it.channel.as_str(), it.size.value)).collect();
+        assert_eq!(sizes, [("u", 1.0), ("i", 1.0), ("omega", 2.0)]);
         let at = found[2].at.expect("a place");
         assert!((at.from, at.to) == (700, 1900) && (at.from_s - 0.7).abs() < 1e-12, "{at:?}");
         for name in ["u", "i", "omega"] {

@@ -36,7 +36,7 @@ const ROTARY: [Mistake; 3] = [
     (TAU, "in radians times 2 pi", "in revolutions, not in radians"),
 ];
 /// Standard error over value up to which a parameter is told well enough.
-const TOLD: f64 = 0.2;
+const IDENTIFIED: f64 = 0.2;
 /// Factor by which each parameter may be off from what the conversion says: start values, what the
 /// drive lacks, and the balances' own errors.
 const WITHIN: f64 = 1.7;
@@ -64,18 +64,18 @@ fn of(drive: &Drive, measured: &Measured, sds: &[f64]) -> Option<SignalFinding> 
     let alone = Evidence { recordings: vec![measured.clone()], noise: vec![sds.to_vec()] };
     let begun = begin(drive, &alone);
     let all = begun.drive.parameters();
-    let told = begun.identified.iter().filter_map(|it| {
+    let identified = begun.identified.iter().filter_map(|it| {
         let now = all.iter().find(|one| one.name == it.name)?.value;
         let file = drive.parameters().iter().find(|one| one.name == it.name)?.value;
         let ratio = now / file;
-        (it.std_error < TOLD * now.abs() && ratio.is_finite() && ratio > 0.0)
+        (it.std_error < IDENTIFIED * now.abs() && ratio.is_finite() && ratio > 0.0)
             .then(|| (it.name.as_str(), ratio.ln()))
     });
-    let told: Vec<(&str, f64)> = told.collect();
+    let identified: Vec<(&str, f64)> = identified.collect();
     let found = hypotheses(drive, measured)
         .into_iter()
         .flat_map(|it| {
-            let fits: Vec<_> = it.fits(&told).collect();
+            let fits: Vec<_> = it.fits(&identified).collect();
             fits.into_iter().map(move |(factor, words, agree)| (it.channel, factor, words, agree))
         })
         .max_by_key(|(.., agree)| *agree);
@@ -102,14 +102,14 @@ impl Hypothesis {
     /// Factors that explain what is told, with the mistake in words and how many agree.
     fn fits<'a>(
         &'a self,
-        told: &'a [(&str, f64)],
+        identified: &'a [(&str, f64)],
     ) -> impl Iterator<Item = (f64, &'static str, usize)> + 'a {
         let both = self
             .mistakes
             .iter()
             .flat_map(|(factor, large, small)| [(*factor, *large), (1.0 / factor, *small)]);
         both.filter_map(|(factor, words)| {
-            let known = told.iter().filter_map(|(name, off)| {
+            let known = identified.iter().filter_map(|(name, off)| {
                 let (_, power) = self.powers.iter().find(|(one, _)| one == name)?;
                 Some((*power, *off))
             });
@@ -199,9 +199,9 @@ mod tests {
             ("omega", 1.0 / right),
             ("omega", 180.0 / PI),
         ] {
-            let told = found(channel, factor, &drive);
-            let [(What::Unit, name, size)] = &told[..] else {
-                panic!("{channel} {factor}: {told:?}")
+            let identified = found(channel, factor, &drive);
+            let [(What::Unit, name, size)] = &identified[..] else {
+                panic!("{channel} {factor}: {identified:?}")
             };
             assert_eq!(name, channel);
             assert!((size / factor).ln().abs() < 1.2_f64.ln(), "{factor} {size}");

@@ -7,7 +7,7 @@ use drivescope_discovery::signals::SignalFinding;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{Setting, told, verdict};
+use super::{Setting, blocks, verdict};
 use crate::answer::block::Block;
 use crate::answer::unusable;
 
@@ -102,9 +102,9 @@ impl<'a> Answer<'a> {
     }
 
     /// The answer in blocks.
-    pub(crate) fn told(&self) -> Vec<Block> {
-        let mut blocks = unusable(self.signals);
-        blocks.extend(told(self.compared, self.setting));
-        blocks
+    pub(crate) fn blocks(&self) -> Vec<Block> {
+        let mut all = unusable(self.signals);
+        all.extend(blocks(self.compared, self.setting));
+        all
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn explains(compared: &Comparison) -> bool {
 }
 
 /// All of it.
-pub(crate) fn told(compared: &Comparison, setting: &Setting) -> Vec<Block> {
+pub(crate) fn blocks(compared: &Comparison, setting: &Setting) -> Vec<Block> {
     let mut blocks = summary(compared, setting);
     blocks.push(Block::Section {
         id: "where",

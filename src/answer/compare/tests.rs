@@ -7,7 +7,7 @@ use drivescope_discovery::compare::{
 use drivescope_plant::drive::Motion;
 use drivescope_recording::Recording;
 
-use super::{OfStep, Setting, told};
+use super::{OfStep, Setting, blocks};
 use crate::answer::testing::{holds, in_report, on_page};
 use crate::answer::text;
 use crate::read_evidence::KnownNoise;
@@ -97,7 +97,7 @@ fn setting(step: Option<OfStep>) -> Setting {
 
 #[test]
 fn text_page_and_report_tell_the_same_numbers() {
-    let blocks = told(&comparison(), &setting(None));
+    let blocks = blocks(&comparison(), &setting(None));
     holds(&blocks, &in_report(&blocks));
     holds(&blocks, &on_page(&blocks));
     let said = text(&blocks);
@@ -113,7 +113,7 @@ fn estimation_and_validation_are_never_pooled() {
     let step = OfStep { estimation_error: 1.212_12, fitted: true };
     let mut compared = comparison();
     compared.recordings[0].error = 1.5;
-    let blocks = told(&compared, &setting(Some(step)));
+    let blocks = blocks(&compared, &setting(Some(step)));
     for told in [text(&blocks), on_page(&blocks), in_report(&blocks)] {
         assert!(told.contains("1.212") && told.contains("1.717"), "{told}");
         assert!(!told.contains("1.616"), "{told}");

@@ -1,8 +1,8 @@
 //! What a diagnosis says.
 
+mod blocks;
 #[cfg(test)]
 mod tests;
-mod told;
 pub(crate) mod words;
 
 use std::collections::BTreeMap;

@@ -71,7 +71,7 @@ fn answer() -> Answer {
 #[test]
 fn text_and_page_tell_the_same_numbers() {
     let answer = answer();
-    let (told, shown) = (answer.told(), answer.with_figure(None));
+    let (told, shown) = (answer.blocks(), answer.with_figure(None));
     let page = on_page(&shown);
     // How long the recording is stands beside it there.
     holds(&told[1..], &page);
@@ -87,10 +87,10 @@ fn text_and_page_tell_the_same_numbers() {
 #[test]
 fn what_is_healthy_or_not_judged_is_said_with_its_reason() {
     let none = Answer { verdict: "healthy", declarations: Vec::new(), fault: None, ..answer() };
-    assert!(text(&none.told()).contains("verdict (bank"), "{}", text(&none.told()));
+    assert!(text(&none.blocks()).contains("verdict (bank"), "{}", text(&none.blocks()));
     assert!(on_page(&none.with_figure(None)).contains("Healthy."));
     let why = Some("the recording is too short".to_owned());
     let short = Answer { verdict: "not_judged", why, ..none };
-    assert!(text(&short.told()).ends_with("not judged\nthe recording is too short\n"));
+    assert!(text(&short.blocks()).ends_with("not judged\nthe recording is too short\n"));
     assert!(on_page(&short.with_figure(None)).contains("the recording is too short"));
 }

@@ -127,7 +127,7 @@ impl Missing {
     }
 
     /// All of it, beside what was missing over each variable in the drive that it is missing in.
-    pub(crate) fn told(&self, curves: &[Curve]) -> Vec<Block> {
+    pub(crate) fn blocks(&self, curves: &[Curve]) -> Vec<Block> {
         let mut blocks = vec![self.verdict_in_words("")];
         blocks.extend(self.unusable.iter().map(|why| Block::Alert(why.clone())));
         blocks.extend(self.candidates(curves));

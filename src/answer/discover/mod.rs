@@ -113,7 +113,7 @@ impl Answer {
     }
 
     /// The answer for a terminal: the verdict where the eye is when the program ends.
-    pub(crate) fn told(&self) -> Vec<Block> {
+    pub(crate) fn blocks(&self) -> Vec<Block> {
         let name = named(&self.drive);
         let mut blocks = unusable(&self.signals);
         if self.missing.verdict == Verdict::NotJudged {

@@ -85,7 +85,7 @@ fn steps() -> Vec<Step> {
 
 #[test]
 fn text_page_and_report_tell_the_same_numbers() {
-    let blocks = missing().told(&sample().curves);
+    let blocks = missing().blocks(&sample().curves);
     holds(&blocks, &in_report(&blocks));
     holds(&blocks, &on_page(&blocks));
     let said = text(&blocks);

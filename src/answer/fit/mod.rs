@@ -1,9 +1,9 @@
 //! What `fit` answers.
 
+mod blocks;
 mod judged;
 #[cfg(test)]
 mod tests;
-mod told;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -79,7 +79,7 @@ fn answer(error: f64) -> Answer {
 
 #[test]
 fn text_and_html_tell_the_same_numbers() {
-    let blocks = answer(1.162_5).told();
+    let blocks = answer(1.162_5).blocks();
     holds(&blocks, &in_report(&blocks));
     holds(&blocks, &on_page(&blocks));
     let said = text(&blocks);
@@ -94,6 +94,6 @@ fn text_and_html_tell_the_same_numbers() {
 /// Where the noise is out of reach its unit says nothing.
 #[test]
 fn errors_far_above_the_noise_are_left_out() {
-    let said = text(&answer(2345.6).told());
+    let said = text(&answer(2345.6).blocks());
     assert!(!said.contains("units of the noise") && said.contains("unexplained torque"), "{said}");
 }

@@ -15,7 +15,7 @@ use crate::report::words::{fault, given, percent};
 const LEAST_AXIS: f64 = 120.0;
 
 /// The section.
-pub(super) fn told(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
     let about = format!(
         "r_td: share of faulty samples outside the threshold. t_dt: sample of the declaration, which \
          counts for the fault if most of its run of {0} samples lies in it: chance may put it before \

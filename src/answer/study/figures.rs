@@ -20,7 +20,7 @@ const HEIGHT: f64 = 150.0;
 const DECISION: f64 = 50.0;
 
 /// The section.
-pub(super) fn told(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
     let healthy = pictures.iter().find(|picture| picture.fault.is_none());
     let first = |picture: &&Pictures| picture.fault.as_ref().is_some_and(|f| f.label == LABEL);
     let faulty = pictures.iter().find(first);

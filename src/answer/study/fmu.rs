@@ -6,7 +6,7 @@ use super::words::rows_of;
 use crate::answer::block::{Align, Block, Column, HTML, Table};
 
 /// The section. Of runs in fmpy `tools/compare_fmpy` tells, which puts its table into the slot.
-pub(super) fn told(study: &StudyResults) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
     let columns = vec![
         Column::new(Align::Name, "Against"),
         Column::new(Align::Number, "runs"),

@@ -9,7 +9,7 @@ use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
 use crate::report::words::{number, percent};
 
 /// The section; nothing where no effect was hidden.
-pub(super) fn told(study: &StudyResults) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
     let Some(hidden) = &study.hidden_effect else { return Vec::new() };
     let caption = format!(
         "Size from which on nine machines in ten are detected within 2 s, in steps between speeds, by \

@@ -8,7 +8,7 @@ use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
 use crate::report::words::fault;
 
 /// The section.
-pub(super) fn told(study: &StudyResults) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
     let rows = &study.identification;
     if rows.is_empty() {
         return vec![Block::In(HTML, vec![Block::Note("No sizes were computed".to_owned())])];

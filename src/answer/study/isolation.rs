@@ -12,7 +12,7 @@ const HEIGHT: f64 = 380.0;
 const INKS: [Ink; 6] = [Ink::Blue, Ink::Orange, Ink::Green, Ink::Vermilion, Ink::Purple, Ink::Text];
 
 /// The section.
-pub(super) fn told(study: &StudyResults) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
     let classifier = "Perceptron 2-15-10 and code bits, trained on 100 samples a fault of runs of \
                       their own, judged on every sample of the study's faulty runs from the earliest \
                       declaration on. \u{201c}Unknown\u{201d}: the symptom lies where none of the \

@@ -10,7 +10,7 @@ use crate::report::words::{given, percent, torque};
 const FOUND: [&str; 3] = ["detected", "least r_td [%]", "longest delay [samples]"];
 
 /// The section on other significance levels.
-pub(super) fn told(study: &StudyResults) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
     let number = |heading: &str| Column::new(Align::Number, heading);
     let mut columns = vec![Column::new(Align::Name, "Method"), number("beta")];
     columns.extend(FOUND.map(number));

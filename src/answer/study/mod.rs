@@ -36,41 +36,41 @@ struct Section {
     /// Its title.
     title: &'static str,
     /// What it says of a study and the traces of its runs; nothing, if it has nothing to say.
-    told: fn(&StudyResults, &[Pictures]) -> Vec<Block>,
+    blocks: fn(&StudyResults, &[Pictures]) -> Vec<Block>,
 }
 
 macro_rules! sections {
-    ($($id:literal, $name:literal, $title:literal, $told:expr;)+) => {
+    ($($id:literal, $name:literal, $title:literal, $blocks:expr;)+) => {
         /// The sections in their order; the contents follow them.
         const SECTIONS: &[Section] =
-            &[$(Section { id: $id, name: $name, title: $title, told: $told }),+];
+            &[$(Section { id: $id, name: $name, title: $title, blocks: $blocks }),+];
     };
 }
 
 sections! {
-    "setting", "Experiment", "Experiment", |study, _| setting::told(study);
-    "detection", "Detection", "Detection of each fault (Table 1 of the paper)", detection::told;
-    "figures", "Figures 3 and 4", "Figures 3 and 4 of the paper, from our runs", figures::told;
-    "runs", "Runs", "Each run: residual and bands", runs::told;
+    "setting", "Experiment", "Experiment", |study, _| setting::blocks(study);
+    "detection", "Detection", "Detection of each fault (Table 1 of the paper)", detection::blocks;
+    "figures", "Figures 3 and 4", "Figures 3 and 4 of the paper, from our runs", figures::blocks;
+    "runs", "Runs", "Each run: residual and bands", runs::blocks;
     "residual", "Residual and false alarms", "Residual and false alarms",
-        |study, _| residual::told(study);
-    "models", "Models", "Structures of the models", |study, _| models::told(study);
+        |study, _| residual::blocks(study);
+    "models", "Models", "Structures of the models", |study, _| models::blocks(study);
     "isolation", "Isolation", "Isolation: symptoms (Fig. 5) and classes (Table 2 of the paper)",
-        |study, _| isolation::told(study);
+        |study, _| isolation::blocks(study);
     "identification", "Sizes", "Size of the symptom (Table 3 of the paper)",
-        |study, _| identification::told(study);
-    "hidden-effect", "Hidden effect", "What a hidden effect costs", |study, _| hidden::told(study);
-    "levels", "Levels", "Significance levels", |study, _| levels::told(study);
+        |study, _| identification::blocks(study);
+    "hidden-effect", "Hidden effect", "What a hidden effect costs", |study, _| hidden::blocks(study);
+    "levels", "Levels", "Significance levels", |study, _| levels::blocks(study);
     "readings", "Other readings", "Other readings of the torque fault",
         |study, _| levels::readings(study);
-    "fmu", "FMU", "The FMU against other runs", |study, _| fmu::told(study);
+    "fmu", "FMU", "The FMU against other runs", |study, _| fmu::blocks(study);
     "reading", "How to read this", "How to read these figures", |study, _| summary::reading(study);
 }
 
 /// The answer in blocks: the verdict first in a report, and last on a terminal, where the eye is when
 /// the program ends.
-pub(crate) fn told(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
-    let all = SECTIONS.iter().map(|it| (it, (it.told)(study, pictures)));
+pub(crate) fn blocks(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
+    let all = SECTIONS.iter().map(|it| (it, (it.blocks)(study, pictures)));
     let sections: Vec<(&Section, Vec<Block>)> =
         all.filter(|(_, blocks)| !blocks.is_empty()).collect();
     let names = sections.iter().map(|(it, _)| (it.id.to_owned(), it.name.to_owned())).collect();

@@ -9,7 +9,7 @@ use crate::answer::block::{Align, Block, Column, HTML, Table};
 use crate::report::words::{count, given, number, p_is};
 
 /// The section.
-pub(super) fn told(study: &StudyResults) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
     let mut blocks: Vec<Block> = structures(study).into();
     blocks.extend(theorem(study));
     match &study.model.recurrent_error {

@@ -10,7 +10,7 @@ use crate::report::words::{count, given, number, p_value, percent};
 const PAPER_SAMPLES: usize = 3000;
 
 /// The section.
-pub(super) fn told(study: &StudyResults) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
     let alarms_about = format!(
         "r_fd: share of the healthy samples outside the threshold. Widths were measured on {} other \
          healthy samples. False alarms: declarations in these samples; \u{201c}before a \

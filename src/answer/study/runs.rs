@@ -23,7 +23,7 @@ pub(super) fn names(pictures: &[Pictures]) -> Vec<(String, String)> {
 }
 
 /// The section.
-pub(super) fn told(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> {
     let about = "The residual r = T - y_m with its adaptive bands, around the time at which the fault \
                  acts. Ticks below mark every sample outside the bands; a solid bar is what the rule \
                  waits for. Constant thresholds are dashed";

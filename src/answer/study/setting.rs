@@ -19,7 +19,7 @@ fn speed(value: f64, tacho_unit: &str) -> String {
 }
 
 /// The section.
-pub(super) fn told(study: &StudyResults) -> Vec<Block> {
+pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
     let about = "Each run is a co-simulation of the exported FMU, not of the plant itself. What is \
                  watched is the residual r = T - y_m between the tachometer and a model that sees the \
                  control signal C_m alone";

@@ -3,7 +3,7 @@
 use drivescope_scenarios::results::{DetectorKind, StudyResults};
 use drivescope_scenarios::trials::{Detectable, HiddenEffect, ModelRows};
 
-use super::told;
+use super::blocks;
 use super::words::verdict;
 use crate::answer::testing::{holds, in_report, on_page};
 use crate::answer::text;
@@ -13,7 +13,7 @@ use crate::report::testing::{HOSTILE, pictures, study};
 const WIDTH: usize = 80;
 
 fn said(study: &StudyResults) -> String {
-    text(&told(study, &[]))
+    text(&blocks(study, &[]))
 }
 
 fn hidden() -> HiddenEffect {
@@ -43,7 +43,7 @@ fn hidden() -> HiddenEffect {
 fn text_page_and_report_tell_the_same_numbers() {
     let mut study = study();
     study.hidden_effect = Some(hidden());
-    let blocks = told(&study, &pictures());
+    let blocks = blocks(&study, &pictures());
     holds(&blocks, &in_report(&blocks));
     holds(&blocks, &on_page(&blocks));
     let said = text(&blocks);
@@ -85,7 +85,7 @@ fn ours_stand_beside_the_papers() {
 /// The last line is read first.
 #[test]
 fn a_text_ends_in_the_verdicts_and_a_report_begins_with_one() {
-    let blocks = told(&study(), &[]);
+    let blocks = blocks(&study(), &[]);
     let last = verdict(&study(), DetectorKind::ALL[DetectorKind::ALL.len() - 1]);
     assert!(text(&blocks).ends_with(&format!("\n{last}\n")));
     assert!(in_report(&blocks).trim_start().starts_with(&verdict(&study(), DetectorKind::Mem)));
@@ -109,7 +109,7 @@ fn the_verdict_counts_what_was_declared_in_time() {
 fn a_level_that_is_no_whole_per_cent_is_told_alike_everywhere() {
     let mut found = study();
     found.beta = 0.025;
-    let report = in_report(&told(&found, &pictures()));
+    let report = in_report(&blocks(&found, &pictures()));
     assert!(report.contains("designed 2.5 %") && report.contains("beta = 2.5 %"), "{report}");
     assert!(!report.contains("designed 2 %") && !report.contains("designed 3 %"));
     assert!(said(&found).contains("2.5"));
@@ -119,9 +119,9 @@ fn a_level_that_is_no_whole_per_cent_is_told_alike_everywhere() {
 fn sizes_before_and_after_stand_side_by_side() {
     let mut study = study();
     assert!(!said(&study).contains("hidden"));
-    assert!(!in_report(&told(&study, &[])).contains("Hidden effect"));
+    assert!(!in_report(&blocks(&study, &[])).contains("Hidden effect"));
     study.hidden_effect = Some(hidden());
-    let blocks = told(&study, &[]);
+    let blocks = blocks(&study, &[]);
     for told in [text(&blocks), in_report(&blocks)] {
         assert!(told.contains("quadratic drag hidden and added"), "{told}");
         assert!(told.contains("not up to 60") && told.contains("4.21"), "{told}");

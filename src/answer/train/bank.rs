@@ -56,7 +56,7 @@ pub(crate) struct Separable {
 
 impl BankAnswer {
     /// In blocks.
-    pub(super) fn told(&self) -> Vec<Block> {
+    pub(super) fn blocks(&self) -> Vec<Block> {
         let Self { drive, noise, arl_0, limits, verified, .. } = self;
         let fact = |name: &str, value: String| Fact::new(ALL, name, value);
         let facts = vec![

@@ -1,9 +1,9 @@
 //! What a training says.
 
 mod bank;
+mod blocks;
 #[cfg(test)]
 mod tests;
-mod told;
 
 use std::path::PathBuf;
 

@@ -91,7 +91,7 @@ fn answer() -> Answer {
 
 #[test]
 fn text_and_page_tell_the_same_numbers() {
-    let blocks = answer().told();
+    let blocks = answer().blocks();
     let (said, page) = (text(&blocks), on_page(&blocks));
     holds(&blocks, &page);
     holds(&blocks, &in_report(&blocks));

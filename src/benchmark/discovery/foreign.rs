@@ -13,7 +13,7 @@ use miette::IntoDiagnostic as _;
 use serde::Deserialize;
 
 use super::{Case, Grade, Group, Record};
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 
 macro_rules! package {
     ($($name:literal),+ $(,)?) => {
@@ -184,7 +184,8 @@ fn read_one(folder: &Path, order: &Order) -> miette::Result<Case> {
     let truth: Truth = serde_json::from_str(&truth).into_diagnostic()?;
     let options = ReadOptions { columns: Vec::new(), ..ReadOptions::default() };
     let record = |name: &str| -> miette::Result<Record> {
-        let (recording, _) = read(folder.join(format!("{name}.csv")), &options).map_err(told)?;
+        let (recording, _) =
+            read(folder.join(format!("{name}.csv")), &options).map_err(into_report)?;
         let noise = truth.noise.get(name).into_iter().flatten();
         Ok(Record { recording, noise: noise.map(|(name, sd)| (name.clone(), *sd)).collect() })
     };
@@ -194,7 +195,7 @@ fn read_one(folder: &Path, order: &Order) -> miette::Result<Case> {
         grade: order.grade,
         hidden: truth.hidden.iter().cloned().collect(),
         law: None,
-        drive: Drive::read(folder.join("drive.toml")).map_err(told)?,
+        drive: Drive::read(folder.join("drive.toml")).map_err(into_report)?,
         estimation: record("estimation")?,
         validation: record("validation")?,
     })

@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::emps::Emps;
 use crate::drive_source;
 use crate::evidence::Gathered;
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::first_drive::{FirstDrive, Given};
 use crate::interrupt;
 use crate::read_evidence::{ReadEvidence, evidence_of};
@@ -172,7 +172,7 @@ impl Machine {
         let of = |names: &[&str]| -> miette::Result<Vec<(String, Recording)>> {
             let one = |name: &&str| {
                 let (recording, _) =
-                    read(folder.join(name), &ReadOptions::default()).map_err(told)?;
+                    read(folder.join(name), &ReadOptions::default()).map_err(into_report)?;
                 Ok(((*name).to_owned(), recording))
             };
             names.iter().map(one).collect()
@@ -183,7 +183,7 @@ impl Machine {
         } else {
             let first = FirstDrive::of(&fit[0].1, None, &Given::default())?;
             let (text, _) = first.file(self.folder)?;
-            Drive::parse(&text, self.folder).map_err(told)?
+            Drive::parse(&text, self.folder).map_err(into_report)?
         };
         let search = |some: &[(String, Recording)]| {
             if some.is_empty() {
@@ -193,7 +193,7 @@ impl Machine {
         };
         let Gathered { estimation, validation, .. } =
             Gathered::of(search(&fit)?, search(&judged)?)?;
-        discover_by(rule, &drive, (&estimation, &validation), &Unwatched).map_err(told)
+        discover_by(rule, &drive, (&estimation, &validation), &Unwatched).map_err(into_report)
     }
 
     fn row(&self, answer: Result<Vec<String>, String>, ladder: &[Rung]) -> Row {

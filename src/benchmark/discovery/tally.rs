@@ -132,7 +132,7 @@ impl Table {
         let graded = detectable(&[Group::Graded]);
         let is = |grade: Grade| graded.only(|it| it.grade == grade);
         let by_grade =
-            Grade::OTHERS.map(|grade| is(grade).rate(&grade.told(), by_name)).into_iter().collect();
+            Grade::OTHERS.map(|grade| is(grade).rate(&grade.line(), by_name)).into_iter().collect();
         let by_effect = by_effect(&both);
         let medians = medians(&both.only(by_name), &every);
         Self {
@@ -181,7 +181,7 @@ impl Table {
 }
 
 impl Grade {
-    fn told(self) -> String {
+    fn line(self) -> String {
         let noise = match self.noise {
             Noise::Small => "small",
             Noise::Medium => "medium",

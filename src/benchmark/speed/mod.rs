@@ -21,7 +21,7 @@ use drivescope_scenarios::native::{ClosedLoops, closed_loop};
 use miette::IntoDiagnostic as _;
 use serde::Serialize;
 
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::interrupt;
 use clock::{least, least_of};
 use dopri5::Peer;
@@ -96,8 +96,9 @@ impl Speed {
             tick();
             interrupt::check()
         };
-        let drive = built_in("dr300").ok_or_else(|| miette::miette!("no dr300"))?.map_err(told)?;
-        let experiment = Experiment::new(drive.clone(), 1).map_err(told)?;
+        let drive =
+            built_in("dr300").ok_or_else(|| miette::miette!("no dr300"))?.map_err(into_report)?;
+        let experiment = Experiment::new(drive.clone(), 1).map_err(into_report)?;
         let held = held(&experiment);
         let machine = Machine::measure();
         part()?;

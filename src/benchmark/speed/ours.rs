@@ -9,7 +9,7 @@ use drivescope_plant::sampled::speed_bound;
 use drivescope_scenarios::campaign::{Campaign, Design, Plan};
 
 use super::Held;
-use crate::failure::told;
+use crate::failure::into_report;
 
 /// Current and speed after every sample of one drive under held inputs, from its integrator.
 pub(super) fn alone(drive: &Drive, held: &Held) -> Vec<[f64; 2]> {
@@ -66,8 +66,8 @@ pub(super) fn campaign(
         0.5 * samples as f64 * PERIOD_S,
         0.25 * samples as f64 * PERIOD_S,
     );
-    let plan = Plan::parse(&text, "plan", std::path::Path::new("")).map_err(told)?;
-    let design = Design::new(&plan).map_err(told)?;
+    let plan = Plan::parse(&text, "plan", std::path::Path::new("")).map_err(into_report)?;
+    let design = Design::new(&plan).map_err(into_report)?;
     Ok(Campaign::new(plan, design))
 }
 

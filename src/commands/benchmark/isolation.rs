@@ -18,7 +18,7 @@ use super::bar::{Bar, share};
 use crate::commands::Run;
 use crate::commands::counts::all_positive;
 use crate::commands::twelve::TwelveFaults;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::next::Next;
 use crate::report::words::{fault, percent};
 use crate::session::Session;
@@ -67,13 +67,14 @@ impl Run for OfIsolation {
         let (closed, open) = (folder.path().join("closed.fmu"), folder.path().join("open.fmu"));
         fmu_file::write(&drive, false, Version::Two, &closed)?;
         fmu_file::write(&drive, true, Version::Two, &open)?;
-        let (closed, open) = (Fmu::open(&closed).map_err(told)?, Fmu::open(&open).map_err(told)?);
+        let (closed, open) =
+            (Fmu::open(&closed).map_err(into_report)?, Fmu::open(&open).map_err(into_report)?);
         let bar = session.progress(2 * designs + 2, "designing, then judging");
         let mut made = Vec::new();
         for k in 0..designs {
             let seed = session.seed.wrapping_add(k);
-            let experiment = Experiment::new(drive.clone(), seed).map_err(told)?;
-            let designed = design(&experiment, (&closed, &open), BETA).map_err(told)?;
+            let experiment = Experiment::new(drive.clone(), seed).map_err(into_report)?;
+            let designed = design(&experiment, (&closed, &open), BETA).map_err(into_report)?;
             made.push((experiment, designed));
             bar.inc(1);
             interrupt::check()?;
@@ -86,7 +87,7 @@ impl Run for OfIsolation {
         });
         bar.finish_and_clear();
         interrupt::check()?;
-        let found = found.map_err(told)?;
+        let found = found.map_err(into_report)?;
         let bars = bars(&found);
         let next = Next::new("benchmark bank");
         session.say(&text(&found, &bars), &Found { trials: &found, bars }, &next)?;

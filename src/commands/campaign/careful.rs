@@ -8,7 +8,7 @@ use std::process::{ExitStatus, Stdio};
 use drivescope_scenarios::campaign::{Campaign, Plan, Reader, Rows, write_rows};
 
 use super::folder;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::interrupt;
 
 /// Runs the scenarios of a range and writes them as that file: what the other process does.
@@ -20,7 +20,7 @@ pub(super) fn part(plan: Plan, file: &Path, range: &Range<u64>) -> miette::Resul
     let campaign = folder::open(plan, campaigns)?;
     let rows = campaign.run(range.clone(), &|_| interrupt::check().is_err());
     let rows = rows.ok_or(interrupt::Stopped)?;
-    write_rows(file, &campaign, range, &rows).map_err(told)?;
+    write_rows(file, &campaign, range, &rows).map_err(into_report)?;
     Ok(Ending::Done)
 }
 
@@ -47,9 +47,9 @@ pub(super) fn rows(
         let ended = other_process(plan, &file, &range)?;
         interrupt::check()?;
         if ended.success() {
-            let reader = Reader::open(&file).map_err(told)?;
+            let reader = Reader::open(&file).map_err(into_report)?;
             for group in 0..reader.groups() {
-                let _ = rows.append(Rows { columns: reader.group(group).map_err(told)? });
+                let _ = rows.append(Rows { columns: reader.group(group).map_err(into_report)? });
             }
         } else if ended.code() == Some(Ending::BadInput.code().into()) {
             // Not the scenario's doing: a full disk, a folder that went away.

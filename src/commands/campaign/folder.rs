@@ -9,7 +9,7 @@ use drivescope_scenarios::campaign::{Campaign, Design, Plan};
 
 use super::shard::Shard;
 use crate::claim::Claim;
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::output;
 
 /// Detectors of the campaign; the underscore hides it from readers of datasets.
@@ -61,7 +61,7 @@ pub(super) fn open(plan: Plan, folder: &Path) -> miette::Result<Campaign> {
     if path.is_file() {
         let text = fs::read_to_string(&path)
             .map_err(|source| Failure::Read { path: path.clone(), source })?;
-        let design = Design::parse(&text).map_err(told)?;
+        let design = Design::parse(&text).map_err(into_report)?;
         let other = match (design.plan == plan.digest, design.version == version()) {
             (true, true) => return Ok(Campaign::new(plan, design)),
             (false, _) => "of another plan".to_owned(),
@@ -73,8 +73,8 @@ pub(super) fn open(plan: Plan, folder: &Path) -> miette::Result<Campaign> {
         }
         .into());
     }
-    let design = Design::new(&plan).map_err(told)?;
-    let text = design.to_toml().map_err(told)?;
+    let design = Design::new(&plan).map_err(into_report)?;
+    let text = design.to_toml().map_err(into_report)?;
     output::write_file(&path, |out| out.write_all(text.as_bytes()))?;
     Ok(Campaign::new(plan, design))
 }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::folder;
 use super::shard::Shard;
 use crate::commands::Run;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::session::Session;
 
@@ -34,7 +34,7 @@ impl Run for Merge {
         } else {
             None
         };
-        let (dataset, scenarios) = campaign::merge(&self.folder).map_err(told)?;
+        let (dataset, scenarios) = campaign::merge(&self.folder).map_err(into_report)?;
         let text = format!("{scenarios} scenarios: {}\n", dataset.display());
         let next = Next::new("campaign report").with(self.folder.display());
         session.wrote(&text, &Answer { dataset, scenarios }, &next)?;

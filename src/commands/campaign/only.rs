@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use drivescope_recording::dataset::{Column, Values};
 use drivescope_scenarios::campaign::{Campaign, Design, Plan};
 
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::output;
 use crate::session::Session;
@@ -24,7 +24,7 @@ pub(super) fn only(
     session: &Session,
 ) -> miette::Result<Ending> {
     session.check_writable(&recording.iter().collect::<Vec<_>>())?;
-    let design = Design::new(&plan).map_err(told)?;
+    let design = Design::new(&plan).map_err(into_report)?;
     let campaign = Campaign::new(plan, design);
     let rows = campaign
         .run(scenario..scenario + 1, &|_| false)

@@ -9,7 +9,7 @@ use drivescope_scenarios::campaign::summary::{MethodSummary, Summary, Worst, sum
 use drivescope_scenarios::campaign::{FolderError, Whole, parts_of};
 
 use crate::commands::Run;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::output;
 use crate::report::campaign::{campaign_html, rerun, sentence};
@@ -33,15 +33,15 @@ pub(super) struct Report {
 impl Run for Report {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let page = self.out.clone().unwrap_or_else(|| self.folder.join("report.html"));
-        let Whole { parts, damaged } = parts_of(&self.folder, None).map_err(told)?;
+        let Whole { parts, damaged } = parts_of(&self.folder, None).map_err(into_report)?;
         if let Some((path, source)) = damaged.into_iter().next() {
-            return Err(told(FolderError::Damaged { path, source }));
+            return Err(into_report(FolderError::Damaged { path, source }));
         }
         if parts.is_empty() {
-            return Err(told(FolderError::Nothing { path: self.folder.clone() }));
+            return Err(into_report(FolderError::Nothing { path: self.folder.clone() }));
         }
         session.check_writable(&[&page])?;
-        let summary = summarise(&parts).map_err(told)?;
+        let summary = summarise(&parts).map_err(into_report)?;
         let plan = self.plan.display().to_string();
         let said = parts.first().map_or("", |part| part.plan());
         let html = campaign_html(&summary, &plan, said);

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::shard::Shard;
 use super::{careful, folder};
 use crate::claim::Claim;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::interrupt;
 use crate::next::Next;
 use crate::session::Session;
@@ -60,8 +60,8 @@ pub(super) fn run(plan: Plan, file: &Path, how: &How, session: &Session) -> miet
     let campaign = folder::open(plan, place)?;
     spinner.finish_and_clear();
     let scenarios = campaign.plan().scenarios();
-    let Whole { parts, damaged } = parts_of(place, Some(&campaign)).map_err(told)?;
-    let there = missing(&parts, scenarios).map_err(told)?;
+    let Whole { parts, damaged } = parts_of(place, Some(&campaign)).map_err(into_report)?;
+    let there = missing(&parts, scenarios).map_err(into_report)?;
     let mut left = Vec::new();
     let mut of_shard = 0;
     for part in shard.parts(scenarios) {
@@ -110,7 +110,7 @@ pub(super) fn run(plan: Plan, file: &Path, how: &How, session: &Session) -> miet
         ));
     }
     let dataset =
-        if shard.is_whole() { Some(campaign::merge(place).map_err(told)?.0) } else { None };
+        if shard.is_whole() { Some(campaign::merge(place).map_err(into_report)?.0) } else { None };
     let (text, next) = match &dataset {
         Some(dataset) => (
             format!("{scenarios} scenarios, {open} new: {}\n", dataset.display()),
@@ -176,7 +176,7 @@ impl Work<'_> {
         folder::write_traces(self.campaign, self.folder, range, &aborted)?;
         self.aborted.extend(aborted);
         let _not_now = interrupt::writing();
-        write_part(self.folder, self.campaign, range, &rows).map_err(told)?;
+        write_part(self.folder, self.campaign, range, &rows).map_err(into_report)?;
         drop(mark);
         self.done += range.end - range.start;
         self.tell();

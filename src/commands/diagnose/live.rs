@@ -10,7 +10,7 @@ use super::stdin::Stdin;
 use super::stream::Stream;
 use super::{Diagnose, refused};
 use crate::answer::diagnose::words;
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::session::Session;
 use crate::{interrupt, output};
 
@@ -34,10 +34,11 @@ impl Diagnose {
         interrupt::answers();
         let columns = self.reading.columns().map(Mapping::parse_list).transpose();
         let options = ReadOptions {
-            columns: columns.map_err(told)?.unwrap_or_default(),
+            columns: columns.map_err(into_report)?.unwrap_or_default(),
             ..ReadOptions::default()
         };
-        let mut rows = CsvStream::new(Stdin::open(), "standard input", &options).map_err(told)?;
+        let mut rows =
+            CsvStream::new(Stdin::open(), "standard input", &options).map_err(into_report)?;
         let names = rows.columns().iter();
         let names: Vec<(String, String)> =
             names.map(|it| (it.signal.clone(), it.unit.clone())).collect();
@@ -58,7 +59,7 @@ impl Diagnose {
                     stream.malformed(&error, session);
                     continue;
                 }
-                Err(error) => return Err(told(error)),
+                Err(error) => return Err(into_report(error)),
             };
             let line = row.line;
             if !feed.is_complete(row.values) {
@@ -71,7 +72,7 @@ impl Diagnose {
                 }
                 while let Some((time, values, lost)) = regrid.next_row() {
                     stream.rows += 1;
-                    let happened = feed.take(&values, time, lost).map_err(told)?;
+                    let happened = feed.take(&values, time, lost).map_err(into_report)?;
                     if self.say(happened, line, asked, session)? == Wanted::No {
                         return Ok((feed.into_monitor(), stream));
                     }
@@ -91,7 +92,7 @@ impl Diagnose {
             };
             stream.arrived(line, arrival, period_s, session);
             stream.rows += 1;
-            let happened = feed.take(row.values, time, lost).map_err(told)?;
+            let happened = feed.take(row.values, time, lost).map_err(into_report)?;
             if self.say(happened, line, asked, session)? == Wanted::No {
                 break;
             }

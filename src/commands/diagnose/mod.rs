@@ -18,7 +18,7 @@ pub(crate) use self::stream::Stream;
 use super::{RecordingOptions, Run, at_period};
 use crate::answer::diagnose::{Answer, BaselineAnswer};
 use crate::answer::text;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::next::Next;
 use crate::output;
 use crate::session::Session;
@@ -55,7 +55,7 @@ const FEW_WINDOWS: usize = 10;
 
 impl Run for Diagnose {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let diagnoser = Diagnoser::load(&self.diagnoser).map_err(told)?;
+        let diagnoser = Diagnoser::load(&self.diagnoser).map_err(into_report)?;
         session.check_writable(&[])?;
         let baseline = self.baseline(&diagnoser, session)?;
         let asked = self.asked(&diagnoser, baseline.is_some(), session);
@@ -84,7 +84,7 @@ impl Run for Diagnose {
                 printed => printed?,
             }
         } else {
-            session.say(&text(&answer.told()), &answer, &next)?;
+            session.say(&text(&answer.blocks()), &answer, &next)?;
         }
         let forbidden = self.check && ["fault", "abnormal"].contains(&verdict);
         Ok(if forbidden { Ending::Forbidden } else { Ending::Done })
@@ -259,7 +259,7 @@ impl Diagnose {
         session: &Session,
         mut each: impl FnMut(&Monitor, usize),
     ) -> miette::Result<Answer> {
-        diagnoser.interface.select(recording).map_err(told)?;
+        diagnoser.interface.select(recording).map_err(into_report)?;
         let asked = self.asked(diagnoser, false, session);
         let monitor = self.through(diagnoser, recording, (None, asked), session, &mut each)?;
         self.answer(diagnoser, (recording.name.clone(), monitor, None), None, session)
@@ -273,7 +273,7 @@ impl Diagnose {
         session: &Session,
     ) -> miette::Result<(String, Monitor)> {
         let recording = read_for(diagnoser, &self.recording, &self.reading, session)?;
-        diagnoser.interface.select(&recording).map_err(told)?;
+        diagnoser.interface.select(&recording).map_err(into_report)?;
         let how = (baseline, asked);
         let monitor = self.through(diagnoser, &recording, how, session, &mut |_, _| ())?;
         Ok((recording.name, monitor))
@@ -291,7 +291,7 @@ impl Diagnose {
         let signals = recording.signals.iter();
         let columns: Vec<(&str, &str)> = signals.map(|s| (&*s.name, &*s.unit)).collect();
         let mut monitor = self.monitor(diagnoser, baseline, (asked, &columns), session)?;
-        monitor.run(diagnoser, recording, |monitor, k, _| each(monitor, k)).map_err(told)?;
+        monitor.run(diagnoser, recording, |monitor, k, _| each(monitor, k)).map_err(into_report)?;
         Ok(monitor)
     }
 }
@@ -333,7 +333,7 @@ pub(crate) fn read_for(
     session: &Session,
 ) -> miette::Result<Recording> {
     let (recording, report) = reading.read(file, session)?;
-    report.require(&recording, &names(diagnoser)).map_err(told)?;
+    report.require(&recording, &names(diagnoser)).map_err(into_report)?;
     at_period(recording, diagnoser.interface.period_s, session)
 }
 

@@ -16,7 +16,7 @@ use crate::answer::text;
 use crate::drive_source;
 use crate::drive_text::with_effects;
 use crate::evidence::EvidenceOptions;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::interrupt;
 use crate::next::Next;
 use crate::output;
@@ -84,7 +84,7 @@ impl Search<'_> {
         watching.end();
         // What was found until then is not the answer.
         interrupt::check()?;
-        let found = found.map_err(told)?;
+        let found = found.map_err(into_report)?;
         let missing = Missing::of(&found, self.added);
         // Of what was not judged there is no drive to write.
         let output = self.output.filter(|_| found.verdict != Verdict::NotJudged);
@@ -115,7 +115,7 @@ impl Search<'_> {
                 self.evidence.on(again).options(" -o found.toml --out found.html")
             }
         };
-        session.say(&text(&answer.told()), &answer, &next)?;
+        session.say(&text(&answer.blocks()), &answer, &next)?;
         Ok(Ending::Done)
     }
 }

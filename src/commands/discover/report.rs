@@ -7,7 +7,7 @@ use drivescope_plant::drive::Drive;
 use crate::answer::compare::Setting as About;
 use crate::answer::discover::{Missing, Step};
 use crate::evidence::Gathered;
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::report::discover::{Found, discover_html};
 
 /// One self-contained page.
@@ -23,7 +23,7 @@ pub(super) fn report(
     let compared = |drive: &Drive| -> miette::Result<Comparison> {
         let setting = Setting::new(drive, found.observer);
         let options = CompareOptions { curves: true, seed };
-        compare(drive, estimation, &setting, &options).map_err(told)
+        compare(drive, estimation, &setting, &options).map_err(into_report)
     };
     let after = compared(&found.drive)?;
     let before = match found.ladder.len() {

@@ -10,7 +10,7 @@ use drivescope_recording::rounded;
 use serde::Serialize;
 
 use crate::commands::Run;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::session::Session;
 
@@ -51,7 +51,7 @@ struct Shown<'a> {
 
 impl Run for Info {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let fmu = Fmu::open(&self.file).map_err(told)?;
+        let fmu = Fmu::open(&self.file).map_err(into_report)?;
         let about = fmu.description();
         let experiment = about.default_experiment;
         let answer = InfoAnswer {

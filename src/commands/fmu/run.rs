@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::commands::Run;
 use crate::commands::recording_options::RecordingOptions;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::output;
 use crate::session::Session;
@@ -84,7 +84,7 @@ fn assignment(text: &str) -> Result<(String, String), String> {
 
 impl Run for RunFmu {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let fmu = Fmu::open(&self.file).map_err(told)?;
+        let fmu = Fmu::open(&self.file).map_err(into_report)?;
         session.check_writable(&[&self.output])?;
         let input = self.input.as_ref().map(|path| self.reading.read(path, session));
         let input = input.transpose()?.map(|(recording, _)| recording);
@@ -107,7 +107,7 @@ impl Run for RunFmu {
             logging: true,
         };
         let Ran { recording, texts, ended, left_out, messages } =
-            run(&fmu, &options).map_err(told)?;
+            run(&fmu, &options).map_err(into_report)?;
         for message in messages.iter().filter(|message| {
             self.log || !message.status.is_good() || message.status == Status::Warning
         }) {

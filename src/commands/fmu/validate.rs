@@ -7,7 +7,7 @@ use drivescope_fmu::import::{Finding, Fmu, Severity, validate};
 use serde::Serialize;
 
 use crate::commands::Run;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::session::Session;
 
@@ -31,7 +31,7 @@ struct Shown {
 
 impl Run for Validate {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let fmu = Fmu::open(&self.file).map_err(told)?;
+        let fmu = Fmu::open(&self.file).map_err(into_report)?;
         let findings = validate(&fmu);
         let shown: Vec<Shown> = findings.iter().map(shown).collect();
         let verdict = match findings.len() {

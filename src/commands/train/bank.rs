@@ -8,7 +8,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
 use crate::answer::train::{BankAnswer, Confusion, Separable, VerifiedAnswer};
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::interrupt;
 
 /// Share of the alarms seen in the healthy recordings that the design foresees, below which the
@@ -43,12 +43,12 @@ pub(super) fn design(
             runs.push(Columns::of(&part).map_err(words)?.1);
         }
     }
-    let designed = bank::design(known, period_s, &runs, seed).map_err(told)?;
+    let designed = bank::design(known, period_s, &runs, seed).map_err(into_report)?;
     interrupt::check()?;
     let Designed { noise, drive: known, process, tails, tails_without_current, how } = designed;
     let limits = tails.limits(arl_0);
     let fresh = Calibration { samples: verified, seed: seed.wrapping_add(1), ..how };
-    let verified = process.verify(limits, &fresh).map_err(told)?;
+    let verified = process.verify(limits, &fresh).map_err(into_report)?;
     let design = BankDesign {
         period_s,
         arl_0,

@@ -17,7 +17,7 @@ use self::training::{ARL_0, BETA, RUN_UP_S, VERIFIED, WINDOW_S};
 pub(crate) use self::training::{Material, Plan, Trained, interface, train};
 use super::{RecordingOptions, Run, at_period};
 use crate::answer::text;
-use crate::failure::{Ending, told};
+use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::session::Session;
 use crate::{drive_source, interrupt};
@@ -127,11 +127,11 @@ impl Run for Train {
         {
             let _not_now = interrupt::writing();
             interrupt::check()?;
-            trained.learned.diagnoser.save(&self.output).map_err(told)?;
+            trained.learned.diagnoser.save(&self.output).map_err(into_report)?;
         }
         let answer = trained.answer(session.named(&self.output));
         let next = Next::new("diagnose").files([&self.output]).options(" REC --check");
-        session.wrote(&text(&answer.told()), &answer, &next)?;
+        session.wrote(&text(&answer.blocks()), &answer, &next)?;
         Ok(Ending::Done)
     }
 }
@@ -141,7 +141,7 @@ impl Train {
         let read = |file: &PathBuf| -> miette::Result<Recording> {
             let (recording, report) = self.reading.read(file, session)?;
             let wanted = self.input.iter().chain(&self.output_signal).map(String::as_str);
-            report.require(&recording, &wanted.collect::<Vec<_>>()).map_err(told)?;
+            report.require(&recording, &wanted.collect::<Vec<_>>()).map_err(into_report)?;
             Ok(recording)
         };
         files.iter().map(read).collect()

@@ -8,7 +8,7 @@ use drivescope_diagnoser::{
     Trained, Training, Uncertain,
 };
 
-use crate::failure::told;
+use crate::failure::into_report;
 
 /// Outer steps of the paper's random search, and its starts.
 const OUTER: usize = 100;
@@ -154,7 +154,7 @@ impl Models {
             Sizes::Paper => recipe.structure,
             Sizes::Given([v1, v2, order]) => Structure { v1, v2, order, ..recipe.structure },
             Sizes::Aic => {
-                let found = compared.insert(recipe.compare_sizes(sets).map_err(told)?);
+                let found = compared.insert(recipe.compare_sizes(sets).map_err(into_report)?);
                 found.rows[found.used].structure
             }
         };

@@ -14,7 +14,7 @@ use super::models::Models;
 use super::{bank, joined};
 use crate::answer::block::Block;
 use crate::answer::train::{Answer, BankAnswer};
-use crate::failure::{Failure, told};
+use crate::failure::{Failure, into_report};
 use crate::interrupt;
 use crate::session::Session;
 
@@ -80,8 +80,8 @@ pub(crate) struct Trained {
 
 impl Trained {
     /// The answer in blocks.
-    pub(crate) fn told(&self) -> Vec<Block> {
-        self.answer(None).told()
+    pub(crate) fn blocks(&self) -> Vec<Block> {
+        self.answer(None).blocks()
     }
 
     /// As an answer of the command.
@@ -126,7 +126,7 @@ pub(crate) fn train(
     };
     let run_up = samples("run-up", plan.run_up_s, 0)?;
     let window = samples("window", plan.window_s, 1)?;
-    let data = |recording| interface.select(recording).map_err(told);
+    let data = |recording| interface.select(recording).map_err(into_report);
     let bank = plan.drive.as_ref().map(|drive| {
         let spinner = session.spinner();
         let designed = bank::design(drive, &healthy, (plan.arl_0, plan.verified, session.seed));
@@ -158,7 +158,7 @@ pub(crate) fn train(
         );
         healthy.clone()
     });
-    let confidence = Confidence::new(plan.beta).map_err(told)?;
+    let confidence = Confidence::new(plan.beta).map_err(into_report)?;
     let design = Design { run_up, window, ..Design::steady(confidence) };
     let spinner = session.spinner();
     let parts = (plan.recurrent, plan.gmdh);
@@ -171,12 +171,12 @@ pub(crate) fn train(
     };
     spinner.finish_and_clear();
     interrupt::check()?;
-    let mut learned = learned.map_err(told)?;
+    let mut learned = learned.map_err(into_report)?;
     let mut faults = None;
     if !faulty.is_empty() {
         let options = IsolatorOptions { seed: session.seed, ..IsolatorOptions::default() };
         let found = learned.diagnoser.clone().with_faults(&faulty, &options);
-        let (diagnoser, report) = found.map_err(told)?;
+        let (diagnoser, report) = found.map_err(into_report)?;
         (learned.diagnoser, faults) = (diagnoser, Some(report));
     }
     let bank = bank.map(|(design, answer)| {

@@ -121,7 +121,7 @@ fn trained(ready: &Ready) -> Markup {
             }
             details {
                 summary { "What the training came to" }
-                (html::page(&ready.trained.told(), &|_| None))
+                (html::page(&ready.trained.blocks(), &|_| None))
             }
             p.exports {
                 a.button href="diagnoser/toml" download=(FILE) { "Diagnoser file" }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use drivescope_recording::{Preview, ReadOptions, Recording, Report, read_with_preview};
 
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::page::incomplete::Incomplete;
 use crate::page::plain::plain;
 
@@ -24,7 +24,7 @@ pub(super) fn read_named(
     options: &ReadOptions,
 ) -> Result<Content, String> {
     let own = path.display().to_string();
-    let said = |error| plain(&told(error).to_string()).replace(&own, name);
+    let said = |error| plain(&into_report(error).to_string()).replace(&own, name);
     let (preview, read) = read_with_preview(path, options).map_err(said)?;
     match read {
         Ok((mut recording, mut report)) => {

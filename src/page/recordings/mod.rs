@@ -13,7 +13,7 @@ use tempfile::TempPath;
 use content::{Content, read_named};
 use source::{Source, keep, shown_place};
 
-use crate::failure::told;
+use crate::failure::into_report;
 use crate::page::incomplete::Incomplete;
 
 /// A recording that was read, or that is to be completed.
@@ -43,7 +43,7 @@ impl Taken {
     /// Why it cannot be read.
     pub(in crate::page) fn named(path: &Path) -> Result<Self, String> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let kept = ReadOptions::kept(path).map_err(|error| told(error).to_string())?;
+        let kept = ReadOptions::kept(path).map_err(|error| into_report(error).to_string())?;
         let said = kept.is_some().then(|| format!("As kept in {}.", shown_place(path)));
         let taken = Self::read(name, Source::Given(path.to_owned()), kept.unwrap_or_default())?;
         Ok(Self { kept: said, ..taken })

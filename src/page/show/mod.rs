@@ -35,17 +35,17 @@ pub(super) fn pieces(state: &State, view: View) -> BTreeMap<&'static str, String
     let mut pieces = BTreeMap::from([("data", data(state).into_string())]);
     let Some(rung) = state.rungs.get(view.rung) else { return pieces };
     let found = state.missing.get(&view.rung);
-    let told = |blocks: &[Block]| html::page(blocks, &offered);
+    let on_page = |blocks: &[Block]| html::page(blocks, &offered);
     let compared = &rung.compared;
     let shown = [
-        ("verdict", told(&summary(compared, &rung.about))),
-        ("spans", told(&when(compared, view.recording))),
-        ("where", told(&over_what(compared, rung.about.motion))),
-        ("white", told(&white(compared, view.recording))),
+        ("verdict", on_page(&summary(compared, &rung.about))),
+        ("spans", on_page(&when(compared, view.recording))),
+        ("where", on_page(&over_what(compared, rung.about.motion))),
+        ("white", on_page(&white(compared, view.recording))),
         (
             "cards",
             match found {
-                Some(missing) => told(&missing.told(&compared.curves)),
+                Some(missing) => on_page(&missing.blocks(&compared.curves)),
                 None => html! {
                     p { "What this model lacks has not been asked yet. "
                         button type="button" data-do="learn" { "Ask the library" } }

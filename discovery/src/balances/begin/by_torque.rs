@@ -11,7 +11,7 @@ use super::{is_fitted, take};
 use crate::estimate::Evidence;
 
 /// Standard errors from which on an inertia is told.
-const TOLD: f64 = 3.0;
+const IDENTIFIED: f64 = 3.0;
 /// A tried speed must leave at most this share of the squared error that the file's value leaves.
 const CLEARLY_LESS: f64 = 0.98;
 /// Rounds in which the load's share is made right where only the voltage was measured.
@@ -64,18 +64,19 @@ pub(super) fn begin(begun: &mut Begun, balances: &Balances, linear: &Linear, evi
         }
     }
     let scale = if by_voltage { per_volt } else { 1.0 };
-    let inertia = found.values[0].filter(|j| *j > TOLD * found.errors[0] * balances.overlap());
+    let inertia =
+        found.values[0].filter(|j| *j > IDENTIFIED * found.errors[0] * balances.overlap());
     let names = columns.iter().map(|it| it.name.as_str());
     let names: Vec<&str> = ["J", "B_m"].into_iter().chain(names).collect();
     for (k, name) in names.iter().enumerate().filter(|(k, _)| *k > 1 || !fixed[*k]) {
-        let (value, told) = match (k, found.values[k]) {
+        let (value, identified) = match (k, found.values[k]) {
             // An inertia that is not told is begun with all the same: any other is no better.
             (0, value) => (value.map(|j| j * scale).filter(|j| *j > 0.0), inertia.map(|_| 0.0)),
             // A law that the recordings do not tell beside the others is not there.
             (_, None) if k > 1 => (Some(0.0), None),
             (_, value) => (value.map(|value| value * scale), value.map(|_| 0.0)),
         };
-        take(begun, name, value, told);
+        take(begun, name, value, identified);
     }
     let drive = &begun.drive;
     let factor = balances.torque.iter().map(|it| match by_voltage {
@@ -84,8 +85,8 @@ pub(super) fn begin(begun: &mut Begun, balances: &Balances, linear: &Linear, evi
     });
     let factor = scale * factor.fold(1.0, f64::max);
     for (name, error) in names.iter().zip(&found.errors) {
-        if let Some(told) = begun.identified.iter_mut().find(|it| it.name == *name) {
-            told.std_error = error * factor;
+        if let Some(identified) = begun.identified.iter_mut().find(|it| it.name == *name) {
+            identified.std_error = error * factor;
         }
     }
     // Less than its own error: the value is as good as any, and not told.

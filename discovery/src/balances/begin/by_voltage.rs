@@ -17,9 +17,9 @@ pub(super) fn begin(begun: &mut Begun, balances: &Balances, linear: &Linear) {
     let factor =
         balances.voltage.iter().map(|it| voltage::factor(it, &begun.drive)).fold(1.0, f64::max);
     for (name, error) in names.iter().zip(&found.errors) {
-        let told = begun.identified.iter_mut().find(|it| it.name == *name);
-        if let Some(told) = told {
-            told.std_error = error * factor;
+        let identified = begun.identified.iter_mut().find(|it| it.name == *name);
+        if let Some(identified) = identified {
+            identified.std_error = error * factor;
         }
     }
 }

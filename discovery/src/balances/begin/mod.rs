@@ -32,7 +32,7 @@ fn is_fitted(drive: &Drive, name: &str) -> bool {
 }
 
 /// Takes a value over if it is possible; its standard error, if the recordings tell it.
-fn take(begun: &mut Begun, name: &str, value: Option<f64>, told: Option<f64>) {
+fn take(begun: &mut Begun, name: &str, value: Option<f64>, identified: Option<f64>) {
     let Some(value) = value else { return };
     let range = begun.drive.parameters().iter().find(|it| it.name == name).map(|it| it.range);
     if range.is_some_and(|(low, high)| value.is_finite() && low <= value && value <= high) {
@@ -40,7 +40,7 @@ fn take(begun: &mut Begun, name: &str, value: Option<f64>, told: Option<f64>) {
         begun.identified.retain(|it| it.name != name);
         begun
             .identified
-            .extend(told.map(|std_error| Identified { name: name.to_owned(), std_error }));
+            .extend(identified.map(|std_error| Identified { name: name.to_owned(), std_error }));
     }
 }
 
@@ -102,10 +102,10 @@ mod tests {
             [("R", 0.02), ("K_e", 0.01), ("J", 0.03), ("L", 0.2), ("coulomb.T_c", 0.1)]
         {
             near(&begun.drive, &truth, name, share);
-            let told = begun.identified.iter().find(|it| it.name == name).expect("told");
+            let identified = begun.identified.iter().find(|it| it.name == name).expect("told");
             let off = value(&begun.drive, name) - value(&truth, name);
-            let bound = MOST_ERRORS * told.std_error + BIAS * value(&truth, name);
-            assert!(off.abs() < bound, "{name}: off by {off}, error {}", told.std_error);
+            let bound = MOST_ERRORS * identified.std_error + BIAS * value(&truth, name);
+            assert!(off.abs() < bound, "{name}: off by {off}, error {}", identified.std_error);
         }
         // But for where a Stribeck speed of the file ends.
         let other = from(0.2).drive;

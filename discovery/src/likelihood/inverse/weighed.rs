@@ -34,7 +34,8 @@ impl Inverse {
         tolerated: impl Fn(&Curve) -> Option<f64>,
     ) -> Option<Weights> {
         let (scene, windows) = (&self.scene, &self.windows);
-        let told: Vec<Candidate> = candidates.iter().filter(|it| self.tells(it)).cloned().collect();
+        let identified: Vec<Candidate> =
+            candidates.iter().filter(|it| self.tells(it)).cloned().collect();
         let number: Vec<usize> =
             (0..candidates.len()).filter(|it| self.tells(&candidates[*it])).collect();
         let each = || scene.recordings.iter().zip(windows);
@@ -47,11 +48,11 @@ impl Inverse {
             .into_iter()
             .map(|curve| (tolerated(&curve), curve))
             .partition(|it| it.0.is_some());
-        let shared = Passes::of(&told);
+        let shared = Passes::of(&identified);
         let by = 1e-3 * rms(each().flat_map(|(it, _)| it.measured.u.iter().copied()));
         // Columns of the laws, and by how much each grows with the driving signal, over K.
         let over_current = |pass: usize| {
-            let laws = shared.laws[pass].iter().map(|(candidate, _)| &told[*candidate]);
+            let laws = shared.laws[pass].iter().map(|(candidate, _)| &identified[*candidate]);
             laws.into_iter().any(|law| law.fails_over.contains(&Variable::Current))
         };
         let per = by * scene.drive.motor.k_m;
@@ -59,7 +60,7 @@ impl Inverse {
             let (it, windows) = (&scene.recordings[recording], &windows[recording]);
             let moved = shifted(it, by);
             let pass = |pass: usize| {
-                let drive = shared.drive(pass, &it.drive, &told);
+                let drive = shared.drive(pass, &it.drive, &identified);
                 let of = |it| Torques::of(it, &drive, windows, &shared.names[pass]).columns;
                 let columns = of(it);
                 let grows = |(with, without): (Vec<f64>, &Vec<f64>)| -> Vec<f64> {
@@ -79,7 +80,7 @@ impl Inverse {
             .laws
             .iter()
             .flatten()
-            .map(|(candidate, _)| told[*candidate].coefficients.len())
+            .map(|(candidate, _)| identified[*candidate].coefficients.len())
             .chain(free.iter().map(|(_, curve)| curve.knots.len()))
             .collect();
         let further = |recording: usize| {
@@ -97,7 +98,7 @@ impl Inverse {
         let background = table.terms.columns.len();
         let (mut law_columns, mut next) = (Vec::new(), background);
         for (candidate, variant) in shared.laws.iter().flatten() {
-            let count = told[*candidate].coefficients.len();
+            let count = identified[*candidate].coefficients.len();
             let columns = (next..next + count).collect();
             law_columns.push(LawColumns { candidate: *candidate, variant: *variant, columns });
             next += count;
@@ -133,7 +134,7 @@ impl Inverse {
             let feedback = |law: &LawColumns| {
                 let place = law_columns.iter().position(|it| it.columns == law.columns)?;
                 let grows = growths[place].as_ref()?;
-                let (information, score) = beside.told(&fitted, &law.columns);
+                let (information, score) = beside.information_and_score(&fitted, &law.columns);
                 let most = information.clone().cholesky()?.solve(&score);
                 let whole = most.dot(&score);
                 let growth = grows * &most;
@@ -160,7 +161,7 @@ impl Inverse {
                 parameters: table.parameters.clone(),
                 feedback: Some(&feedback),
             };
-            let mut laws = weighing.laws(&told, &law_columns);
+            let mut laws = weighing.laws(&identified, &law_columns);
             laws.iter_mut().for_each(|law| law.candidate = number[law.candidate]);
             let curves = weighing.curves(free.clone());
             // No formulas are sought along a motion that is known.

@@ -64,19 +64,24 @@ pub(super) fn describe(
 }
 
 /// Name, description, unit and type of a variable.
-struct Told {
+struct Described {
     name: String,
     description: String,
     unit: String,
     kind: Type,
 }
 
-fn told(name: impl Into<String>, description: impl Into<String>, unit: &str, kind: Type) -> Told {
-    Told { name: name.into(), description: description.into(), unit: unit.to_owned(), kind }
+fn described(
+    name: impl Into<String>,
+    description: impl Into<String>,
+    unit: &str,
+    kind: Type,
+) -> Described {
+    Described { name: name.into(), description: description.into(), unit: unit.to_owned(), kind }
 }
 
 fn variable(reference: u32, of: Of, diagnoser: &Diagnoser, layout: &Layout) -> Variable {
-    let Told { name, description, unit, kind } = told_of(of, diagnoser, layout);
+    let Described { name, description, unit, kind } = described_of(of, diagnoser, layout);
     let (causality, variability, start) = match of {
         Of::Signal(_) => (Causality::Input, Variability::Discrete, Some(0.0)),
         Of::Valid => (Causality::Input, Variability::Discrete, Some(1.0)),
@@ -109,56 +114,73 @@ fn codes(layout: &Layout) -> String {
     named.collect::<Vec<_>>().join(", ")
 }
 
-fn told_of(of: Of, diagnoser: &Diagnoser, layout: &Layout) -> Told {
+fn described_of(of: Of, diagnoser: &Diagnoser, layout: &Layout) -> Described {
     let output = &diagnoser.interface.output;
     let (real, integer, boolean) = (Type::Float64, Type::Int32, Type::Boolean);
     match of {
         Of::Signal(k) => {
             let (name, unit) = &layout.signals[k];
-            told(name, format!("{name} as it is measured"), unit, real)
+            described(name, format!("{name} as it is measured"), unit, real)
         }
         Of::Valid => {
-            told("valid", "Whether the signals hold a row; false: it was lost", "", boolean)
+            described("valid", "Whether the signals hold a row; false: it was lost", "", boolean)
         }
-        Of::Beta => {
-            told("beta", "Share of healthy samples outside the bands of the detectors", "", real)
-        }
+        Of::Beta => described(
+            "beta",
+            "Share of healthy samples outside the bands of the detectors",
+            "",
+            real,
+        ),
         Of::HasCurrent => {
             let current = layout.current.map_or("", |at| &layout.signals[at].0);
             let name = format!("has_{current}");
-            told(name, format!("Whether {current} is measured; false: it is ignored"), "", boolean)
+            described(
+                name,
+                format!("Whether {current} is measured; false: it is ignored"),
+                "",
+                boolean,
+            )
         }
         Of::Rows => {
-            told("rows", "Rows taken so far; all outputs are those of the last", "", integer)
+            described("rows", "Rows taken so far; all outputs are those of the last", "", integer)
         }
-        Of::RowTime => told("row_time", "Time of the last row", "s", real),
+        Of::RowTime => described("row_time", "Time of the last row", "s", real),
         Of::Decision => {
             let codes = State::ALL.map(|(state, means)| format!("{} {means}", state.code()));
-            told("decision", format!("Decision: {}", codes.join(", ")), "", integer)
+            described("decision", format!("Decision: {}", codes.join(", ")), "", integer)
         }
-        Of::Declared => told("declared", "Whether a fault stands declared", "", boolean),
-        Of::Alarms => told("alarms", "Faults declared so far", "", integer),
+        Of::Declared => described("declared", "Whether a fault stands declared", "", boolean),
+        Of::Alarms => described("alarms", "Faults declared so far", "", integer),
         Of::Mechanism => {
             let codes = codes(layout);
             let codes = if codes.is_empty() { codes } else { format!(", {codes}") };
-            told("mechanism", format!("What failed: 0 nothing, -1 unknown{codes}"), "", integer)
+            described(
+                "mechanism",
+                format!("What failed: 0 nothing, -1 unknown{codes}"),
+                "",
+                integer,
+            )
         }
         Of::Set => {
             let text = format!(
                 "What it cannot be told from, itself included: bit k - 1 for code k up to {BITS}"
             );
-            told("set", text, "", integer)
+            described("set", text, "", integer)
         }
-        Of::Size => told(
+        Of::Size => described(
             "size",
             "Size of the fault, a fraction or in the unit of its mechanism; 0 where none is told",
             "",
             real,
         ),
-        Of::Lower => told("size_lower", "Lower end of the 95 % interval of the size", "", real),
-        Of::Upper => told("size_upper", "Upper end of the 95 % interval of the size", "", real),
-        Of::Onset => told("onset", "First faulty sample of the fault that stands", "s", real),
-        Of::Noticed => told("noticed", "When it was noticed", "s", real),
+        Of::Lower => {
+            described("size_lower", "Lower end of the 95 % interval of the size", "", real)
+        }
+        Of::Upper => {
+            described("size_upper", "Upper end of the 95 % interval of the size", "", real)
+        }
+        Of::Onset => described("onset", "First faulty sample of the fault that stands", "s", real),
+        Of::Noticed => described("noticed", "When it was noticed", "s", real),
         Of::Detector(method, part) => {
             let label = method.label();
             let (name, text, unit, kind) = match part {
@@ -168,20 +190,22 @@ fn told_of(of: Of, diagnoser: &Diagnoser, layout: &Layout) -> Told {
                 Part::Outside => ("outside", "whether the residual lies outside", "", boolean),
                 Part::Declared => ("declared", "whether a fault stands declared", "", boolean),
             };
-            told(format!("{}.{name}", method.id()), format!("{label}: {text}"), unit, kind)
+            described(format!("{}.{name}", method.id()), format!("{label}: {text}"), unit, kind)
         }
         Of::Innovation(sensor, part) => {
             let sensor = SENSORS[sensor];
             let (name, text) = match part {
                 Part::Lower => ("lower", "lower bound of 95 % of healthy ones"),
                 Part::Upper => ("upper", "upper bound of 95 % of healthy ones"),
-                _ => ("residual", "shown less foretold, in standard deviations"),
+                _ => ("residual", "shown less predicted, in standard deviations"),
             };
-            told(format!("bank.{sensor}.{name}"), format!("Bank, {sensor}: {text}"), "", real)
+            described(format!("bank.{sensor}.{name}"), format!("Bank, {sensor}: {text}"), "", real)
         }
-        Of::Ratio => told("bank.ratio", "Bank: likelihood ratio of the likeliest fault", "", real),
-        Of::RatioLimit => told("bank.ratio_limit", "Bank: its limit", "", real),
-        Of::Squares => told("bank.squares", "Bank: cumulative sum of squares", "", real),
-        Of::SquaresLimit => told("bank.squares_limit", "Bank: its limit", "", real),
+        Of::Ratio => {
+            described("bank.ratio", "Bank: likelihood ratio of the likeliest fault", "", real)
+        }
+        Of::RatioLimit => described("bank.ratio_limit", "Bank: its limit", "", real),
+        Of::Squares => described("bank.squares", "Bank: cumulative sum of squares", "", real),
+        Of::SquaresLimit => described("bank.squares_limit", "Bank: its limit", "", real),
     }
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::bar::Bar;
 use crate::commands::Run;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::interrupt;
 use crate::next::Next;
 use crate::session::Session;
@@ -60,7 +60,7 @@ impl Run for OfBank {
             return Err(refused(what, "give 1000 or more; 1e6 is usual".to_owned()).into());
         }
         session.check_writable(&[])?;
-        let drive = built_in("dr300").transpose().map_err(told)?.ok_or_else(|| {
+        let drive = built_in("dr300").transpose().map_err(into_report)?.ok_or_else(|| {
             refused("there is no drive dr300".to_owned(), "it is built in".to_owned())
         })?;
         let options = TrialOptions { machines, healthy, arl_0, seed: session.seed };
@@ -71,7 +71,7 @@ impl Run for OfBank {
         });
         bar.finish_and_clear();
         interrupt::check()?;
-        let found = found.map_err(told)?;
+        let found = found.map_err(into_report)?;
         let bars = bars::bars(&found);
         let text = text::text(&found, &bars);
         let next = Next::new("benchmark detection");

@@ -21,7 +21,7 @@ use super::bar::{Bar, share};
 use crate::commands::Run;
 use crate::commands::counts::all_positive;
 use crate::commands::twelve::TwelveDetected;
-use crate::failure::{Ending, Failure, told};
+use crate::failure::{Ending, Failure, into_report};
 use crate::next::Next;
 use crate::report::words::{fault, percent, torque};
 use crate::session::Session;
@@ -85,7 +85,8 @@ impl Run for OfDetection {
         let (closed, open) = (folder.path().join("closed.fmu"), folder.path().join("open.fmu"));
         fmu_file::write(&drive, false, Version::Two, &closed)?;
         fmu_file::write(&drive, true, Version::Two, &open)?;
-        let (closed, open) = (Fmu::open(&closed).map_err(told)?, Fmu::open(&open).map_err(told)?);
+        let (closed, open) =
+            (Fmu::open(&closed).map_err(into_report)?, Fmu::open(&open).map_err(into_report)?);
         let steps = if self.machines == 0 { 0 } else { detector_steps() };
         let all = self.designs * self.seeds + steps;
         let bar = session.progress(all, "designing, then judging seeds");
@@ -93,11 +94,11 @@ impl Run for OfDetection {
         let (mut found, mut first) = (Vec::new(), None);
         for k in 0..self.designs {
             let seed = session.seed.wrapping_add(k * (self.seeds + 1));
-            let experiment = Experiment::new(drive.clone(), seed).map_err(told)?;
-            let designed = design(&experiment, (&closed, &open), beta).map_err(told)?;
+            let experiment = Experiment::new(drive.clone(), seed).map_err(into_report)?;
+            let designed = design(&experiment, (&closed, &open), beta).map_err(into_report)?;
             let parity = parity(&designed, &experiment, torque, self.seeds, &|| bar.inc(1));
             interrupt::check()?;
-            found.push(parity.map_err(told)?);
+            found.push(parity.map_err(into_report)?);
             first.get_or_insert(designed);
         }
         let mut curves = None;
@@ -109,7 +110,7 @@ impl Run for OfDetection {
                 interrupt::check().is_err()
             });
             interrupt::check()?;
-            curves = Some(of_all.map_err(told)?);
+            curves = Some(of_all.map_err(into_report)?);
         }
         bar.finish_and_clear();
         let Some((parity, further)) = found.split_first() else { return Ok(Ending::Done) };

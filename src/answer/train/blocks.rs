@@ -9,7 +9,7 @@ use crate::report::words::{number, p_is, percent};
 
 impl Answer {
     /// The answer in blocks.
-    pub(crate) fn told(&self) -> Vec<Block> {
+    pub(crate) fn blocks(&self) -> Vec<Block> {
         let inputs: Vec<&str> = self.inputs.iter().map(|channel| channel.name.as_str()).collect();
         let mut blocks = vec![
             Block::Sentence(format!(
@@ -21,8 +21,8 @@ impl Answer {
             )),
             Block::Facts(self.models()),
         ];
-        blocks.extend(self.faults.iter().flat_map(FaultsAnswer::told));
-        blocks.extend(self.bank.iter().flat_map(super::BankAnswer::told));
+        blocks.extend(self.faults.iter().flat_map(FaultsAnswer::blocks));
+        blocks.extend(self.bank.iter().flat_map(super::BankAnswer::blocks));
         blocks.extend(self.output.as_ref().map(|path| {
             Block::Facts(vec![Fact::new(TERMINAL, "written", path.display().to_string())])
         }));
@@ -110,7 +110,7 @@ fn gmdh(it: &GmdhAnswer, of: &dyn Fn(f64) -> String) -> Fact {
 }
 
 impl FaultsAnswer {
-    fn told(&self) -> [Block; 2] {
+    fn blocks(&self) -> [Block; 2] {
         let classes: Vec<String> = self.classes.iter().map(|class| class.join(" | ")).collect();
         let classes = classes.join("; ");
         let columns = vec![

@@ -8,7 +8,7 @@ use crate::report::words::percent;
 
 impl Answer {
     /// The answer for a terminal: the verdict where the eye is when the program ends.
-    pub(crate) fn told(&self) -> Vec<Block> {
+    pub(crate) fn blocks(&self) -> Vec<Block> {
         let samples = format!("{}: {} samples", self.recording, self.samples);
         let mut blocks = vec![Block::Sentence(samples)];
         blocks.extend(self.rests_on());

@@ -12,7 +12,7 @@ const HARDLY_TOLD: f64 = 0.5;
 
 impl Answer {
     /// The answer in blocks.
-    pub(crate) fn told(&self) -> Vec<Block> {
+    pub(crate) fn blocks(&self) -> Vec<Block> {
         let mut blocks = unusable(&self.signals);
         let fitted_to = self.recordings.iter().filter(|it| !it.held_out);
         let files: Vec<&str> = fitted_to.map(|it| it.file.as_str()).collect();

@@ -28,13 +28,13 @@ impl Table {
     /// get under another's heading.
     pub(crate) fn of<T>(
         caption: impl Into<String>,
-        described: impl IntoIterator<Item = (Column, Said<T>)>,
+        columns: &[(Column, Said<T>)],
         rows: impl IntoIterator<Item = T>,
     ) -> Self {
-        let (columns, said): (Vec<_>, Vec<_>) = described.into_iter().unzip();
-        let mut table = Self::new(caption, columns);
+        let mut table =
+            Self::new(caption, columns.iter().map(|(column, _)| column.clone()).collect());
         for row in rows {
-            table.push(said.iter().map(|cell| cell(&row)).collect());
+            table.push(columns.iter().map(|(_, said)| said(&row)).collect());
         }
         table
     }
@@ -64,7 +64,7 @@ pub(crate) enum Align {
 }
 
 /// A column.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Column {
     /// What stands above it, with the unit.
     pub(crate) heading: String,

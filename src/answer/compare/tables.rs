@@ -114,7 +114,7 @@ pub(super) fn residuals(compared: &Comparison) -> Vec<Block> {
     type Output<'a> = (&'a str, &'a OutputComparison);
     let name = |heading: &str| Column::new(Align::Name, heading);
     let figure = |heading: &str| Column::new(Align::Number, heading);
-    let columns: [(Column, Said<Output>); 10] = [
+    let columns: &[(Column, Said<Output>)] = &[
         (name("Recording"), |(recording, _)| (*recording).into()),
         (name("Output"), |(_, it)| it.name.into()),
         (figure("Fit"), |(_, it)| fit(it.fit_percent).into()),

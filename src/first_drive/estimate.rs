@@ -2,17 +2,17 @@
 //! error and leaves the balances as well explained.
 
 use drivescope_discovery::{
-    Case, Estimate, Evidence, Fit as OfRecording, Measured, Options, Setting, begin, evaluate, fit,
-    noise, small_inertia, unexplained, with_own,
+    Case, Estimate, Evidence, Fit as OfRecording, Options, Setting, begin, evaluate, fit,
+    small_inertia, unexplained, with_own,
 };
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_recording::Recording;
 
+use super::evidence::seen;
 use super::offset::with_constant_load;
 use super::origins::values;
 use super::usual::template;
 use super::{Choice, FirstDrive, FirstDriveError, Given, Origin, Quality, Value};
-use crate::failure::into_report;
 use crate::simulation::replay::Fit;
 
 /// A fit may leave at most this many times what least squares leave of a balance unexplained.
@@ -51,13 +51,6 @@ pub(super) fn first_drive(
     let fixed = fixed.filter(|name| !(by_voltage && *name == "K_m")).collect();
     let quality = quality(drive, &evidence)?;
     Ok(FirstDrive { recording: recording.name.clone(), choice, values, fixed, quality })
-}
-
-/// The recording as that drive's, with the noise of its outputs.
-pub(super) fn seen(drive: &Drive, recording: &Recording) -> miette::Result<Evidence> {
-    let measured = Measured::new(drive, recording).map_err(into_report)?;
-    let sds = noise(drive, &measured, &[]).iter().map(|it| it.sd).collect();
-    Ok(Evidence { recordings: vec![measured], noise: vec![sds] })
 }
 
 /// The drive after a fit, with the estimates; none where least squares alone are the better answer.

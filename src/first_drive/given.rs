@@ -4,7 +4,7 @@ use drivescope_plant::drive::Input;
 use drivescope_recording::Constant;
 
 use super::FirstDriveError;
-use super::offset::FRICTION;
+use super::names::FRICTION;
 
 /// What may be given: parameters of the motor, and dry friction, SI.
 const NAMES: [&str; 7] = ["R", "L", "K_e", "K_m", "J", "B_m", FRICTION];

@@ -7,7 +7,9 @@
 
 mod choice;
 mod estimate;
+mod evidence;
 mod given;
+mod names;
 mod offset;
 mod origins;
 mod text;

@@ -7,20 +7,11 @@ use drivescope_discovery::{Begun, begin, unexplained};
 use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_recording::Recording;
 
-use super::estimate::seen;
+use super::evidence::seen;
+use super::names::{OFFSET, split};
 
 /// A constant load must leave at most this share of what was unexplained without it.
 const CLEARLY_LESS: f64 = 0.9;
-/// The offset's parameter.
-pub(super) const OFFSET: &str = "constant_load.T_0";
-/// Dry friction's, which every first drive has.
-pub(super) const FRICTION: &str = "coulomb.T_c";
-
-/// Kind of the effect and key of the parameter.
-pub(super) fn split(name: &'static str) -> (&'static str, &'static str) {
-    name.split_once('.').unwrap_or((name, ""))
-}
-
 /// The same drive with a constant load, where that explains the torque clearly better.
 pub(super) fn with_constant_load(
     template: &Drive,
@@ -43,19 +34,4 @@ pub(super) fn with_constant_load(
     let (before, after) = (left(&without.drive), left(&begun.drive));
     let clearly = before.zip(after).is_some_and(|(before, after)| after < CLEARLY_LESS * before);
     Ok((clearly && begun.identified.iter().any(|it| it.name == OFFSET)).then_some(begun))
-}
-
-#[cfg(test)]
-mod tests {
-    use drivescope_plant::effects::registry::Entry;
-
-    use super::*;
-
-    #[test]
-    fn the_library_has_both_parameters() {
-        for (kind, key) in [FRICTION, OFFSET].map(split) {
-            let entry = Entry::find(kind).expect("an effect of the library");
-            assert!(entry.parameters.iter().any(|it| it.name == key), "{kind}.{key}");
-        }
-    }
 }

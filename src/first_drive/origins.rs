@@ -4,7 +4,7 @@
 use drivescope_discovery::{Begun, Estimate};
 use drivescope_plant::drive::{Drive, Input};
 
-use super::offset::{FRICTION, OFFSET};
+use super::names::{FRICTION, OFFSET};
 use super::{Choice, Constant, Given, Origin, Value};
 
 const BY_BALANCES: &str = "estimated: least squares on the balances";

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use drivescope_plant::drive::{Input, Motion};
 use drivescope_plant::units::for_motion;
 
-use super::offset::{FRICTION, OFFSET, split};
+use super::names::{FRICTION, OFFSET, split};
 use super::{Choice, FirstDrive, Origin};
 
 /// Significant digits of a rough value.

@@ -3,7 +3,7 @@
 
 use drivescope_plant::drive::{Drive, Input};
 
-use super::offset::{FRICTION, split};
+use super::names::{FRICTION, split};
 use super::{Choice, FirstDriveError, Given};
 
 /// What a small motor has where the recording does not tell: R ohm, L / R s, K V s/rad, J / K.

@@ -12,8 +12,8 @@ use serde_json::json;
 
 use super::answer::{Answer, Refusal, refused};
 use super::diagnosis::{self, DiagnosisCommand, FILE};
+use super::handlers::{bench, off_the_loop};
 use super::recordings::Taken;
-use super::routes::{bench, off_the_loop};
 use super::site::Site;
 use super::{download, upload};
 use crate::failure::{Failure, into_report};

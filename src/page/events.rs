@@ -16,7 +16,7 @@ use tokio::time::Instant;
 
 use super::answer::Answer;
 use super::bench::Bench;
-use super::routes::bench;
+use super::handlers::bench;
 use super::site::Site;
 
 /// Least time between two events of a session.

@@ -13,8 +13,6 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use rand::RngExt;
 
-use super::site::Site;
-
 /// Nothing but what this server sends is loaded or run, nothing inline, and nobody frames the page.
 const POLICY: &str = "default-src 'self'; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'; object-src 'none'";
@@ -130,8 +128,11 @@ fn token_of(uri: &Uri) -> Option<&str> {
 }
 
 /// Lets a request through or refuses it; every answer gets its headers.
-pub(super) async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
-    let guard = &site.guard;
+pub(super) async fn guard(
+    State(guard): State<Arc<Guard>>,
+    request: Request,
+    next: Next,
+) -> Response {
     let mut response = match guard.check(request.method(), request.headers()) {
         Err(refused) => (StatusCode::FORBIDDEN, refused.words()).into_response(),
         Ok(()) if guard.knows(request.headers()) => next.run(request).await,

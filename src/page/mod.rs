@@ -23,6 +23,7 @@ mod example;
 mod faults;
 mod fresh;
 mod guard;
+mod handlers;
 mod incomplete;
 mod job;
 mod law;

@@ -16,6 +16,7 @@ use serde_json::json;
 use super::answer::{Answer, Refusal, refused};
 use super::bench::Bench;
 use super::command::Command;
+use super::handlers::{bench, off_the_loop};
 use super::law::TypedLaw;
 use super::recordings::Taken;
 use super::show::{View, pieces, within};
@@ -46,14 +47,8 @@ pub(super) fn router(site: Arc<Site>) -> Router {
         .route("/study/file", post(study_routes::file))
         .route("/study/trace", get(study_routes::trace))
         .fallback(|| async { (StatusCode::NOT_FOUND, "there is nothing here\n") })
-        .layer(middleware::from_fn_with_state(Arc::clone(&site), guard::guard))
+        .layer(middleware::from_fn_with_state(Arc::clone(&site.guard), guard::guard))
         .with_state(site)
-}
-
-/// The session of that name.
-pub(super) fn bench(site: &Site, id: &str) -> Answer<Arc<Bench>> {
-    let gone = "this session is over: open a new one at the root of this server";
-    site.bench(id).ok_or_else(|| Refusal::new(StatusCode::NOT_FOUND, gone))
 }
 
 /// A new session, or the one of the command line.
@@ -242,12 +237,4 @@ async fn give(
         }
         _ => Err(Refusal::new(StatusCode::NOT_FOUND, "there is nothing here")),
     }
-}
-
-/// Work that would keep other requests waiting, on a thread of its own.
-pub(super) async fn off_the_loop<T: Send + 'static>(
-    work: impl FnOnce() -> T + Send + 'static,
-) -> Answer<T> {
-    let ended = tokio::task::spawn_blocking(work).await;
-    ended.map_err(|_| Refusal::new(StatusCode::INTERNAL_SERVER_ERROR, "an internal error"))
 }

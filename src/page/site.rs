@@ -18,7 +18,7 @@ const MOST_BENCHES: usize = 12;
 /// What the server knows.
 #[derive(Debug)]
 pub(super) struct Site {
-    pub(super) guard: Guard,
+    pub(super) guard: Arc<Guard>,
     /// Seed of everything random.
     pub(super) seed: u64,
     /// Greatest size of an uploaded file, bytes.
@@ -38,7 +38,7 @@ impl Site {
         let folder =
             tempfile::Builder::new().prefix("drivescope-").tempdir().map_err(unwritable)?;
         let (benches, begun) = Default::default();
-        let study = Arc::default();
+        let (guard, study) = (Arc::new(guard), Arc::default());
         Ok(Arc::new(Self { guard, seed, most_bytes, folder, study, benches, begun }))
     }
 

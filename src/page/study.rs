@@ -1,6 +1,7 @@
 //! The study behind the faults view: run from the page, or a `study.json` that was dropped.
 
 use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -13,7 +14,6 @@ use serde_json::Value;
 use tokio::sync::watch;
 
 use super::bench::words;
-use super::site::Site;
 use crate::failure::{Failure, into_report};
 use crate::{drive_source, fmu_file};
 
@@ -104,14 +104,14 @@ impl FaultStudy {
         });
     }
 
-    /// Begins a study.
+    /// Begins a study with that seed; its files lie in `folder` while it runs.
     ///
     /// # Errors
     /// One is running.
-    pub(super) fn start(site: &Arc<Site>) -> Result<(), String> {
+    pub(super) fn start(self: &Arc<Self>, folder: PathBuf, seed: u64) -> Result<(), String> {
         let cancelled = Arc::new(AtomicBool::new(false));
         let mut begun = false;
-        site.study.change(|shown| {
+        self.change(|shown| {
             if shown.running.is_none() {
                 begun = true;
                 let (doing, cancelled) = ("writing the drive as an FMU", Arc::clone(&cancelled));
@@ -122,13 +122,13 @@ impl FaultStudy {
         if !begun {
             return Err("a study is running".to_owned());
         }
-        let site = Arc::clone(site);
+        let all = Arc::clone(self);
         std::thread::spawn(move || {
-            let done = run(&site, &cancelled);
+            let done = all.run(&folder, seed, &cancelled);
             if cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            site.study.change(|shown| {
+            all.change(|shown| {
                 shown.running = None;
                 match done {
                     Ok((results, traces)) => {
@@ -140,6 +140,41 @@ impl FaultStudy {
             });
         });
         Ok(())
+    }
+
+    fn run(
+        &self,
+        folder: &Path,
+        seed: u64,
+        cancelled: &AtomicBool,
+    ) -> miette::Result<(Value, Traces)> {
+        let drive = drive_source::drive(DRIVE)?;
+        let unwritable = |source| Failure::Write { path: folder.to_owned(), source };
+        let own = tempfile::Builder::new().tempdir_in(folder).map_err(unwritable)?;
+        let (closed, open) = (own.path().join("closed.fmu"), own.path().join("open.fmu"));
+        fmu_file::write(&drive, false, Version::Two, &closed)?;
+        fmu_file::write(&drive, true, Version::Two, &open)?;
+        let options = StudyOptions {
+            drive,
+            seed,
+            torque: TorqueReading::ALL[0],
+            beta: BETA,
+            profile: Profile::Step,
+            further: Vec::new(),
+        };
+        let progress = |step| {
+            self.change(|shown| {
+                if let Some(running) = &mut shown.running {
+                    tell(running, step);
+                }
+            });
+            cancelled.load(Ordering::Relaxed)
+        };
+        let outcome = study(&options, (&closed, &open), &progress)
+            .map_err(|error: StudyError| into_report(error))?;
+        let results = serde_json::to_value(&outcome.results)
+            .map_err(|error| Failure::Print { source: error.into() })?;
+        Ok((results, (outcome.results, outcome.pictures)))
     }
 }
 
@@ -175,37 +210,6 @@ fn drawable(results: &Value) -> Result<(), String> {
 }
 
 type Traces = (StudyResults, Vec<Pictures>);
-
-fn run(site: &Site, cancelled: &AtomicBool) -> miette::Result<(Value, Traces)> {
-    let drive = drive_source::drive(DRIVE)?;
-    let folder = site.folder.path();
-    let unwritable = |source| Failure::Write { path: folder.to_owned(), source };
-    let own = tempfile::Builder::new().tempdir_in(folder).map_err(unwritable)?;
-    let (closed, open) = (own.path().join("closed.fmu"), own.path().join("open.fmu"));
-    fmu_file::write(&drive, false, Version::Two, &closed)?;
-    fmu_file::write(&drive, true, Version::Two, &open)?;
-    let options = StudyOptions {
-        drive,
-        seed: site.seed,
-        torque: TorqueReading::ALL[0],
-        beta: BETA,
-        profile: Profile::Step,
-        further: Vec::new(),
-    };
-    let progress = |step| {
-        site.study.change(|shown| {
-            if let Some(running) = &mut shown.running {
-                tell(running, step);
-            }
-        });
-        cancelled.load(Ordering::Relaxed)
-    };
-    let outcome = study(&options, (&closed, &open), &progress)
-        .map_err(|error: StudyError| into_report(error))?;
-    let results = serde_json::to_value(&outcome.results)
-        .map_err(|error| Failure::Print { source: error.into() })?;
-    Ok((results, (outcome.results, outcome.pictures)))
-}
 
 fn tell(running: &mut Running, step: Progress) {
     match step {

@@ -12,7 +12,6 @@ use serde_json::json;
 
 use super::answer::{Answer, refused};
 use super::site::Site;
-use super::study::FaultStudy;
 use super::{faults, upload};
 
 /// Greatest size of a study.json, bytes.
@@ -40,7 +39,9 @@ pub(super) async fn command(
     Json(command): Json<StudyCommand>,
 ) -> Answer<StatusCode> {
     match command {
-        StudyCommand::Start => FaultStudy::start(&site).map_err(refused)?,
+        StudyCommand::Start => {
+            site.study.start(site.folder.path().to_owned(), site.seed).map_err(refused)?
+        }
         StudyCommand::Cancel => site.study.cancel(),
     }
     Ok(StatusCode::NO_CONTENT)

@@ -1,6 +1,5 @@
 //! What was found to be missing: the answer of `discover` without the recordings that it rests on.
 
-use drivescope_discovery::compare::Curve;
 use drivescope_discovery::{
     Discovery, Formula, LearnedCurve, NextExperiment, NotJudged, RandomLoad, Ranked, Rung, Verdict,
 };
@@ -11,9 +10,8 @@ use drivescope_plant::parameters::NamedParameter;
 use drivescope_plant::units::for_motion;
 use serde::Serialize;
 
-use super::cards::cards;
 use super::ladder::{Step, has_errors};
-use crate::answer::block::{Block, Fact, Item, TERMINAL};
+use crate::answer::block::{Block, Fact, TERMINAL};
 use crate::report::words::{error, estimated, given, number, significant};
 
 /// Error over its floor from which on it is said what is left.
@@ -126,15 +124,6 @@ impl Missing {
         }
     }
 
-    /// All of it, beside what was missing over each variable in the drive that it is missing in.
-    pub(crate) fn blocks(&self, curves: &[Curve]) -> Vec<Block> {
-        let mut blocks = vec![self.verdict_in_words("")];
-        blocks.extend(self.unusable.iter().map(|why| Block::Alert(why.clone())));
-        blocks.extend(self.candidates(curves));
-        blocks.extend(self.what_is_left());
-        blocks
-    }
-
     /// The answer in a sentence.
     pub(super) fn verdict_in_words(&self, about: &str) -> Block {
         let words = match self.verdict {
@@ -172,21 +161,6 @@ impl Missing {
             }
             _ => id.to_owned(),
         }
-    }
-
-    /// What may be missing, and what could not be judged.
-    pub(super) fn candidates(&self, curves: &[Curve]) -> Vec<Block> {
-        let mut blocks = vec![Block::Cards(cards(self, curves))];
-        if !self.not_shown.is_empty() {
-            let item = |(effects, reason): &(String, String)| Item {
-                key: None,
-                code: false,
-                head: effects.clone(),
-                note: format!("not judged: {reason}"),
-            };
-            blocks.push(Block::List(self.not_shown.iter().map(item).collect()));
-        }
-        blocks
     }
 
     /// What is left, and what would tell more.

@@ -1,5 +1,6 @@
 //! What a discovery answers, or the addition of one effect.
 
+mod blocks;
 mod cards;
 mod ladder;
 mod missing;

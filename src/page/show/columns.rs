@@ -5,11 +5,9 @@ use drivescope_recording::{
 };
 use maud::{Markup, html};
 
-use super::spark::spark;
+use super::spark::{range, spark};
 use crate::page::incomplete::{Incomplete, Repair};
 use crate::page::recordings::Taken;
-use crate::report::page::minus;
-use crate::report::words::given;
 
 /// The units of every signal, for the unit boxes of all columns.
 pub(super) fn unit_lists() -> Markup {
@@ -161,16 +159,6 @@ fn values(recording: &Recording, note: &ColumnNote) -> Option<(f64, f64)> {
     Some(finite.fold((f64::NAN, f64::NAN), |(low, high), it| (low.min(it), high.max(it))))
 }
 
-/// `3.2 … 314 rad/s`.
-pub(super) fn range((least, greatest): (f64, f64), unit: &str) -> String {
-    let unit = if unit == "1" { "" } else { unit };
-    if least.is_nan() {
-        return "no values".to_owned();
-    }
-    let text = |value: f64| minus(&given(value));
-    format!("{} \u{2026} {} {unit}", text(least), text(greatest)).trim_end().to_owned()
-}
-
 fn how(taken: &Taken, column: &ColumnPreview, note: Option<&ColumnNote>, mapped: bool) -> Markup {
     let words = match note.map(|it| it.taken) {
         _ if mapped => "said by you",
@@ -199,16 +187,4 @@ pub(super) fn simulated(recording: &Recording) -> Markup {
     let one = |it: &drivescope_recording::Signal| format!("{} [{}]", in_words(&it.name), it.unit);
     let all: Vec<String> = recording.signals.iter().map(one).collect();
     html! { p.note { "Simulated, with the noise of its sensors: " (all.join(", ")) "." } }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranges_are_short() {
-        assert_eq!(range((3.2, 314.159), "rad/s"), "3.2 \u{2026} 314 rad/s");
-        assert_eq!(range((-1.0, 4.0), "1"), "\u{2212}1 \u{2026} 4");
-        assert_eq!(range((f64::NAN, f64::NAN), "V"), "no values");
-    }
 }

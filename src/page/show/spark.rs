@@ -5,7 +5,8 @@ use std::fmt::Write;
 use drivescope_recording::ColumnPreview;
 use maud::{Markup, html};
 
-use super::columns::range;
+use crate::report::page::minus;
+use crate::report::words::given;
 
 /// Width and height of the plot, in units of its own.
 const WIDTH: f64 = 120.0;
@@ -23,6 +24,16 @@ pub(super) fn spark(column: &ColumnPreview) -> Markup {
             path d=(path(column)) {}
         }
     }
+}
+
+/// `3.2 … 314 rad/s`.
+pub(super) fn range((least, greatest): (f64, f64), unit: &str) -> String {
+    let unit = if unit == "1" { "" } else { unit };
+    if least.is_nan() {
+        return "no values".to_owned();
+    }
+    let text = |value: f64| minus(&given(value));
+    format!("{} \u{2026} {} {unit}", text(least), text(greatest)).trim_end().to_owned()
 }
 
 /// The line through the least and the greatest of each stretch, broken where nothing is.
@@ -52,6 +63,13 @@ fn path(column: &ColumnPreview) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ranges_are_short() {
+        assert_eq!(range((3.2, 314.159), "rad/s"), "3.2 \u{2026} 314 rad/s");
+        assert_eq!(range((-1.0, 4.0), "1"), "\u{2212}1 \u{2026} 4");
+        assert_eq!(range((f64::NAN, f64::NAN), "V"), "no values");
+    }
 
     #[test]
     fn holes_break_the_line() {

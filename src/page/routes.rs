@@ -14,7 +14,6 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::answer::{Answer, Refusal, refused};
-use super::bench::Bench;
 use super::command::Command;
 use super::handlers::{bench, off_the_loop};
 use super::law::TypedLaw;

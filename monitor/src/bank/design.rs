@@ -17,7 +17,7 @@ const FEWEST_BASELINE: usize = 200;
 const HORIZON_S: f64 = 0.5;
 const FEWEST_HORIZON: usize = 40;
 /// Healthy samples that limits are designed on.
-const DESIGNED: usize = 300_000;
+const DESIGNED: usize = 600_000;
 
 /// Why no bank is designed.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -28,7 +28,7 @@ pub(super) const FAULTS: [(&str, f64); 8] = [
 pub(super) const AFTER: usize = 800;
 /// Healthy samples of each machine for the limits of the known model, and machines.
 const KNOWN_SAMPLES: usize = 15_000;
-const KNOWN_MACHINES: usize = 20;
+const KNOWN_MACHINES: usize = 60;
 
 /// Delay at one mean time between false alarms.
 #[derive(Debug, Clone, PartialEq, Serialize)]

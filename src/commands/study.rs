@@ -146,12 +146,12 @@ impl Run for Study {
             outcome.results.hidden_effect = Some(found.map_err(into_report)?);
         }
 
-        let told = answer::study::blocks(&outcome.results, &outcome.pictures);
-        write(&outcome, &told, folder.work())?;
+        let blocks = answer::study::blocks(&outcome.results, &outcome.pictures);
+        write(&outcome, &blocks, folder.work())?;
         folder.finish()?;
         session.remark(format_args!("report: {}", self.out.join("report.html").display()));
         let next = Next::new("benchmark detection");
-        session.wrote(&answer::text(&told), &outcome.results, &next)?;
+        session.wrote(&answer::text(&blocks), &outcome.results, &next)?;
         Ok(Ending::Done)
     }
 }
@@ -166,7 +166,7 @@ struct WithTraces<'a> {
 }
 
 /// Writes results, report and runs.
-fn write(outcome: &Outcome, told: &[Block], folder: &Path) -> miette::Result<()> {
+fn write(outcome: &Outcome, blocks: &[Block], folder: &Path) -> miette::Result<()> {
     let text = |name: &str, text: &str| {
         output::write_file(&folder.join(name), |out| out.write_all(text.as_bytes()))
     };
@@ -178,7 +178,7 @@ fn write(outcome: &Outcome, told: &[Block], folder: &Path) -> miette::Result<()>
         output::write_recording(&path("inputs"), &run.inputs)?;
         output::write_recording(&path("signals"), &run.signals)?;
     }
-    text("report.html", &study_html(&outcome.results, told))?;
+    text("report.html", &study_html(&outcome.results, blocks))?;
     let whole = WithTraces { results: &outcome.results, traces: &outcome.pictures };
     text("study.json", &output::json(&whole)?)?;
     Ok(())

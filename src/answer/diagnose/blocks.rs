@@ -1,9 +1,9 @@
 //! A diagnosis in blocks: the verdict, what was declared, and what every method says.
 
-use drivescope_monitor::{Declared, Found};
+use drivescope_monitor::{Declaration, Declared, Found};
 
 use super::{Answer, BaselineAnswer, words};
-use crate::answer::block::{Align, Block, Column, Table};
+use crate::answer::block::{Align, Block, Cell, Column, Said, Table};
 use crate::report::words::percent;
 
 impl Answer {
@@ -70,51 +70,37 @@ impl Answer {
 
     /// What was declared by the method that was asked for.
     fn declarations(&self) -> Block {
-        let columns = vec![
-            Column::new(Align::Number, "From [s]"),
-            Column::new(Align::Number, "To [s]"),
-            Column::new(Align::Number, "Noticed [s]"),
-            Column::new(Align::Words, "Mechanism and size, 95 % interval"),
-            Column::new(Align::Words, "It cannot be told from"),
-        ];
-        let mut table = Table::new("Declared faults", columns);
-        let at = |time: f64| format!("{time:.3}");
-        for it in &self.declarations {
-            table.push(vec![
-                at(it.from).into(),
-                it.to.map_or("stands".to_owned(), at).into(),
-                at(it.noticed).into(),
-                words::alone(it).into(),
-                words::others(it).join(", ").into(),
-            ]);
+        fn at(time: f64) -> String {
+            format!("{time:.3}")
         }
-        Block::Table(table)
+        let number = |heading| Column::new(Align::Number, heading);
+        let sentence = |heading| Column::new(Align::Words, heading);
+        let columns: &[(Column, Said<&Declaration>)] = &[
+            (number("From [s]"), |it| at(it.from).into()),
+            (number("To [s]"), |it| it.to.map_or("stands".to_owned(), at).into()),
+            (number("Noticed [s]"), |it| at(it.noticed).into()),
+            (sentence("Mechanism and size, 95 % interval"), |it| words::alone(it).into()),
+            (sentence("It cannot be told from"), |it| words::others(it).join(", ").into()),
+        ];
+        Block::Table(Table::of("Declared faults", columns, &self.declarations))
     }
 
     /// What every method says.
     fn methods(&self) -> Block {
-        let columns = vec![
-            Column::new(Align::Name, "Method"),
-            Column::new(Align::Name, "Verdict"),
-            Column::new(Align::Number, "Values judged"),
-            Column::new(Align::Number, "Outside"),
-            Column::new(Align::Number, "Outside in health"),
-            Column::new(Align::Words, "Declared at"),
-        ];
-        let mut table = Table::new("Every method", columns);
-        let share =
-            |share: Option<f64>| share.map_or("-".to_owned(), |it| format!("{} %", percent(it, 2)));
-        for it in &self.methods {
-            table.push(vec![
-                it.method.label().into(),
-                it.verdict.replace('_', " ").into(),
-                it.judged.to_string().into(),
-                share(it.exceedance_rate).into(),
-                share(it.beta).into(),
-                declared(it).into(),
-            ]);
+        fn share(share: Option<f64>) -> Cell {
+            share.map_or("-".to_owned(), |it| format!("{} %", percent(it, 2))).into()
         }
-        Block::Table(table)
+        let name = |heading| Column::new(Align::Name, heading);
+        let number = |heading| Column::new(Align::Number, heading);
+        let columns: &[(Column, Said<&Found>)] = &[
+            (name("Method"), |it| it.method.label().into()),
+            (name("Verdict"), |it| it.verdict.replace('_', " ").into()),
+            (number("Values judged"), |it| it.judged.to_string().into()),
+            (number("Outside"), |it| share(it.exceedance_rate)),
+            (number("Outside in health"), |it| share(it.beta)),
+            (Column::new(Align::Words, "Declared at"), |it| declared(it).into()),
+        ];
+        Block::Table(Table::of("Every method", columns, &self.methods))
     }
 }
 

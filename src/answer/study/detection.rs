@@ -7,7 +7,9 @@ use drivescope_scenarios::results::{
 
 use super::runs;
 use super::words::{false_alarms, labelled, paper_delay, paper_row, row_of, rows_of};
-use crate::answer::block::{Align, Block, Cell, Column, HTML, Key, Picture, Plot, Table, Tone};
+use crate::answer::block::{
+    Align, Block, Cell, Column, HTML, Key, Picture, Plot, Said, Table, Tone,
+};
 use crate::report::plot::{Axis, Ink, Mark, Rows, Series, Value};
 use crate::report::words::{fault, given, percent};
 
@@ -127,25 +129,20 @@ fn side_by_side(study: &StudyResults, caption: &str, methods: &[DetectorKind]) -
 
 /// Runs with other kinds of faults, or several at once.
 fn further(study: &StudyResults) -> Table {
-    let columns = vec![
-        Column::new(Align::Name, "Faults"),
-        Column::new(Align::Name, "Method"),
-        Column::new(Align::Number, "delay"),
-        Column::new(Align::Number, "r_td [%]"),
-        Column::new(Align::Number, "false alarms"),
+    let name = |heading| Column::new(Align::Name, heading);
+    let number = |heading| Column::new(Align::Number, heading);
+    let columns: &[(Column, Said<&DetectionRow>)] = &[
+        (name("Faults"), |row| row.fault.label.as_str().into()),
+        (name("Method"), |row| row.method.label().into()),
+        (number("delay"), |row| {
+            let delay = row.delay.map_or_else(|| "none".to_owned(), |delay| delay.to_string());
+            Cell::from(delay).toned(Tone::Alert, row.delay.is_none())
+        }),
+        (number("r_td [%]"), |row| percent(row.r_td, 1).into()),
+        (number("false alarms"), |row| false_alarms(row.false_alarms)),
     ];
-    let mut table = Table::new("Beside the twelve: delay in samples, share outside [%]", columns);
-    for row in study.further.iter().flat_map(|run| &run.detection) {
-        let delay = row.delay.map_or_else(|| "none".to_owned(), |delay| delay.to_string());
-        table.push(vec![
-            row.fault.label.as_str().into(),
-            row.method.label().into(),
-            Cell::from(delay).toned(Tone::Alert, row.delay.is_none()),
-            percent(row.r_td, 1).into(),
-            false_alarms(row.false_alarms),
-        ]);
-    }
-    table
+    let rows = study.further.iter().flat_map(|run| &run.detection);
+    Table::of("Beside the twelve: delay in samples, share outside [%]", columns, rows)
 }
 
 fn picture(study: &StudyResults) -> Block {

@@ -4,7 +4,7 @@ use super::{
     Answer, BandsAnswer, FaultAnswer, FaultsAnswer, GmdhAnswer, ProcessAnswer, StructureAnswer,
     WindowsAnswer,
 };
-use crate::answer::block::{ALL, Align, Block, Column, Fact, TERMINAL, Table};
+use crate::answer::block::{ALL, Align, Block, Column, Fact, Said, TERMINAL, Table};
 use crate::report::words::{number, p_is, percent};
 
 impl Answer {
@@ -113,23 +113,16 @@ impl FaultsAnswer {
     fn blocks(&self) -> [Block; 2] {
         let classes: Vec<String> = self.classes.iter().map(|class| class.join(" | ")).collect();
         let classes = classes.join("; ");
-        let columns = vec![
-            Column::new(Align::Name, "Fault"),
-            Column::new(Align::Number, "Right"),
-            Column::new(Align::Number, "Unknown"),
-            Column::new(Align::Number, "Size S, in thresholds"),
-            Column::new(Align::Name, "Group"),
+        let name = |heading| Column::new(Align::Name, heading);
+        let figure = |heading| Column::new(Align::Number, heading);
+        let columns: &[(Column, Said<&FaultAnswer>)] = &[
+            (name("Fault"), |it| it.fault.as_str().into()),
+            (figure("Right"), |it| format!("{} %", percent(it.right, 1)).into()),
+            (figure("Unknown"), |it| format!("{} %", percent(it.unknown, 1)).into()),
+            (figure("Size S, in thresholds"), |it| number(it.s).into()),
+            (name("Group"), |it| it.group.label().into()),
         ];
-        let mut table = Table::new("Symptoms that were not learned from", columns);
-        for FaultAnswer { fault, right, unknown, s, group } in &self.faults {
-            table.push(vec![
-                fault.as_str().into(),
-                format!("{} %", percent(*right, 1)).into(),
-                format!("{} %", percent(*unknown, 1)).into(),
-                number(*s).into(),
-                group.label().into(),
-            ]);
-        }
+        let table = Table::of("Symptoms that were not learned from", columns, &self.faults);
         let told = format!("classes of faults that can be told apart: {classes}");
         [Block::Note(told), Block::Table(table)]
     }

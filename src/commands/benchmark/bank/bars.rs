@@ -1,7 +1,8 @@
 //! What the figures of the bank must reach.
 
 use drivescope_diagnoser::bank::Verified;
-use drivescope_scenarios::trials::{ARL_0, Delay, HealthyRow, Trials};
+use drivescope_scenarios::parity::Share;
+use drivescope_scenarios::trials::{ARL_0, HealthyRow, Incipient, Sizes, Trials};
 
 use super::super::bar::Bar;
 
@@ -16,61 +17,100 @@ const MOST_RMS: f64 = 0.05;
 /// What 95 % intervals may cover.
 const COVERED: (f64, f64) = (0.93, 0.97);
 
-/// False alarms of all courses at each of the designed times between them.
+/// False alarms of all courses under all designs at each of the designed times between them.
 pub(super) fn alarms(
-    found: &Trials,
+    found: &[Trials],
     of: fn(&HealthyRow) -> &[usize; ARL_0.len()],
 ) -> [Verified; ARL_0.len()] {
-    let rows = &found.healthy.rows;
-    let samples = rows.iter().map(|row| row.samples).sum();
-    std::array::from_fn(|k| Verified { samples, alarms: rows.iter().map(|row| of(row)[k]).sum() })
+    let rows = || found.iter().flat_map(|it| &it.healthy.rows);
+    let samples = rows().map(|row| row.samples).sum();
+    std::array::from_fn(|k| Verified { samples, alarms: rows().map(|row| of(row)[k]).sum() })
 }
 
 /// The least designed time between false alarms at which enough of it was proven, else the longest.
-pub(super) fn proven(found: &Trials) -> usize {
+pub(super) fn proven(found: &[Trials]) -> usize {
     let counted = alarms(found, |row| &row.alarms);
     let enough = |verified: &Verified| verified.arl_0_at_least() >= PROVEN;
     counted.iter().position(enough).unwrap_or(ARL_0.len() - 1)
 }
 
-pub(super) fn bars(found: &Trials) -> Vec<Bar> {
+/// The same share under all designs.
+fn pooled<'a>(found: &'a [Trials], of: impl Fn(&'a Trials) -> Option<&'a Share>) -> Option<f64> {
+    let shares = found.iter().filter_map(of);
+    let (hits, all) = shares.fold((0, 0), |(hits, all), it| (hits + it.hits, all + it.of));
+    (all > 0).then(|| hits as f64 / all as f64)
+}
+
+/// A delay in the mean over all designs, beside the known model's.
+fn delays(found: &[Trials], mechanism: &str, size: f64, at: usize) -> Option<(f64, f64)> {
+    let row = |it: &Trials| -> Option<(f64, f64)> {
+        let row = it.delays.iter().find(|it| it.mechanism == mechanism && it.size == size)?;
+        Some((row.delays[at].samples.mean, row.delays[at].known.mean))
+    };
+    let all: Option<Vec<(f64, f64)>> = found.iter().map(row).collect();
+    let all = all.filter(|it| !it.is_empty())?;
+    let mean = |of: fn(&(f64, f64)) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
+    Some((mean(|it| it.0), mean(|it| it.1)))
+}
+
+/// Bars over all designs together: a figure of one design rests on what its two machines told of the
+/// noise.
+pub(super) fn bars(found: &[Trials]) -> Vec<Bar> {
     let mut bars = Vec::new();
-    let with = &found.classes.with_current;
+    let Some(first) = found.first() else { return bars };
+    let mut at_least = |what: String, share: Option<f64>, bar: f64| {
+        bars.extend(share.map(|share| Bar::at_least(what, share, bar)));
+    };
     let twelve = "twelve faults in one window";
-    bars.push(Bar::at_least(twelve, with.among_twelve.share, 0.999));
-    if let Some((_, worst)) = with.worst(|row| row.among_twelve) {
-        bars.push(Bar::at_least(format!("{twelve}, the worst of them"), worst.share, 0.995));
-    }
-    if let Some(all) = found.mechanisms.rows.first() {
-        let what = "ten mechanisms, truth within the printed set";
-        bars.push(Bar::at_least(what, all.in_set.share, 0.95));
-    }
-    for sizes in &found.mechanisms.sizes {
+    let all = pooled(found, |it| Some(&it.classes.with_current.among_twelve));
+    at_least(twelve.to_owned(), all, 0.999);
+    let class = |k: usize| {
+        pooled(found, move |it| it.classes.with_current.rows.get(k).map(|row| &row.among_twelve))
+    };
+    let each = (0..first.classes.with_current.rows.len()).filter_map(class);
+    at_least(format!("{twelve}, the worst of them"), each.reduce(f64::min), 0.995);
+    let in_set = pooled(found, |it| it.mechanisms.rows.first().map(|row| &row.in_set));
+    at_least("ten mechanisms, truth within the printed set".to_owned(), in_set, 0.95);
+    for sizes in &first.mechanisms.sizes {
+        let same = |it: &&Sizes| it.what == sizes.what;
+        let of = |it: &Trials| it.mechanisms.sizes.iter().find(same).cloned();
         if sizes.what == "all" {
             let what = "true sizes within their 95 % intervals";
-            bars.push(Bar::at_least(format!("{what}, at least"), sizes.covered.share, COVERED.0));
-            bars.push(Bar::at_most(format!("{what}, at most"), sizes.covered.share, COVERED.1));
-        } else if let Some(rms) = sizes.rms_points {
+            let covered =
+                pooled(found, |it| it.mechanisms.sizes.iter().find(same).map(|it| &it.covered));
+            let Some(covered) = covered else { continue };
+            bars.push(Bar::at_least(format!("{what}, at least"), covered, COVERED.0));
+            bars.push(Bar::at_most(format!("{what}, at most"), covered, COVERED.1));
+        } else if sizes.rms_points.is_some() {
+            let each = found.iter().filter_map(of);
+            let squares =
+                each.filter_map(|it| Some((it.rms_points?.powi(2), it.covered.of as f64)));
+            let (sum, count) = squares
+                .fold((0.0, 0.0), |(sum, count), (square, of)| (sum + square * of, count + of));
             let what = format!("size of {}, rms error in percentage points", sizes.what);
-            bars.push(Bar::at_most(what, rms, MOST_RMS));
+            bars.push(Bar::at_most(what, (sum / count).sqrt(), MOST_RMS));
         }
     }
     let at = proven(found);
     for (mechanism, size, most) in DELAYS {
-        let row = found.delays.iter().find(|it| it.mechanism == mechanism && it.size == size);
-        let Some(Delay { samples, known, .. }) = row.map(|row| &row.delays[at]) else { continue };
+        let Some((samples, known)) = delays(found, mechanism, size, at) else { continue };
         let what = format!("delay of {mechanism} {:.0} %", 100.0 * size);
-        bars.push(Bar::at_most(format!("{what}, samples"), samples.mean, most));
-        let limit = 1.5 * known.mean + 1.0;
-        bars.push(Bar::at_most(format!("{what}, against the known model"), samples.mean, limit));
+        bars.push(Bar::at_most(format!("{what}, samples"), samples, most));
+        let limit = 1.5 * known + 1.0;
+        bars.push(Bar::at_most(format!("{what}, against the known model"), samples, limit));
     }
     // Other mechanisms are shown without a bar.
-    for row in found.incipient.iter().filter(|row| ["tacho", "flux"].contains(&&*row.mechanism)) {
-        let what = format!("{} that grows: share of machines in time", row.mechanism);
-        bars.push(Bar::at_least(what, row.in_time.share, 0.95));
+    for mechanism in ["tacho", "flux"] {
+        let of = |it: &'_ Incipient| it.mechanism == mechanism;
+        let in_time =
+            pooled(found, |it| it.incipient.iter().find(|it| of(it)).map(|it| &it.in_time));
+        let what = format!("{mechanism} that grows: share of machines in time");
+        bars.extend(in_time.map(|share| Bar::at_least(what, share, 0.95)));
     }
-    bars.push(Bar::at_least("\"unknown\" to kinds left out", found.unknown.unknown.share, 0.95));
-    bars.push(Bar::at_most("a wrong name for them", found.unknown.named.share, 0.02));
+    let unknown = pooled(found, |it| Some(&it.unknown.unknown));
+    bars.extend(unknown.map(|it| Bar::at_least("\"unknown\" to kinds left out", it, 0.95)));
+    let named = pooled(found, |it| Some(&it.unknown.named));
+    bars.extend(named.map(|it| Bar::at_most("a wrong name for them", it, 0.02)));
     let counted = alarms(found, |row| &row.alarms)[at];
     let proven = counted.arl_0_at_least();
     bars.push(Bar::at_least("samples between false alarms there, 95 % limit", proven, PROVEN));

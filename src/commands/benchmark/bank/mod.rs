@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::bar::Bar;
 use crate::commands::Run;
+use crate::commands::counts::all_positive;
 use crate::failure::{Ending, Failure, into_report};
 use crate::interrupt;
 use crate::next::Next;
@@ -25,7 +26,10 @@ const FEWEST_HEALTHY: usize = 80_000;
 /// detector that knows machine and mechanism, and figures that must collapse.
 #[derive(Debug, Args)]
 pub(super) struct OfBank {
-    /// Machines of each row.
+    /// Designs of the bank, each on healthy runs of two other machines.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    designs: u64,
+    /// Machines of each row, under each design.
     #[arg(long, value_name = "N", default_value_t = 250)]
     machines: usize,
     /// Healthy samples on which false alarms are counted.
@@ -40,12 +44,15 @@ pub(super) struct OfBank {
 struct Answer<'a> {
     #[serde(flatten)]
     trials: &'a Trials,
+    /// The same with further designs.
+    further: &'a [Trials],
     bars: Vec<Bar>,
 }
 
 impl Run for OfBank {
     fn run(self, session: &Session) -> miette::Result<Ending> {
-        let Self { machines, healthy, arl_0 } = self;
+        let Self { designs, machines, healthy, arl_0 } = self;
+        all_positive(&[("designs", designs)], "; 4 tell how much one design differs from another")?;
         let refused = |what: String, instead: String| Failure::Usage { what, instead };
         if machines < FEWEST {
             let what = format!("--machines {machines}: too few for a table");
@@ -63,19 +70,25 @@ impl Run for OfBank {
         let drive = built_in("dr300").transpose().map_err(into_report)?.ok_or_else(|| {
             refused("there is no drive dr300".to_owned(), "it is built in".to_owned())
         })?;
-        let options = TrialOptions { machines, healthy, arl_0, seed: session.seed };
-        let bar = session.progress(STEPS, "trying the bank");
-        let found = trials(drive, &options, &|| {
-            bar.inc(1);
-            interrupt::check().is_err()
-        });
+        let bar = session.progress(designs * STEPS, "trying the bank");
+        let mut found = Vec::new();
+        for k in 0..designs {
+            // The seed after a design's is that of the machines it is judged on.
+            let seed = session.seed.wrapping_add(2 * k);
+            let options = TrialOptions { machines, healthy, arl_0, seed };
+            let one = trials(drive.clone(), &options, &|| {
+                bar.inc(1);
+                interrupt::check().is_err()
+            });
+            interrupt::check()?;
+            found.push(one.map_err(into_report)?);
+        }
         bar.finish_and_clear();
-        interrupt::check()?;
-        let found = found.map_err(into_report)?;
         let bars = bars::bars(&found);
         let text = text::text(&found, &bars);
         let next = Next::new("benchmark detection");
-        session.say(&text, &Answer { trials: &found, bars }, &next)?;
+        let Some((trials, further)) = found.split_first() else { return Ok(Ending::Done) };
+        session.say(&text, &Answer { trials, further, bars }, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -1,6 +1,7 @@
 //! The tables for a person.
 
 use std::fmt::Write;
+use std::slice::from_ref;
 
 use drivescope_scenarios::trials::{ARL_0, ClassTable, Course, Trials};
 
@@ -8,7 +9,14 @@ use super::super::bar::{Bar, share};
 use super::bars::{alarms, proven};
 use crate::report::words::{fault, number, percent};
 
-pub(super) fn text(found: &Trials, bars: &[Bar]) -> String {
+pub(super) fn text(all: &[Trials], bars: &[Bar]) -> String {
+    let mut text: String = all.iter().map(of_design).collect();
+    text.push_str(if all.len() > 1 { "\nover all designs:\n" } else { "\n" });
+    text.extend(bars.iter().map(Bar::line));
+    text
+}
+
+fn of_design(found: &Trials) -> String {
     let mut text = format!(
         "designed with seed {} for {:e} samples between false alarms, judged with seed {}; a baseline \
          has {} samples, a judgement {}; intervals: 95 %, Wilson\n",
@@ -20,8 +28,6 @@ pub(super) fn text(found: &Trials, bars: &[Bar]) -> String {
     delays(&mut text, found);
     unknown(&mut text, found);
     healthy(&mut text, found);
-    text.push('\n');
-    text.extend(bars.iter().map(Bar::line));
     text
 }
 
@@ -160,8 +166,8 @@ fn healthy(text: &mut String, found: &Trials) {
             counts(&row.alarms_without_current)
         );
     }
-    let at = proven(found);
-    let counted = alarms(found, |row| &row.alarms)[at];
+    let at = proven(from_ref(found));
+    let counted = alarms(from_ref(found), |row| &row.alarms)[at];
     let _ = writeln!(
         text,
         "  limits for {:e}: at least {:.2e} samples between false alarms (95 %): delays are held \

@@ -92,7 +92,7 @@ fn a_table_of_no_cases_is_refused() {
 fn the_bank_names_what_failed_on_machines_it_has_never_seen() {
     let here = folder();
     let arguments = ["benchmark", "bank", "--machines", "6", "--healthy", "80000"];
-    let more = ["--seed", "3", "--quiet", "--json", "-"];
+    let more = ["--designs", "1", "--seed", "3", "--quiet", "--json", "-"];
     let answer = done(here.path(), &[&arguments[..], &more].concat()).json();
     assert_ne!(answer["design_seed"], answer["judged_seed"]);
     let share = |of: &serde_json::Value| of["share"].as_f64().expect("a rate");
@@ -124,8 +124,12 @@ fn the_bank_names_what_failed_on_machines_it_has_never_seen() {
         assert!((1..60).contains(&alarms(0)) && alarms(3) <= 1, "{row}");
     }
     assert!(answer["bars"].as_array().is_some_and(|bars| bars.len() > 15));
-    let message = refused(here.path(), &["benchmark", "bank", "--machines", "1"]);
-    assert!(message.contains("--machines 1"), "{message}");
+    for (option, message) in [("--machines", "--machines 1"), ("--healthy", "--healthy 1:")] {
+        let said = refused(here.path(), &["benchmark", "bank", option, "1"]);
+        assert!(said.contains(message), "{said}");
+    }
+    let none = refused(here.path(), &["benchmark", "bank", "--designs", "0"]);
+    assert!(none.contains("--designs 0"), "{none}");
 }
 
 #[test]

@@ -9,13 +9,12 @@ use super::mechanisms::greatest_current;
 use super::process::{ProcessError, QUIET, USUAL_TIME_S};
 use super::sizes::process;
 
-/// Rows of a recording that the noise is learned from, and recordings. A disturbance torque that lasts
-/// ten samples shows its deviation in 8000 rows to 4 %.
-const ROWS: usize = 8000;
+/// Rows of a recording that the noise is learned from, and recordings.
+const ROWS: usize = 2000;
 const RECORDINGS: usize = 6;
-/// Factors by which a value is tried higher and lower, from coarse to fine: statistics go with the square,
-/// so that 2 % of a standard deviation are 4 % of a limit.
-const FACTORS: [f64; 6] = [3.0, 1.7, 1.3, 1.12, 1.05, 1.02];
+/// Factors by which a value is tried higher and lower, from coarse to fine: 5 % of a standard
+/// deviation changes no decision.
+const FACTORS: [f64; 5] = [3.0, 1.7, 1.3, 1.12, 1.05];
 /// Gain in log-likelihood below which a value stays what it was.
 const GAIN: f64 = 0.5;
 /// Passes over the values with each factor at most.

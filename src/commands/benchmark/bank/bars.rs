@@ -2,7 +2,7 @@
 
 use drivescope_diagnoser::bank::Verified;
 use drivescope_scenarios::parity::Share;
-use drivescope_scenarios::trials::{ARL_0, HealthyRow, Incipient, Sizes, Trials};
+use drivescope_scenarios::trials::{ARL_0, HealthyRow, Sizes, Trials};
 
 use super::super::bar::Bar;
 
@@ -34,11 +34,18 @@ pub(super) fn proven(found: &[Trials]) -> usize {
     counted.iter().position(enough).unwrap_or(ARL_0.len() - 1)
 }
 
-/// The same share under all designs.
-fn pooled<'a>(found: &'a [Trials], of: impl Fn(&'a Trials) -> Option<&'a Share>) -> Option<f64> {
-    let shares = found.iter().filter_map(of);
+/// The same share over all designs.
+fn pooled<'a>(shares: impl Iterator<Item = &'a Share>) -> Option<f64> {
     let (hits, all) = shares.fold((0, 0), |(hits, all), it| (hits + it.hits, all + it.of));
     (all > 0).then(|| hits as f64 / all as f64)
+}
+
+/// The same root mean square over all designs, each from its value and the number it rests on.
+fn pooled_rms(each: impl Iterator<Item = (f64, usize)>) -> Option<f64> {
+    let (sum, count) = each.fold((0.0, 0), |(sum, count), (rms, of)| {
+        (rms.powi(2).mul_add(of as f64, sum), count + of)
+    });
+    (count > 0).then(|| (sum / count as f64).sqrt())
 }
 
 /// A delay in the mean over all designs, beside the known model's.
@@ -62,33 +69,31 @@ pub(super) fn bars(found: &[Trials]) -> Vec<Bar> {
         bars.extend(share.map(|share| Bar::at_least(what, share, bar)));
     };
     let twelve = "twelve faults in one window";
-    let all = pooled(found, |it| Some(&it.classes.with_current.among_twelve));
-    at_least(twelve.to_owned(), all, 0.999);
+    at_least(
+        twelve.to_owned(),
+        pooled(found.iter().map(|it| &it.classes.with_current.among_twelve)),
+        0.999,
+    );
     let class = |k: usize| {
-        pooled(found, move |it| it.classes.with_current.rows.get(k).map(|row| &row.among_twelve))
+        let rows = found.iter().filter_map(move |it| it.classes.with_current.rows.get(k));
+        pooled(rows.map(|row| &row.among_twelve))
     };
     let each = (0..first.classes.with_current.rows.len()).filter_map(class);
     at_least(format!("{twelve}, the worst of them"), each.reduce(f64::min), 0.995);
-    let in_set = pooled(found, |it| it.mechanisms.rows.first().map(|row| &row.in_set));
+    let all = found.iter().filter_map(|it| it.mechanisms.rows.first());
+    let in_set = pooled(all.map(|row| &row.in_set));
     at_least("ten mechanisms, truth within the printed set".to_owned(), in_set, 0.95);
-    for sizes in &first.mechanisms.sizes {
-        let same = |it: &&Sizes| it.what == sizes.what;
-        let of = |it: &Trials| it.mechanisms.sizes.iter().find(same).cloned();
-        if sizes.what == "all" {
+    for Sizes { what, .. } in &first.mechanisms.sizes {
+        let rows = found.iter().flat_map(|it| &it.mechanisms.sizes).filter(|it| it.what == *what);
+        if what == "all" {
+            let Some(covered) = pooled(rows.map(|it| &it.covered)) else { continue };
             let what = "true sizes within their 95 % intervals";
-            let covered =
-                pooled(found, |it| it.mechanisms.sizes.iter().find(same).map(|it| &it.covered));
-            let Some(covered) = covered else { continue };
             bars.push(Bar::at_least(format!("{what}, at least"), covered, COVERED.0));
             bars.push(Bar::at_most(format!("{what}, at most"), covered, COVERED.1));
-        } else if sizes.rms_points.is_some() {
-            let each = found.iter().filter_map(of);
-            let squares =
-                each.filter_map(|it| Some((it.rms_points?.powi(2), it.covered.of as f64)));
-            let (sum, count) = squares
-                .fold((0.0, 0.0), |(sum, count), (square, of)| (sum + square * of, count + of));
-            let what = format!("size of {}, rms error in percentage points", sizes.what);
-            bars.push(Bar::at_most(what, (sum / count).sqrt(), MOST_RMS));
+        } else {
+            let each = rows.filter_map(|it| Some((it.rms_points?, it.covered.of)));
+            let what = format!("size of {what}, rms error in percentage points");
+            bars.extend(pooled_rms(each).map(|rms| Bar::at_most(what, rms, MOST_RMS)));
         }
     }
     let at = proven(found);
@@ -101,18 +106,31 @@ pub(super) fn bars(found: &[Trials]) -> Vec<Bar> {
     }
     // Other mechanisms are shown without a bar.
     for mechanism in ["tacho", "flux"] {
-        let of = |it: &'_ Incipient| it.mechanism == mechanism;
-        let in_time =
-            pooled(found, |it| it.incipient.iter().find(|it| of(it)).map(|it| &it.in_time));
+        let rows = found.iter().flat_map(|it| &it.incipient).filter(|it| it.mechanism == mechanism);
+        let in_time = pooled(rows.map(|row| &row.in_time));
         let what = format!("{mechanism} that grows: share of machines in time");
         bars.extend(in_time.map(|share| Bar::at_least(what, share, 0.95)));
     }
-    let unknown = pooled(found, |it| Some(&it.unknown.unknown));
+    let unknown = pooled(found.iter().map(|it| &it.unknown.unknown));
     bars.extend(unknown.map(|it| Bar::at_least("\"unknown\" to kinds left out", it, 0.95)));
-    let named = pooled(found, |it| Some(&it.unknown.named));
+    let named = pooled(found.iter().map(|it| &it.unknown.named));
     bars.extend(named.map(|it| Bar::at_most("a wrong name for them", it, 0.02)));
     let counted = alarms(found, |row| &row.alarms)[at];
     let proven = counted.arl_0_at_least();
     bars.push(Bar::at_least("samples between false alarms there, 95 % limit", proven, PROVEN));
     bars
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn designs_count_by_what_they_rest_on() {
+        let shares = [Share::new(1, 2), Share::new(0, 6)];
+        assert_eq!(pooled(shares.iter()), Some(0.125));
+        assert_eq!(pooled([].iter()), None);
+        assert_eq!(pooled_rms([(2.0, 1), (0.0, 3)].into_iter()), Some(1.0));
+        assert_eq!(pooled_rms([].into_iter()), None);
+    }
 }

@@ -27,13 +27,13 @@ const FEWEST_HEALTHY: usize = 80_000;
 #[derive(Debug, Args)]
 pub(super) struct OfBank {
     /// Designs of the bank, each on healthy runs of two other machines.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 4)]
     designs: u64,
     /// Machines of each row, under each design.
-    #[arg(long, value_name = "N", default_value_t = 250)]
+    #[arg(long, value_name = "N", default_value_t = 100)]
     machines: usize,
-    /// Healthy samples on which false alarms are counted.
-    #[arg(long, value_name = "N", default_value_t = 4_000_000)]
+    /// Healthy samples on which false alarms are counted, under each design.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
     healthy: usize,
     /// Mean samples between false alarms that the bank is designed for.
     #[arg(long = "arl0", value_name = "N", default_value_t = 1e6)]

@@ -65,7 +65,7 @@ pub use quality::{Limit, SignalQuality, limits};
 pub use quantum::Quantum;
 pub use replace::{check_writable, write_whole};
 pub use report::{Constant, Report, Sampling};
-pub use rounded::rounded;
+pub use rounded::{rounded, rounded_to};
 pub use signal::{NoiseGain, Recording, Signal, TextSignal};
 pub use stretches::{Stretch, Stretches};
 pub use suspicion::{Suspicion, suspicions};

@@ -29,6 +29,7 @@ mod whitening;
 
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::effects::info::Variable;
+use drivescope_recording::rounded;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -266,7 +267,7 @@ fn alike(evidence: &Evidence) -> Result<(), CompareError> {
     let says = |k: usize| {
         let one = &evidence.recordings[k];
         let names: Vec<&str> = one.outputs.iter().map(|it| it.name).collect();
-        format!("{} every {} s", names.join(", "), one.period_s)
+        format!("{} every {} s", names.join(", "), rounded(one.period_s))
     };
     for k in 1..evidence.recordings.len() {
         let close = (evidence.recordings[k].period_s / evidence.recordings[0].period_s - 1.0).abs();

@@ -4,6 +4,8 @@
 use std::ops::Range;
 
 use drivescope_plant::drive::Drive;
+use drivescope_plant::units::for_motion;
+use drivescope_recording::rounded_to;
 
 use super::averaged::Averaged;
 use super::finding::{Consequence, SignalFinding, Size, What};
@@ -116,9 +118,11 @@ impl Several<'_> {
                 What::OneSpeed,
                 Size { value: share, of: "share of the speed by which it changes" },
                 format!(
-                    "the speed hardly changes ({:.1} % about {mean:.4}): inertia and what grows with \
+                    "the speed hardly changes ({:.1} % about {} {}): inertia and what grows with \
                      the speed are not told from what does not{}",
                     100.0 * share,
+                    rounded_to(3, mean),
+                    for_motion(self.drive.motion, "rad/s"),
                     self.of_base(&["J", "B_m", "coulomb.T_c"])
                 ),
                 "record steps to several speeds as well",

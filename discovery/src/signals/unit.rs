@@ -8,6 +8,7 @@
 use std::f64::consts::{PI, TAU};
 
 use drivescope_plant::drive::{Drive, Input, Motion};
+use drivescope_recording::rounded_to;
 use rayon::prelude::*;
 
 use super::finding::{Consequence, SignalFinding, Size, What};
@@ -89,7 +90,8 @@ fn of(drive: &Drive, measured: &Measured, sds: &[f64]) -> Option<SignalFinding> 
         consequence: Consequence::NotJudged,
         sentence: format!(
             "{channel} looks {words}: {agree} parameters are off from the drive file's as they \
-             would be if {channel} were {factor:.4} times too large"
+             would be if {channel} were {} times too large",
+            rounded_to(4, factor)
         ),
         next: format!(
             "name the unit by --columns {channel}=COLUMN:UNIT, or correct the drive file if the \

@@ -5,7 +5,7 @@ use super::{
     WindowsAnswer,
 };
 use crate::answer::block::{ALL, Align, Block, Column, Fact, Said, TERMINAL, Table};
-use crate::report::words::{number, p_is, percent};
+use crate::report::words::{count, number, p_is, percent};
 
 impl Answer {
     /// The answer in blocks.
@@ -101,8 +101,10 @@ fn gmdh(it: &GmdhAnswer, of: &dyn Fn(f64) -> String) -> Fact {
         format!(", noise bounds {} to {}", of(lower), of(upper))
     });
     let value = format!(
-        "{neurons} neurons in {layers} layers, validation error {}{noise}; {bounded_neurons} with \
-         bounded parameters, {vertices} vertices; {} from its locally recurrent form",
+        "{} in {}, validation error {}{noise}; {bounded_neurons} with bounded parameters, \
+         {vertices} vertices; {} from its locally recurrent form",
+        count(*neurons, "neuron"),
+        count(*layers, "layer"),
         of(*validation_rms),
         it.recurrent_difference.map_or_else(|| "not known".to_owned(), of),
     );

@@ -45,7 +45,14 @@ fn recorded(folder: &Path, hidden: &str) {
 fn discovered(folder: &Path, hidden: &str) -> Value {
     recorded(folder, hidden);
     let run = ["discover", "base.toml", "one.csv", "--validate", "two.csv", "-o", "found.toml"];
-    done(folder, &[&run[..], &["--json", "-"]].concat()).json()
+    let ran = done(folder, &[&run[..], &["--json", "-"]].concat());
+    let answer = ran.json();
+    // Each step is said as it comes, by the number that it has in the ladder.
+    for step in 0..answer["ladder"].as_array().map_or(0, Vec::len) {
+        let said = ran.err.lines().any(|line| line.starts_with(&format!("{step}: ")));
+        assert!(said, "{step}: {}", ran.err);
+    }
+    answer
 }
 
 fn number(value: &Value) -> f64 {

@@ -8,7 +8,7 @@ use std::process::{ExitStatus, Stdio};
 use drivescope_scenarios::campaign::{Campaign, Plan, Reader, Rows, write_rows};
 
 use super::folder;
-use crate::failure::{Ending, Failure, into_report};
+use crate::failure::{Ending, Failure, Stopped, into_report};
 use crate::interrupt;
 
 /// Runs the scenarios of a range and writes them as that file: what the other process does.
@@ -19,7 +19,7 @@ pub(super) fn part(plan: Plan, file: &Path, range: &Range<u64>) -> miette::Resul
     let campaigns = file.parent().and_then(Path::parent).unwrap_or(Path::new(""));
     let campaign = folder::open(plan, campaigns)?;
     let rows = campaign.run(range.clone(), &|_| interrupt::check().is_err());
-    let rows = rows.ok_or(interrupt::Stopped)?;
+    let rows = rows.ok_or(Stopped)?;
     write_rows(file, &campaign, range, &rows).map_err(into_report)?;
     Ok(Ending::Done)
 }

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::shard::Shard;
 use super::{careful, folder};
 use crate::claim::Claim;
-use crate::failure::{Ending, Failure, into_report};
+use crate::failure::{Ending, Failure, StoppedPartWay, into_report};
 use crate::interrupt;
 use crate::next::Next;
 use crate::session::Session;
@@ -196,8 +196,8 @@ impl Work<'_> {
         }
     }
 
-    fn stopped(&self) -> interrupt::StoppedPartWay {
-        interrupt::StoppedPartWay {
+    fn stopped(&self) -> StoppedPartWay {
+        StoppedPartWay {
             kept: format!(
                 "{} new scenarios are kept in {}, --resume goes on; {DATASET} is not there yet",
                 self.done,

@@ -7,9 +7,9 @@ use drivescope_discovery::{
 };
 use drivescope_plant::drive::Drive;
 
-use super::job::Progress;
+use super::basis::Basis;
+use super::progress::Progress;
 use super::rung::Rung;
-use super::work::Basis;
 use crate::answer::compare::{OfStep, Setting as About};
 use crate::evidence::Gathered;
 use crate::failure::into_report;

@@ -12,6 +12,7 @@
 
 mod answer;
 mod assets;
+mod basis;
 mod bench;
 mod command;
 mod command_line;
@@ -29,6 +30,7 @@ mod job;
 mod law;
 mod memory;
 mod plain;
+mod progress;
 mod recordings;
 mod routes;
 mod rung;

@@ -10,10 +10,12 @@ use drivescope_discovery::{
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
-use super::bench::{GivenDrive, State};
+use super::basis::Basis;
+use super::bench::{Bench, GivenDrive, State};
 use super::command_line::{Files, file_of};
 use super::fresh::{Drawn, Fresh};
-use super::job::{Cancelled, Progress};
+use super::job::Cancelled;
+use super::progress::Progress;
 use super::recordings::Taken;
 use super::rung::Rung;
 use crate::answer::discover::Missing;
@@ -28,30 +30,17 @@ const FIRST_LOOK: Duration = Duration::from_millis(250);
 /// A name for the drive that is made from a recording.
 const FIRST: &str = "first.toml";
 
-/// What work rests on: copies that nobody changes.
-#[derive(Debug, Clone)]
-pub(super) struct Basis {
-    /// The recordings, parted.
-    pub(super) gathered: Arc<Gathered>,
-    /// The recordings, whole.
-    pub(super) whole: Arc<Evidence>,
-    /// How the recordings are named on a command line.
-    pub(super) files: Files,
-    /// Seed.
-    pub(super) seed: u64,
-}
-
-impl Basis {
-    /// Of a session whose recordings were analysed.
-    pub(super) fn of(progress: &Progress) -> miette::Result<Self> {
-        let state = progress.bench.state();
-        let missing = || miette::Report::msg("analyse a recording first");
-        Ok(Self {
-            gathered: state.gathered.clone().ok_or_else(missing)?,
-            whole: state.whole.clone().ok_or_else(missing)?,
-            files: Files::of(&state.recordings, progress.bench.seed),
-            seed: progress.bench.seed,
-        })
+impl Bench {
+    /// Begins to analyse the recordings from the start; what was done before is dropped. Nothing
+    /// more happens without a recording, or while one is to be completed.
+    pub(super) fn analyse(self: &Arc<Self>) {
+        let anew = |state: &mut State| {
+            state.end_job();
+            state.forget();
+            let whole = state.recordings.iter().all(|it| it.incomplete.is_none());
+            whole && !state.recordings.is_empty()
+        };
+        self.begin("Analysing", anew, analyse);
     }
 }
 

@@ -7,9 +7,10 @@ use drivescope_diagnoser::Diagnoser;
 use drivescope_recording::Recording;
 
 use super::super::bench::State;
-use super::super::job::Progress;
+use super::super::progress::Progress;
+use super::FILE;
+use super::material::{Judged, Material, Ready};
 use super::picture::Traces;
-use super::{FILE, Judged, Material, Ready};
 use crate::commands::{Diagnose, Plan, TrainMaterial, at_period, interface, train};
 use crate::session::Session;
 

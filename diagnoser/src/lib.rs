@@ -24,6 +24,7 @@
 
 mod arx;
 pub mod bank;
+mod constant_threshold;
 mod cusum;
 mod data;
 mod decision;
@@ -43,11 +44,13 @@ mod memory;
 mod model;
 mod model_error;
 mod network;
+mod parts;
 mod range;
 mod recipe;
 mod scale;
 mod signal_model;
 mod stability;
+mod stored_error;
 #[cfg(test)]
 mod testing;
 mod threshold;
@@ -57,14 +60,15 @@ mod windows;
 pub use arx::{
     Arx, ArxError, ArxFit, ArxRun, FreeRunOrders, FreeRunRow, OrderRow, OrderTable, Orders,
 };
+pub use constant_threshold::ConstantThreshold;
 pub use cusum::{Cusum, CusumError, CusumLanes, CusumStep, Whitening, threshold_for};
 pub use data::{Column, Data, DataError};
 pub use decision::{Detection, RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
 pub use detector::{Detector, DetectorError};
 pub use detectors::{
-    ConstantThreshold, DetectorKind, DetectorRun, Elsewhere, Info, Judged, ModelError, Refusal,
-    ResidualDetector, ResidualTest, Stored,
+    DetectorKind, DetectorRun, Elsewhere, Info, Judged, Refusal, ResidualDetector, ResidualTest,
+    Stored,
 };
 pub use diagnoser::{Diagnoser, DiagnosisError};
 /// When a Levenberg-Marquardt search stops.
@@ -92,10 +96,12 @@ pub use network::{
     ApproximationExample, ApproximationRow, FirNeuron, IirNeuron, Method, Network, NetworkRun,
     Selection, StartRow, Structure, StructureRow, Theta, Trained, Training, TrainingError, train,
 };
+pub use parts::Parts;
 pub use range::{OperatingRange, RangeWatch};
 pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, Start, free_run, residual};
+pub use stored_error::ModelError;
 pub use threshold::{Band, Confidence, ConfidenceError, Threshold};
 pub use verdict::Verdict;
 pub use windows::{

@@ -164,7 +164,7 @@ impl Answer {
             normality_p: bands.normality.as_ref().map(|test| test.p_value),
         };
         let constant = diagnoser.constant.band(diagnoser.confidence);
-        let designed = |kind: DetectorKind| Some((kind.label(), kind.designed(diagnoser)?));
+        let designed = |kind: DetectorKind| Some((kind.label(), diagnoser.designed(kind)?));
         let network = diagnoser.gmdh.as_ref().zip(gmdh.as_ref());
         Self {
             output,

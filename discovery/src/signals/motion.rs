@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::{constant_load, coulomb};
 use drivescope_plant::units::for_motion;
 use drivescope_recording::rounded_to;
 
@@ -123,7 +124,7 @@ impl Several<'_> {
                     100.0 * share,
                     rounded_to(3, mean),
                     for_motion(self.drive.motion, "rad/s"),
-                    self.of_base(&["J", "B_m", "coulomb.T_c"])
+                    self.of_base(&["J", "B_m", coulomb::LEVEL])
                 ),
                 "record steps to several speeds as well",
             )
@@ -144,7 +145,7 @@ impl Several<'_> {
                 format!(
                     "the shaft turns one way only: dry friction is not told from a constant load, \
                      and nothing that depends on the direction shows{}",
-                    self.of_base(&["coulomb.T_c", "constant_load.T_0"])
+                    self.of_base(&[coulomb::LEVEL, constant_load::OFFSET])
                 ),
                 "record both directions",
             )

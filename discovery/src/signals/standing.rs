@@ -232,7 +232,7 @@ impl Look {
 
     /// Of a relation that is plain with one sign and shift.
     fn stands(&self) -> Standing {
-        let left = 1.0 - self.at_once.right_whole();
+        let remainder = 1.0 - self.at_once.right_whole();
         let reversed = self.at_once.reversed_whole();
         let far = self.far.as_ref().map(|far| (far.best.right_whole(), far));
         let late = far.filter(|(whole, far)| {
@@ -241,7 +241,7 @@ impl Look {
             here < SURE && *whole >= PLAIN && clear
         });
         let is_reversed = reversed >= PLAIN
-            && 1.0 - reversed <= CLEARLY * left
+            && 1.0 - reversed <= CLEARLY * remainder
             && self.at_once.reversed >= SIGNED
             && self.gains;
         match late {

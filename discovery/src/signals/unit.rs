@@ -8,6 +8,7 @@
 use std::f64::consts::{PI, TAU};
 
 use drivescope_plant::drive::{Drive, Input, Motion};
+use drivescope_plant::effects::coulomb;
 use drivescope_recording::rounded_to;
 use rayon::prelude::*;
 
@@ -139,7 +140,7 @@ fn hypotheses(drive: &Drive, measured: &Measured) -> Vec<Hypothesis> {
     let powers = |r: f64, k: f64, torque: f64, speed: f64| {
         let over = torque - speed;
         let (r, k) = ([("R", r), ("L", r)], [("K_e", k)]);
-        let torques = [("coulomb.T_c", torque), ("J", over), ("B_m", over)];
+        let torques = [(coulomb::LEVEL, torque), ("J", over), ("B_m", over)];
         r.into_iter().chain(k).chain(torques).collect::<Vec<_>>()
     };
     let shown = [Output::Speed, Output::Position].into_iter().find_map(|it| measured.output(it));

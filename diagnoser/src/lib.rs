@@ -83,7 +83,7 @@ pub use gmdh::{
 pub use identification::{Size, fault_size, size_groups};
 pub use interface::{Channel, Interface, InterfaceError};
 pub use isolation::{
-    Answer, Cloud, Discriminant, FaultSymptoms, FaultsError, FaultsReport, FaultyRun,
+    Cloud, Discriminant, FaultSymptoms, FaultsError, FaultsReport, FaultyRun, Isolated,
     IsolationError, IsolationMatrix, IsolationReport, Isolator, IsolatorOptions, KnownFaults, Mlp,
     MlpSize, Named, Naming, Partition, Separability, SymptomError, Symptoms, discriminant,
     symptoms_of,
@@ -105,5 +105,5 @@ pub use stored_error::ModelError;
 pub use threshold::{Band, Confidence, ConfidenceError, Threshold};
 pub use verdict::Verdict;
 pub use windows::{
-    Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, Rest, WindowError, WindowWatch, Windows,
+    Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, Standstill, WindowError, WindowWatch, Windows,
 };

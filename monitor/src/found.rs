@@ -1,6 +1,6 @@
 //! What a method found.
 
-use drivescope_diagnoser::{Answer, KnownFaults, Memory, MemoryError, Named, Size, Walk};
+use drivescope_diagnoser::{Isolated, KnownFaults, Memory, MemoryError, Named, Size, Walk};
 use serde::Serialize;
 
 use crate::declaration::{Declaration, UNKNOWN};
@@ -73,8 +73,8 @@ impl Fault {
     pub(crate) fn new(known: &KnownFaults, named: &Named) -> Self {
         let unknown = named.shares.len() - 1;
         let (class, place) = match named.answer {
-            Answer::Class(class) => (known.class(class).join(BETWEEN), class),
-            Answer::Unknown => (UNKNOWN.to_owned(), unknown),
+            Isolated::Class(class) => (known.class(class).join(BETWEEN), class),
+            Isolated::Unknown => (UNKNOWN.to_owned(), unknown),
         };
         let Named { samples, size, group, .. } = *named;
         Self { class, samples, share: named.shares[place], s: size, group }

@@ -44,7 +44,7 @@ pub(crate) struct Export {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer {
+struct Exported {
     /// Name of the drive.
     #[serde(skip_serializing_if = "Option::is_none")]
     drive: Option<String>,
@@ -88,7 +88,7 @@ impl Run for Export {
             "{}, FMI {}.0, Co-Simulation and Model Exchange, {shape}",
             drive.name, self.fmi
         );
-        let answer = Answer {
+        let answer = Exported {
             drive: Some(drive.name),
             open_loop: Some(open_loop),
             states: description.states().len(),
@@ -126,7 +126,7 @@ impl Export {
             (None, None) => "for any machine of its kind".to_owned(),
         };
         let shown = format!("{}, FMI {}.0, Co-Simulation, {machine}", description.name, self.fmi);
-        let answer = Answer {
+        let answer = Exported {
             diagnoser: Some(path.to_owned()),
             learns_for,
             ..self.answer(description.variables.len(), version)?
@@ -135,10 +135,10 @@ impl Export {
     }
 
     /// What every FMU has.
-    fn answer(&self, variables: usize, version: Version) -> miette::Result<Answer> {
+    fn answer(&self, variables: usize, version: Version) -> miette::Result<Exported> {
         let unread = |source| Failure::Read { path: self.output.clone(), source };
         let bytes = std::fs::metadata(&self.output).map_err(unread)?.len();
-        Ok(Answer {
+        Ok(Exported {
             drive: None,
             diagnoser: None,
             output: self.output.clone(),
@@ -153,8 +153,8 @@ impl Export {
     }
 }
 
-fn say(what: &str, answer: &Answer, session: &Session) -> miette::Result<Ending> {
-    let Answer { output, platform, bytes, variables, states, .. } = answer;
+fn say(what: &str, answer: &Exported, session: &Session) -> miette::Result<Ending> {
+    let Exported { output, platform, bytes, variables, states, .. } = answer;
     let shown = format!(
         "{}: {what}\n\
          {variables} variables, {states} continuous states, {} kB\n\

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 
 use axum::body::Body;
-use axum::extract::{Path, Query, State as From};
+use axum::extract::{Path, Query, State as Shared};
 use axum::http::{StatusCode, header};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
@@ -13,7 +13,7 @@ use axum::{Json, Router};
 use serde::Deserialize;
 use serde_json::json;
 
-use super::answer::{Answer, Refusal, refused};
+use super::answer::{Refusal, Reply, refused};
 use super::command::Command;
 use super::handlers::{bench, off_the_loop};
 use super::law::TypedLaw;
@@ -51,12 +51,12 @@ pub(super) fn router(site: Arc<Site>) -> Router {
 }
 
 /// A new session, or the one of the command line.
-async fn open(From(site): From<Arc<Site>>) -> Response {
+async fn open(Shared(site): Shared<Arc<Site>>) -> Response {
     let headers = [(header::LOCATION, format!("/b/{}/", site.opened()))];
     (StatusCode::SEE_OTHER, headers).into_response()
 }
 
-async fn page(From(site): From<Arc<Site>>, Path(id): Path<String>) -> Answer<Response> {
+async fn page(Shared(site): Shared<Arc<Site>>, Path(id): Path<String>) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let html = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
     Ok((html, shell::page(&bench.id, site.most_bytes)).into_response())
@@ -82,10 +82,10 @@ impl Looked {
 }
 
 async fn show(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(looked): Query<Looked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let version = *bench.changes.borrow();
     let state = bench.state();
@@ -107,10 +107,10 @@ async fn show(
 }
 
 async fn numbers(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(looked): Query<Looked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let wanted = Wanted {
         recording: looked.recording,
@@ -125,10 +125,10 @@ async fn numbers(
 
 /// Where the model fails within a window; a window that was asked for later overtakes it.
 async fn brushed(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(looked): Query<Looked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let span = looked.window().ok_or_else(|| refused("a window has a beginning and an end"))?;
     let (rung, whole, gathered) = {
@@ -151,10 +151,10 @@ async fn brushed(
 }
 
 async fn command(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Json(command): Json<Command>,
-) -> Answer<StatusCode> {
+) -> Reply<StatusCode> {
     let bench = bench(&site, &id)?;
     off_the_loop(move || command.run(&bench)).await?.map_err(refused)?;
     Ok(StatusCode::NO_CONTENT)
@@ -162,11 +162,11 @@ async fn command(
 
 /// Whether a typed law is right, and what it looks like.
 async fn check(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(looked): Query<Looked>,
     Json(law): Json<TypedLaw>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let rung = bench.state().rung(looked.rung)?;
     let curves = &rung.compared.curves;
@@ -186,11 +186,11 @@ struct Named {
 
 /// A recording or a drive file, whatever its name says.
 async fn take(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(Named { name, more }): Query<Named>,
     body: Body,
-) -> Answer<StatusCode> {
+) -> Reply<StatusCode> {
     let bench = bench(&site, &id)?;
     let name = upload::shown(&name);
     if name.to_lowercase().ends_with(".toml") {
@@ -213,10 +213,10 @@ async fn take(
 
 /// What the user takes along.
 async fn give(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path((id, what)): Path<(String, String)>,
     Query(looked): Query<Looked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let number = looked.rung;
     let rung = bench.state().rung(number)?;

@@ -109,13 +109,13 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
     }
     let step = if bucket == 1 { 1.0 } else { bucket as f64 / 2.0 };
     let mut point = 0;
-    let begins = segments.iter().map(|segment| {
+    let starts = segments.iter().map(|segment| {
         let begin = (point, measured.time(from + segment.start));
         point += reduced(&measured.u[from..to][segment.clone()], bucket).len() + 1;
         begin
     });
     let head = Head {
-        segments: begins.collect(),
+        segments: starts.collect(),
         step: step * measured.period_s,
         count: values[0].len(),
         bucket,

@@ -94,8 +94,8 @@ impl Arx {
             if !leaves_half(&judged, run_up) {
                 continue;
             }
-            let left = residual(&mut model.run(), &judged, start);
-            let (_, deviation) = mean_and_deviation(&judged.judged(&left, run_up));
+            let remainder = residual(&mut model.run(), &judged, start);
+            let (_, deviation) = mean_and_deviation(&judged.judged(&remainder, run_up));
             candidates.push((FreeRunRow { orders, run_up, deviation }, model));
         }
         let tried = candidates.iter().map(|(row, _)| row.deviation).filter(|it| it.is_finite());

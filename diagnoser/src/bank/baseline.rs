@@ -53,7 +53,7 @@ pub enum BaselineError {
     },
     /// The model with its best parameters does not explain the run.
     #[error(
-        "the drive model leaves {rms:.2} times the noise that it foretells in the baseline: fit the \
+        "the drive model leaves {rms:.2} times the noise that it predicts in the baseline: fit the \
          drive first, or record the baseline without a fault"
     )]
     NotThisMachine {

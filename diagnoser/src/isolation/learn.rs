@@ -167,7 +167,7 @@ mod tests {
     use crate::file::FileError;
     use crate::identification::Size;
     use crate::interface::{Channel, Interface};
-    use crate::isolation::{Answer, Naming};
+    use crate::isolation::{Isolated, Naming};
     use crate::model::Model;
     use crate::testing::{PERIOD, Run, closed_loop};
     use crate::threshold::Confidence;
@@ -232,13 +232,13 @@ mod tests {
         assert_eq!(known.groups()[4], Size::Large);
         for (fault, class) in [(0.05, 0), (-0.05, 1), (0.1, 2), (-0.2, 3)] {
             let found = named(&diagnoser, fault, 30);
-            assert_eq!(found.answer, Answer::Class(class), "{fault}: {found:?}");
+            assert_eq!(found.answer, Isolated::Class(class), "{fault}: {found:?}");
             assert_eq!(found.group, known.groups()[known.isolator.partition.classes[class][0]]);
             assert!((found.shares.iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
         for never_shown in [0.2, -0.1] {
             let found = named(&diagnoser, never_shown, 31);
-            assert_eq!(found.answer, Answer::Unknown, "{never_shown}: {found:?}");
+            assert_eq!(found.answer, Isolated::Unknown, "{never_shown}: {found:?}");
         }
         assert_eq!(known.class(0), ["+5 %", "five"]);
         the_file_holds_them(diagnoser);

@@ -179,9 +179,9 @@ fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
     };
     let known: Vec<usize> = (0..values.len()).filter(|k| visited[*k]).collect();
     let rows = DMatrix::from_fn(2, known.len(), |row, k| of_base[row](curve.knots[known[k]]));
-    let left = beside(&rows, &known.iter().map(|k| values[*k]).collect::<Vec<_>>());
+    let remainder = beside(&rows, &known.iter().map(|k| values[*k]).collect::<Vec<_>>());
     let nearest = |k: usize| (0..known.len()).min_by_key(|place| known[*place].abs_diff(k));
-    (0..values.len()).map(|k| nearest(k).map_or(0.0, |place| left[place])).collect()
+    (0..values.len()).map(|k| nearest(k).map_or(0.0, |place| remainder[place])).collect()
 }
 
 fn sign(z: f64) -> f64 {

@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-pub use super::info::{Beside, Info, OwnState, Parameter, Place, Variable};
+pub use super::info::{ActsOn, Beside, Info, OwnState, Parameter, Variable};
 use crate::lanes::lanes;
 use crate::model::Motors;
 

@@ -8,7 +8,7 @@
 //! ```
 
 use drivescope_diagnoser::{
-    Answer, Discriminant, FaultSymptoms, Isolator, IsolatorOptions, Partition, Symptoms,
+    Discriminant, FaultSymptoms, Isolated, Isolator, IsolatorOptions, Partition, Symptoms,
 };
 use drivescope_plant::drive::Drive;
 use rayon::prelude::*;
@@ -112,8 +112,8 @@ impl Trained {
     fn class(&self, symptom: &[f64]) -> Option<usize> {
         match &self.classifier {
             Classifier::Perceptron(isolator) => match isolator.answer(symptom) {
-                Ok(Answer::Class(class)) => Some(class),
-                Ok(Answer::Unknown) | Err(_) => None,
+                Ok(Isolated::Class(class)) => Some(class),
+                Ok(Isolated::Unknown) | Err(_) => None,
             },
             Classifier::Discriminant(of) => {
                 of.answer(symptom).and_then(|fault| self.partition.class_of(fault))

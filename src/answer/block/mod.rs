@@ -107,7 +107,7 @@ pub(crate) enum Key {
     /// A span of time, s, and what happens there.
     Span { from: f64, to: f64, sentence: String },
     /// A place in a report, by its id.
-    Place(String),
+    Anchor(String),
 }
 
 /// A value with its name.

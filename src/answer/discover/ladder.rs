@@ -95,8 +95,8 @@ pub(crate) fn table(motion: Motion, steps: &[Step]) -> Table {
         let branch = "\u{2003}".repeat(step.depth);
         let mut cells: Vec<Cell> = vec![format!("{branch}{place}: {}", step.label).into()];
         let share = |it: &Unexplained| format!("{} %", percent(it.share, 1));
-        let left = |(_, each): &OfBalance| each[place].as_ref().map_or("-".to_owned(), share);
-        cells.extend(unexplained.iter().map(|it| left(it).into()));
+        let remainder = |(_, each): &OfBalance| each[place].as_ref().map_or("-".to_owned(), share);
+        cells.extend(unexplained.iter().map(|it| remainder(it).into()));
         let fit = |name: &&str| step.fits.get(name).copied().flatten();
         cells.extend(outputs.iter().map(|it| fit(it).map_or("-".to_owned(), fit_percent).into()));
         cells.push(error(step.error).into());

@@ -58,7 +58,7 @@ struct NoiseOf {
 
 /// The answer of `discover` and `add`.
 #[derive(Debug, Serialize)]
-pub(crate) struct Answer {
+pub(crate) struct DiscoverAnswer {
     drive: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
@@ -81,7 +81,7 @@ pub(crate) struct Answer {
     seed: u64,
 }
 
-impl Answer {
+impl DiscoverAnswer {
     pub(crate) fn new(
         base: &Drive,
         output: Option<PathBuf>,

@@ -15,15 +15,15 @@ use crate::answer::testing::{holds, in_report, on_page};
 use crate::answer::text;
 
 fn rung(added: Option<&str>, error: f64) -> Rung {
-    let left = Some(Unexplained { rms: 0.001, share: 0.0690 });
-    let left = BothUnexplained { torque: left, voltage: None };
+    let remainder = Some(Unexplained { rms: 0.001, share: 0.0690 });
+    let remainder = BothUnexplained { torque: remainder, voltage: None };
     let fits = BTreeMap::from([("omega", Some(97.345)), ("i", None)]);
     Rung {
         added: added.map(str::to_owned),
         error,
         validation_error: 1.3 * error,
-        unexplained: left,
-        validation_unexplained: left,
+        unexplained: remainder,
+        validation_unexplained: remainder,
         fit_percent: fits.clone(),
         validation_fit_percent: fits,
     }
@@ -103,9 +103,9 @@ fn text_page_and_report_tell_the_same_numbers() {
 fn the_ladder_is_the_same_everywhere() {
     let blocks = ladder(Motion::Rotary, &steps());
     holds(&blocks, &in_report(&blocks));
-    for told in [text(&blocks), on_page(&blocks), in_report(&blocks)] {
+    for stated in [text(&blocks), on_page(&blocks), in_report(&blocks)] {
         for words in ["+ cogging", "2.346", "1.235", "1.605"] {
-            assert!(told.contains(words), "{words} is not in: {told}");
+            assert!(stated.contains(words), "{words} is not in: {stated}");
         }
     }
     assert!(text(&blocks).contains("6.9 %") && !on_page(&blocks).contains("6.9 %"));

@@ -102,7 +102,7 @@ impl Html<'_> {
     /// What is done with a key; in a report, a place is gone to.
     fn act(self, key: Option<&Key>, words: &str) -> Option<Markup> {
         match (self.medium, key?) {
-            (Medium::Report, Key::Place(id)) => Some(link(id, typeset(words))),
+            (Medium::Report, Key::Anchor(id)) => Some(link(id, typeset(words))),
             (_, key) => (self.actions)(key),
         }
     }

@@ -17,7 +17,7 @@ use serde::Serialize;
 pub(crate) use bank::{BankAnswer, Confusion, Separable, VerifiedAnswer};
 
 #[derive(Debug, Serialize)]
-pub(crate) struct Answer {
+pub(crate) struct TrainAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
     inputs: Vec<Channel>,
@@ -142,7 +142,7 @@ struct FaultAnswer {
     group: SizeGroup,
 }
 
-impl Answer {
+impl TrainAnswer {
     pub(crate) fn new(
         output: Option<PathBuf>,
         learned: &Learned,

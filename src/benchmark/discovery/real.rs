@@ -201,14 +201,14 @@ impl Machine {
         let is_of = |some: &[&str], name: &String| some.contains(&name.as_str());
         let wrong = named.iter().any(|name| !is_of(self.right, name) && !is_of(self.beside, name));
         let ends = ladder.first().zip(ladder.last());
-        let left = |rung: &Rung| rung.validation_unexplained.torque.as_ref().map(|it| it.rms);
+        let remainder = |rung: &Rung| rung.validation_unexplained.torque.as_ref().map(|it| it.rms);
         Row {
             machine: self.folder,
             expected: self.right,
             right: !wrong && named.iter().any(|name| is_of(self.right, name)),
             wrong,
             validation_ratio: ends.map(|(base, end)| end.validation_error / base.validation_error),
-            torque_ratio: ends.and_then(|(base, end)| Some(left(end)? / left(base)?)),
+            torque_ratio: ends.and_then(|(base, end)| Some(remainder(end)? / remainder(base)?)),
             answer,
         }
     }

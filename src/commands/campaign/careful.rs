@@ -40,8 +40,8 @@ pub(super) fn rows(
     let _leftover = interrupt::Leftover::new(work.path());
     let mut rows = Rows::none(campaign.plan());
     // The ranges that are left, the next one last.
-    let mut left = vec![range.clone()];
-    while let Some(range) = left.pop() {
+    let mut remaining = vec![range.clone()];
+    while let Some(range) = remaining.pop() {
         interrupt::check()?;
         let file = work.path().join(format!("{}.parquet", range.start));
         let ended = other_process(plan, &file, &range)?;
@@ -62,7 +62,7 @@ pub(super) fn rows(
             let _ = rows.append(campaign.aborted(range.start));
         } else {
             let middle = range.start + (range.end - range.start) / 2;
-            left.extend([middle..range.end, range.start..middle]);
+            remaining.extend([middle..range.end, range.start..middle]);
         }
     }
     Ok(rows)

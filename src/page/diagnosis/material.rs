@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use drivescope_recording::Recording;
 
-use crate::answer::diagnose::Answer;
+use crate::answer::diagnose::DiagnoseAnswer;
 use crate::commands::Trained;
 
 /// A recording and what it is for.
@@ -35,7 +35,7 @@ pub(in crate::page) struct Ready {
 #[derive(Debug)]
 pub(in crate::page) struct Judged {
     /// The answer, or why there is none.
-    pub(in crate::page) answer: Result<Answer, String>,
+    pub(in crate::page) answer: Result<DiagnoseAnswer, String>,
     /// The figure of it.
     pub(in crate::page) figure: Option<String>,
 }

@@ -84,7 +84,7 @@ fn offered(key: &Key) -> Option<Markup> {
         Key::Span { from, to, sentence } => html! {
             button.link type="button" data-from=(from) data-to=(to) { (sentence) }
         },
-        Key::Step(_) | Key::Place(_) => return None,
+        Key::Step(_) | Key::Anchor(_) => return None,
     })
 }
 

@@ -52,12 +52,12 @@ fn the_same_on_a_command_line_is_the_same() {
         let bytes = std::fs::read(here.path().join(name)).unwrap_or_else(|_| MODEL.into());
         let answer = server.post(&format!("{session}file?name={name}"), &bytes);
         assert_eq!(answer.status, 204, "{name}: {answer:?}");
-        server.rest(&session);
+        server.settled(&session);
     };
     let tell = |command: &str| {
         let answer = server.post(&format!("{session}do"), command.as_bytes());
         assert_eq!(answer.status, 204, "{command}: {answer:?}");
-        server.rest(&session)["problem"].clone()
+        server.settled(&session)["problem"].clone()
     };
     let right = |command: &str| assert_eq!(tell(command), serde_json::Value::Null, "{command}");
     ["model.toml", "one.csv", "two.csv"].into_iter().for_each(send);

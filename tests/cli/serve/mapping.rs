@@ -22,7 +22,7 @@ fn log(header: &str, row: impl Fn(f64, f64, f64) -> String) -> String {
 
 /// The pieces of a page at rest, but for the box with the command line.
 fn shown(server: &Server, session: &str) -> (String, Value) {
-    let news = server.rest(session);
+    let news = server.settled(session);
     let pieces = server.get(&format!("{session}pieces")).json();
     let pieces = pieces["pieces"].as_object().expect("pieces").clone();
     let shown = pieces.into_iter().filter(|it| it.0 != "take").map(|it| it.1.to_string());

@@ -18,7 +18,7 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
         assert_eq!(answer.status, 204, "{command}: {answer:?}");
     };
     tell(r#"{"do":"example","id":"hidden"}"#);
-    let news = server.rest(&session);
+    let news = server.settled(&session);
     assert_eq!(news["problem"], serde_json::Value::Null, "{news}");
     let pieces = server.get(&format!("{session}pieces")).json();
     let piece = |name: &str| pieces["pieces"][name].as_str().expect("HTML").to_owned();
@@ -30,7 +30,7 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
     assert!(cards.contains("missing torque [N m]") && cards.contains("Add cogging"), "{cards}");
 
     tell(r#"{"do":"add","rung":0,"effect":"cogging"}"#);
-    let news = server.rest(&session);
+    let news = server.settled(&session);
     assert_eq!((&news["rungs"], &news["problem"]), (&2.into(), &serde_json::Value::Null), "{news}");
     let pieces = server.get(&format!("{session}pieces?rung=1")).json();
     let ladder = pieces["pieces"]["ladder"].as_str().expect("HTML").to_owned();
@@ -60,7 +60,7 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
 
     // A fork from the base, by hand, then a typed law.
     tell(r#"{"do":"set","rung":0,"name":"R","value":2.3}"#);
-    server.rest(&session);
+    server.settled(&session);
     let law = r#"{"target":"torque","text":"-c * omega * abs(omega)","coefficients":"c"}"#;
     let said = server.post(&format!("{session}law?rung=0"), law.as_bytes()).json();
     assert!(said["html"].as_str().is_some_and(|it| it.contains("Understood")), "{said}");
@@ -68,7 +68,7 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
     let said = server.post(&format!("{session}law?rung=0"), wrong.as_bytes()).json();
     assert_eq!(said["wrong"]["at"], 17, "{said}");
     tell(&format!(r#"{{"do":"law","rung":0,"law":{law}}}"#));
-    let news = server.rest(&session);
+    let news = server.settled(&session);
     assert_eq!((&news["rungs"], &news["problem"]), (&4.into(), &serde_json::Value::Null), "{news}");
     let file = server.get(&format!("{session}take/drive.toml?rung=3"));
     assert!(file.body.contains("omega * abs(omega)"), "{file:?}");
@@ -85,7 +85,7 @@ fn a_window_over_what_is_fitted_and_what_judges_has_two_errors() {
     done(here.path(), &[&simulate[..], &["-o", "one.csv", "--quiet"]].concat());
     let server = Server::open(here.path(), &[MACHINE, "one.csv"]);
     let session = server.session();
-    server.rest(&session);
+    server.settled(&session);
     // The last third of a single recording is held out.
     let error = |from: f64, to: f64| {
         let path = format!("{session}within?rung=0&recording=0&from={from}&to={to}");
@@ -114,9 +114,9 @@ fn work_can_be_cancelled_and_sessions_do_not_mix() {
     // One thing at a time in a session; another session is free.
     assert_eq!(tell(&one, r#"{"do":"learn","rung":0}"#), 422);
     assert_eq!(tell(&one, r#"{"do":"cancel"}"#), 204);
-    assert!(server.rest(&one)["job"].is_null());
+    assert!(server.settled(&one)["job"].is_null());
     let before = rungs(&server, &one);
-    let news = server.rest(&two);
+    let news = server.settled(&two);
     assert_eq!(news["rungs"], 1, "{news}");
     let cards = server.get(&format!("{two}pieces")).json()["pieces"]["cards"].to_string();
     assert!(cards.contains("Nothing is missing"), "{cards}");
@@ -129,7 +129,7 @@ fn signals_come_as_numbers() {
     let server = Server::open(here.path(), &[]);
     let session = server.session();
     server.post(&format!("{session}do"), br#"{"do":"example","id":"complete"}"#);
-    server.rest(&session);
+    server.settled(&session);
     let answer = server.get(&format!("{session}signals?rung=0&recording=1&points=400"));
     assert_eq!(answer.status, 200, "{}", answer.head);
     let from = answer.body.find('{').expect("a head");

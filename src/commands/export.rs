@@ -66,6 +66,13 @@ struct Exported {
 
 impl Run for Export {
     fn run(self, session: &Session) -> miette::Result<Ending> {
+        if self.output.extension().is_some_and(|it| !it.eq_ignore_ascii_case("fmu")) {
+            return Err(Failure::Usage {
+                what: format!("{}: no tool takes an FMU of that name", self.output.display()),
+                instead: "name it .fmu".to_owned(),
+            }
+            .into());
+        }
         let path = PathBuf::from(&self.drive);
         let is_diagnoser = std::fs::read_to_string(&path).is_ok_and(|it| Diagnoser::is_meant(&it));
         let version = fmu_file::version(self.fmi);

@@ -184,6 +184,13 @@ fn runs_that_no_memory_holds_are_refused() {
     }
 }
 
+#[test]
+fn an_fmu_is_named_so() {
+    let here = folder();
+    let message = refused(here.path(), &["export", "dr300", "-o", "drive.txt"]);
+    assert!(message.contains("drive.txt") && message.contains(".fmu"), "{message}");
+}
+
 /// Fewer sub-steps than a drive needs would give an answer that looks like one.
 #[test]
 fn a_drive_that_is_too_stiff_for_its_steps_is_an_error() {

@@ -26,7 +26,8 @@ pub struct Info {
     pub about: &'static str,
     /// What a diagnoser holds for it.
     pub part: &'static str,
-    /// What its tables show in the place of a significance level; none where its level is beta.
+    /// A word that its tables show in the place of a significance level; none where its level is beta.
+    /// Its numbers are those of its design, which [`ResidualDetector::designed`] says.
     pub instead_of_level: Option<&'static str>,
     /// Whether a decision rests on the residuals before it, so that one exceedance declares a fault;
     /// else as many in a row as the diagnoser says.

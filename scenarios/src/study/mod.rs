@@ -93,7 +93,6 @@ pub enum StudyError {
 /// What a study is asked.
 #[derive(Debug, Clone)]
 pub struct StudyOptions {
-    /// The drive.
     pub drive: Drive,
     /// Seed of all randomness.
     pub seed: u64,

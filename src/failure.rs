@@ -82,7 +82,6 @@ pub(crate) enum Failure {
     #[error("port {port} of this machine cannot be served: {source}")]
     #[diagnostic(help("choose another --port, or leave it out for any that is free"))]
     Serve {
-        /// The port.
         port: u16,
         /// Why not.
         source: io::Error,

@@ -121,7 +121,6 @@ pub enum Error {
         file: String,
         /// The speed's name.
         name: &'static str,
-        /// Its unit.
         unit: String,
         /// Its greatest magnitude but for spikes.
         largest: f64,
@@ -133,7 +132,6 @@ pub enum Error {
     /// An effect that the user chose cannot be added.
     #[error("{effect} cannot be added: {reason}")]
     CannotAdd {
-        /// The effect.
         effect: String,
         /// Why, and what to do.
         reason: String,

@@ -12,7 +12,6 @@ pub(crate) const MOST_KEPT: usize = 10_000;
 /// What a method found until now.
 #[derive(Debug, Clone, Serialize)]
 pub struct Found {
-    /// The method.
     pub method: Method,
     /// `healthy`, `fault`, `abnormal` or `not_judged`.
     pub verdict: &'static str,
@@ -162,7 +161,6 @@ pub struct Machine {
 /// What every method found over a run.
 #[derive(Debug, Clone)]
 pub struct Finished {
-    /// Samples.
     pub samples: usize,
     /// Of these, only settling the models.
     pub run_up: usize,
@@ -170,6 +168,5 @@ pub struct Finished {
     pub beyond: usize,
     /// What the bank learned of the machine.
     pub machine: Option<Machine>,
-    /// Every method.
     pub methods: Vec<Found>,
 }

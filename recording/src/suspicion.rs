@@ -49,7 +49,6 @@ pub enum Suspicion {
     },
     /// A speed that no drive reaches.
     TooFast {
-        /// The signal.
         signal: String,
         /// Its largest magnitude, rad/s.
         largest: f64,

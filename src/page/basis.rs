@@ -17,7 +17,6 @@ pub(super) struct Basis {
     pub(super) whole: Arc<Evidence>,
     /// How the recordings are named on a command line.
     pub(super) files: Files,
-    /// Seed.
     pub(super) seed: u64,
 }
 

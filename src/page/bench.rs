@@ -24,9 +24,7 @@ use crate::failure::Failure;
 /// A drive file that the user gave, or one that was made from a recording.
 #[derive(Debug, Clone)]
 pub(super) struct GivenDrive {
-    /// Its name.
     pub(super) name: String,
-    /// Its text.
     pub(super) text: String,
     /// What it describes.
     pub(super) drive: Drive,
@@ -37,7 +35,6 @@ pub(super) struct GivenDrive {
 /// What a session knows.
 #[derive(Debug, Default)]
 pub(super) struct State {
-    /// The recordings.
     pub(super) recordings: Vec<Taken>,
     /// The drive to begin with.
     pub(super) drive: Option<GivenDrive>,

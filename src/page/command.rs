@@ -24,62 +24,31 @@ pub(super) enum Command {
         id: String,
     },
     /// Take a column as a signal in a unit.
-    Column {
-        /// The recording.
-        recording: usize,
-        /// Its column.
-        column: String,
-        /// The signal.
-        signal: String,
-        /// The unit.
-        unit: String,
-    },
+    Column { recording: usize, column: String, signal: String, unit: String },
     /// Sample a recording every so many milliseconds, or as it was sampled.
     Resample {
-        /// Which.
         recording: usize,
         /// Sampling time, ms.
         ms: Option<f64>,
     },
     /// Take the rows of a recording as sampled every so many milliseconds.
     RowsEvery {
-        /// Which.
         recording: usize,
         /// Sampling time, ms.
         ms: Option<f64>,
     },
     /// Forget what was said of a recording.
-    Again {
-        /// Which.
-        recording: usize,
-    },
+    Again { recording: usize },
     /// Drop a recording.
-    Remove {
-        /// Which.
-        recording: usize,
-    },
+    Remove { recording: usize },
     /// Ask what the drive of a rung lacks.
-    Learn {
-        /// Which.
-        rung: usize,
-    },
+    Learn { rung: usize },
     /// Add an effect of the library, or `learned`.
-    Add {
-        /// To which rung.
-        rung: usize,
-        /// The effect.
-        effect: String,
-    },
+    Add { rung: usize, effect: String },
     /// Add a typed law.
-    Law {
-        /// To which rung.
-        rung: usize,
-        /// The law.
-        law: TypedLaw,
-    },
+    Law { rung: usize, law: TypedLaw },
     /// Set a parameter, nothing fitted.
     Set {
-        /// Of which rung.
         rung: usize,
         /// The parameter.
         name: String,
@@ -87,10 +56,7 @@ pub(super) enum Command {
         value: f64,
     },
     /// Fit the drive of a rung again.
-    Fit {
-        /// Which.
-        rung: usize,
-    },
+    Fit { rung: usize },
     /// End what is being done.
     Cancel,
 }

@@ -16,7 +16,6 @@ use crate::failure::into_report;
 
 /// What an estimate says of a drive.
 pub(super) struct Drawn {
-    /// Its parameters.
     pub(super) parameters: Vec<Estimate>,
     /// What the recordings do not tell.
     pub(super) not_identifiable: Vec<NotIdentifiable>,

@@ -16,7 +16,6 @@ pub(super) struct Rung {
     pub(super) label: String,
     /// The command line that does the same.
     pub(super) command: String,
-    /// The drive.
     pub(super) drive: Drive,
     /// Its drive file.
     pub(super) text: String,

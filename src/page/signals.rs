@@ -22,7 +22,6 @@ const SMOOTH_S: f64 = 0.05;
 struct Column {
     /// Name of the output, or `u`.
     output: &'static str,
-    /// Its unit.
     unit: String,
     /// `measured`, `model`, `residual`, `mean residual`, or some with `ghost` before.
     role: &'static str,

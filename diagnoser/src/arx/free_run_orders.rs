@@ -21,7 +21,6 @@ pub(crate) const WORTH: f64 = 0.05;
 /// One candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeRunRow {
-    /// Its orders.
     pub orders: Orders,
     /// Samples in which it settles: five of its slowest time constants.
     pub run_up: usize,
@@ -36,7 +35,6 @@ pub struct FreeRunOrders {
     pub rows: Vec<FreeRunRow>,
     /// The one that was chosen.
     pub best: FreeRunRow,
-    /// Its model.
     pub model: Arc<Arx>,
 }
 

@@ -44,7 +44,6 @@ pub enum BaselineError {
          {tolerance}: it shows another drive or a fault"
     )]
     OutOfTolerance {
-        /// The parameter.
         parameter: String,
         /// Change that the run asks for, as a fraction.
         change: f64,

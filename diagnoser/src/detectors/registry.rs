@@ -32,7 +32,7 @@ macro_rules! registry {
         /// Which detector of the residual.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum DetectorKind {
-            $(#[allow(missing_docs)] $detector,)+
+            $($detector,)+
         }
 
         impl DetectorKind {
@@ -106,7 +106,6 @@ macro_rules! registry {
         #[derive(Debug, Clone)]
         pub enum DetectorRun {
             $(
-                #[allow(missing_docs)]
                 $detector(<super::$module::$detector as ResidualDetector>::Run),
             )+
         }

@@ -55,9 +55,7 @@ pub enum FaultsError {
         "{recording}: fault {fault} stands declared at {samples} samples, at least {LEAST} are needed: give a longer recording of it, or a larger fault"
     )]
     Unseen {
-        /// The fault.
         fault: String,
-        /// The recording.
         recording: String,
         /// Samples at which it stands declared.
         samples: usize,
@@ -65,7 +63,6 @@ pub enum FaultsError {
     /// A recording does not suit.
     #[error("{recording}: {source}")]
     Detector {
-        /// The recording.
         recording: String,
         /// Why it cannot be watched.
         source: DetectorError,

@@ -132,7 +132,6 @@ pub struct Comparison {
     pub tested: usize,
     /// Length of the tests' blocks, s.
     pub block_s: f64,
-    /// Each recording.
     pub recordings: Vec<RecordingComparison>,
     /// What is missing over each variable.
     pub curves: Vec<Curve>,

@@ -68,7 +68,6 @@ pub(super) enum Shape {
     Resonances,
     /// An input that comes late.
     LateInput,
-    /// A speed that is shown late.
     SpeedShownLate,
     /// A voltage that is not reached at the limit.
     AtLimit,

@@ -16,7 +16,6 @@ use crate::measured::{Measured, Output};
 /// An effect that is not judged, and why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NotJudged {
-    /// The effect.
     pub effect: String,
     /// Why, for a person.
     pub reason: String,

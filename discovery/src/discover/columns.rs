@@ -14,9 +14,7 @@ use crate::sensitivity::{Direction, Rows};
 /// Where a value was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Measurement {
-    /// Recording.
     pub(crate) recording: usize,
-    /// Sample in it.
     pub(crate) sample: usize,
     /// Output: 0 current, 1 speed, 2 position.
     pub(crate) output: usize,
@@ -25,7 +23,6 @@ pub(crate) struct Measurement {
 /// A drive, fitted, at the recordings.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FittedDrive<'a> {
-    /// The drive.
     pub(crate) drive: &'a Drive,
     /// What belongs to each recording.
     pub(crate) fits: &'a [Fit],

@@ -88,7 +88,6 @@ pub struct Coefficient {
 /// A candidate that was refitted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ranked {
-    /// The effect.
     pub effect: String,
     /// What these recordings do not tell from it.
     pub confusion_set: Vec<String>,
@@ -189,7 +188,6 @@ pub struct Discovery {
     pub signals: Vec<SignalFinding>,
     /// Doubts about the recordings that only the fit raises.
     pub doubts: Vec<Doubt>,
-    /// The observer.
     pub observer: Observer,
 }
 

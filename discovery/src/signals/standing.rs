@@ -61,7 +61,6 @@ const HOLDS: f64 = 0.3;
 /// How a motion stands to what drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Standing {
-    /// It follows.
     Follows,
     /// With a reversed sign, which explains this share.
     Reversed(f64),
@@ -80,7 +79,6 @@ struct Look {
     here: Explained,
     /// The most of what signed columns add within the response.
     signed_here: f64,
-    /// At once.
     at_once: Explained,
     /// Whether what is lost in friction and back-EMF has the reversed sign.
     gains: bool,

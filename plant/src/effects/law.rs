@@ -47,9 +47,7 @@ pub struct Views<'a, R, const N: usize> {
     pub direction: &'a [f64; N],
     /// Voltages (commanded signals).
     pub u: &'a [R; N],
-    /// Loads.
     pub load: &'a [R; N],
-    /// Time.
     pub time: f64,
 }
 

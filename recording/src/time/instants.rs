@@ -73,7 +73,6 @@ struct Row {
     x: f64,
     /// Of the instrument.
     z: f64,
-    /// Of y.
     y: f64,
 }
 

@@ -32,7 +32,6 @@ pub(super) enum Way {
 
 /// The clock of one segment.
 pub(super) struct Clock {
-    /// Which rows.
     pub(super) rows: Range<usize>,
     /// Its sampling time, s.
     period_s: f64,

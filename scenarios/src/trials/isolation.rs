@@ -60,7 +60,6 @@ pub struct ClassifierRow {
     pub samples: Spread,
     /// The same of the fault that it does worst on.
     pub worst: Spread,
-    /// That fault.
     pub worst_fault: FaultName,
     /// Runs of which most samples were answered right.
     pub runs: Share,
@@ -71,9 +70,7 @@ pub struct ClassifierRow {
 /// One design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignRow {
-    /// Its seed.
     pub seed: u64,
-    /// Its classifiers.
     pub classifiers: Vec<ClassifierRow>,
 }
 

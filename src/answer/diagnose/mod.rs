@@ -48,7 +48,6 @@ pub(crate) struct DiagnoseAnswer {
 #[derive(Debug, Serialize)]
 pub(crate) struct BaselineAnswer {
     pub(crate) recording: String,
-    /// Samples of it.
     pub(crate) samples: usize,
     pub(crate) machine: BTreeMap<String, f64>,
 }

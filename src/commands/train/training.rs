@@ -95,7 +95,6 @@ impl Trained {
 /// Recordings at one sampling time.
 #[derive(Debug, Default)]
 pub(crate) struct Material {
-    /// Healthy ones.
     pub(crate) healthy: Vec<Recording>,
     /// Healthy ones in which the input goes through its range.
     pub(crate) excited: Vec<Recording>,

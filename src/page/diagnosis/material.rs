@@ -10,7 +10,6 @@ use crate::commands::Trained;
 /// A recording and what it is for.
 #[derive(Debug, Clone)]
 pub(in crate::page) struct Material {
-    /// Its name.
     pub(in crate::page) name: String,
     /// Its signals.
     pub(in crate::page) recording: Arc<Recording>,
@@ -36,7 +35,6 @@ pub(in crate::page) struct Ready {
 pub(in crate::page) struct Judged {
     /// The answer, or why there is none.
     pub(in crate::page) answer: Result<DiagnoseAnswer, String>,
-    /// The figure of it.
     pub(in crate::page) figure: Option<String>,
 }
 

@@ -28,23 +28,18 @@ pub(super) const FILE: &str = "diagnoser.toml";
 pub(super) enum DiagnosisCommand {
     /// Take a recording of the session.
     Take {
-        /// Which.
         recording: usize,
         /// Whether it is healthy.
         healthy: bool,
     },
     /// Say what a recording is for.
     Mark {
-        /// Its name.
         name: String,
         /// Whether it is healthy.
         healthy: bool,
     },
     /// Drop a recording.
-    Remove {
-        /// Its name.
-        name: String,
-    },
+    Remove { name: String },
     /// Choose the step whose drive the diagnoser is to know.
     Drive {
         /// Which; none for a diagnoser that knows no drive.

@@ -24,9 +24,7 @@ use crate::answer::{html, not_told, parameters};
 /// What the browser looks at.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
-    /// The rung.
     pub(super) rung: usize,
-    /// The recording.
     pub(super) recording: usize,
 }
 

@@ -14,7 +14,7 @@ pub(crate) enum Ending {
     Done,
     /// The answer is a finding that `--check` forbids.
     Forbidden,
-    /// The input cannot be used.
+    /// The input cannot be used, or an output cannot be written.
     BadInput,
     /// The user stopped it.
     Stopped,

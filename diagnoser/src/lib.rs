@@ -19,6 +19,18 @@
 //! Where the physics of the process is known, a [`bank`] of hypotheses does more: it names the
 //! mechanism that failed, its size and its onset without having been shown any fault.
 //!
+//! ```
+//! use drivescope_diagnoser::{Column, Confidence, ConstantThreshold, Data};
+//!
+//! // A healthy residual, and one to be judged.
+//! let residual: Vec<f64> = (0..2000).map(|k| (f64::from(k) * 12.9898).sin()).collect();
+//! let column = Column { name: "r", values: &residual };
+//! let healthy = Data::new(vec![column], column)?;
+//! let band = ConstantThreshold::design(&healthy, 100)?.band(Confidence::new(0.05)?);
+//! assert!(!band.is_exceeded_by(0.5) && band.is_exceeded_by(3.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Equation numbers are those of K. Patan, M. Witczak, J. Korbicz, "Towards robustness in neural
 //! network based fault diagnosis", Int. J. Appl. Math. Comput. Sci. 18 (2008), 443-454.
 

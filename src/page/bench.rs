@@ -1,4 +1,4 @@
-//! A session of work: recordings, a drive, the rungs of its ladder, and what is being done.
+//! A session of work: recordings, a drive, the steps of its ladder, and what is being done.
 //!
 //! Whoever changes the state holds its lock for a moment; long work runs on copies and hands its
 //! result in at the end, if it has not been cancelled until then.
@@ -15,7 +15,7 @@ use tokio::sync::watch;
 use super::diagnosis::Diagnosis;
 use super::job::Job;
 use super::recordings::Taken;
-use super::rung::Rung;
+use super::session_step::SessionStep;
 use super::unit_fix::UnitFix;
 use crate::answer::discover::Missing;
 use crate::evidence::Gathered;
@@ -44,9 +44,9 @@ pub(super) struct State {
     pub(super) whole: Option<Arc<Evidence>>,
     /// Units that look wrong, and what would be right.
     pub(super) fixes: Vec<UnitFix>,
-    /// The rungs, each after the one that it was made from.
-    pub(super) rungs: Vec<Arc<Rung>>,
-    /// What rungs lack, as far as that was asked.
+    /// The steps, each after the one that it was made from.
+    pub(super) steps: Vec<Arc<SessionStep>>,
+    /// What steps lack, as far as that was asked.
     pub(super) missing: BTreeMap<usize, Arc<Missing>>,
     /// Training and diagnosing; it outlasts what begins anew.
     pub(super) diagnosis: Diagnosis,
@@ -158,18 +158,18 @@ impl State {
     /// Drops what was found.
     pub(super) fn forget(&mut self) {
         self.beginnings += 1;
-        self.rungs.clear();
+        self.steps.clear();
         self.missing.clear();
         self.fixes.clear();
         (self.gathered, self.whole, self.problem) = (None, None, None);
     }
 
-    /// The rung of that number.
+    /// The step of that number.
     ///
     /// # Errors
     /// There is none.
-    pub(super) fn rung(&self, number: usize) -> Result<Arc<Rung>, Failure> {
-        self.rungs.get(number).cloned().ok_or_else(|| Failure::Usage {
+    pub(super) fn step(&self, number: usize) -> Result<Arc<SessionStep>, Failure> {
+        self.steps.get(number).cloned().ok_or_else(|| Failure::Usage {
             what: format!("there is no step {number}"),
             instead: "reload the page: another tab may have begun anew".to_owned(),
         })

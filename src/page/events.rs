@@ -31,7 +31,7 @@ fn news(bench: &Bench, site: &Site) -> Event {
         "job": state.job,
         "problem": state.problem,
         "recordings": state.recordings.len(),
-        "rungs": state.rungs.len(),
+        "steps": state.steps.len(),
         "beginning": state.beginnings,
         "diagnosis": state.diagnosis.changes,
         "asked": state.missing.keys().collect::<Vec<_>>(),

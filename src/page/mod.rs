@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  browser ── guard (host, origin, token) ── routes ──> Site ──> Bench: one session of work
-//!    ^                                                    │  recordings, rungs of the ladder
+//!    ^                                                    │  recordings, steps of the ladder
 //!    └── events: something changed <──────────────────────┘  job: reads, fits, compares, learns
 //! ```
 //!
@@ -33,7 +33,7 @@ mod plain;
 mod progress;
 mod recordings;
 mod routes;
-mod rung;
+mod session_step;
 mod shell;
 mod show;
 mod signals;

@@ -57,12 +57,12 @@ impl Watch for Progress {
             Step::Fitting(error) => {
                 self.fitting(*error);
             }
-            Step::Rung(_) => {}
+            Step::Ladder(_) => {}
         }
     }
 
     fn compares(&self) -> bool {
-        // Every rung is compared on its own.
+        // Every step is compared on its own.
         false
     }
 

@@ -65,7 +65,7 @@ async fn page(Shared(site): Shared<Arc<Site>>, Path(id): Path<String>) -> Reply<
 #[derive(Debug, Deserialize)]
 struct Looked {
     #[serde(default)]
-    rung: usize,
+    step: usize,
     #[serde(default)]
     recording: usize,
     ghost: Option<usize>,
@@ -89,18 +89,18 @@ async fn show(
     let bench = bench(&site, &id)?;
     let version = *bench.changes.borrow();
     let state = bench.state();
-    let view = View { rung: looked.rung, recording: looked.recording };
+    let view = View { step: looked.step, recording: looked.recording };
     let recordings = state.recordings.iter().map(|it| &it.name).collect::<Vec<_>>();
-    let rungs = state.rungs.iter().map(|it| &it.label).collect::<Vec<_>>();
-    let rung = state.rungs.get(looked.rung);
+    let steps = state.steps.iter().map(|it| &it.label).collect::<Vec<_>>();
+    let step = state.steps.get(looked.step);
     let spans =
-        rung.and_then(|it| it.compared.recordings.get(looked.recording)).map(|it| &it.spans);
+        step.and_then(|it| it.compared.recordings.get(looked.recording)).map(|it| &it.spans);
     let answer = json!({
         "version": version,
         "beginning": state.beginnings,
         "pieces": pieces(&state, view),
         "recordings": recordings,
-        "rungs": rungs,
+        "steps": steps,
         "spans": spans,
     });
     Ok(Json(answer).into_response())
@@ -114,7 +114,7 @@ async fn numbers(
     let bench = bench(&site, &id)?;
     let wanted = Wanted {
         recording: looked.recording,
-        rung: looked.rung,
+        step: looked.step,
         ghost: looked.ghost,
         window: looked.window(),
         points: looked.points.unwrap_or(MOST_POINTS),
@@ -131,11 +131,11 @@ async fn brushed(
 ) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let span = looked.window().ok_or_else(|| refused("a window has a beginning and an end"))?;
-    let (rung, whole, gathered) = {
+    let (step, whole, gathered) = {
         let state = bench.state();
         let missing = || refused("nothing was analysed");
         let whole = state.whole.clone().ok_or_else(missing)?;
-        (state.rung(looked.rung)?, whole, state.gathered.clone().ok_or_else(missing)?)
+        (state.step(looked.step)?, whole, state.gathered.clone().ok_or_else(missing)?)
     };
     let seed = site.seed;
     let mine = bench.looks.fetch_add(1, Ordering::Relaxed) + 1;
@@ -143,7 +143,7 @@ async fn brushed(
         let _alone = bench.looking.lock().unwrap_or_else(PoisonError::into_inner);
         let is_last = bench.looks.load(Ordering::Relaxed) == mine;
         let of = (&*whole, &*gathered);
-        is_last.then(|| window::compared(&rung, of, looked.recording, span, seed))
+        is_last.then(|| window::compared(&step, of, looked.recording, span, seed))
     });
     let overtaken = || Refusal::new(StatusCode::CONFLICT, "another window was asked for");
     let window = compared.await?.ok_or_else(overtaken)??;
@@ -168,8 +168,8 @@ async fn check(
     Json(law): Json<TypedLaw>,
 ) -> Reply<Response> {
     let bench = bench(&site, &id)?;
-    let rung = bench.state().rung(looked.rung)?;
-    let curves = &rung.compared.curves;
+    let step = bench.state().step(looked.step)?;
+    let curves = &step.compared.curves;
     Ok(match law.understood(curves) {
         Ok(law) => Json(json!({ "html": law.preview(curves).into_string() })).into_response(),
         Err(wrong) => Json(json!({ "wrong": wrong })).into_response(),
@@ -218,15 +218,15 @@ async fn give(
     Query(looked): Query<Looked>,
 ) -> Reply<Response> {
     let bench = bench(&site, &id)?;
-    let number = looked.rung;
-    let rung = bench.state().rung(number)?;
+    let number = looked.step;
+    let step = bench.state().step(number)?;
     match (what.as_str(), looked.fmi) {
         ("drive.toml", _) => {
-            let text = Ok(rung.text.clone().into_bytes());
+            let text = Ok(step.text.clone().into_bytes());
             Ok(download::file("application/toml", &super::command_line::file_of(number), text))
         }
         ("drive.fmu", Some(fmi @ (2 | 3))) => {
-            let fmu = off_the_loop(move || download::fmu(&site, &rung, fmi)).await?;
+            let fmu = off_the_loop(move || download::fmu(&site, &step, fmi)).await?;
             Ok(download::file("application/octet-stream", &format!("drive_fmi{fmi}.fmu"), fmu))
         }
         ("report.html", _) => {

@@ -8,7 +8,7 @@ use super::form::{Instead, Refused};
 use super::judged::Judged;
 use super::needless::Added;
 use super::refit::Model;
-use super::report::{Discovery, Rung, Step, Verdict, Watch};
+use super::report::{Discovery, LadderStep, Step, Verdict, Watch};
 use super::round::{Outcome, Round};
 use super::typed;
 use crate::balances::unexplained;
@@ -62,7 +62,7 @@ impl Discovery {
     /// Tells of an effect no more, nor of the last one, which is told without it.
     pub(super) fn take_back(&mut self, kind: &str, remaining: &[Added]) {
         self.ladder.pop();
-        let place = self.ladder.iter().rposition(|rung| rung.added.as_deref() == Some(kind));
+        let place = self.ladder.iter().rposition(|step| step.added.as_deref() == Some(kind));
         place.map(|place| self.ladder.remove(place));
         self.unname(remaining);
         let beside = self.named.join(" and ");
@@ -138,7 +138,7 @@ impl Discovery {
     ) {
         let drive = &model.fitted.drive;
         let (setting, validated) = (&model.setting, &model.validation.recordings);
-        let rung = Rung {
+        let step = LadderStep {
             fit_percent: output_fits(drive, estimation, setting, &model.fitted.recordings),
             validation_fit_percent: output_fits(drive, validation, setting, validated),
             added,
@@ -147,8 +147,8 @@ impl Discovery {
             error: model.fitted.squares.error(),
             validation_error: model.validation.squares.error(),
         };
-        watch.step(&Step::Rung(&rung));
-        self.ladder.push(rung);
+        watch.step(&Step::Ladder(&step));
+        self.ladder.push(step);
         self.parameters = model.fitted.parameters.clone();
     }
 }

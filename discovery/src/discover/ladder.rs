@@ -278,7 +278,7 @@ pub fn bic_of(
     Ok(evidence().unwrap_or(0.0))
 }
 
-/// The base, fitted, with the first rung of its ladder.
+/// The base, fitted, with the first step of its ladder.
 fn begin(
     drive: &Drive,
     estimation: &Evidence,

@@ -1,7 +1,8 @@
 //! What was found to be missing: the answer of `discover` without the recordings that it rests on.
 
 use drivescope_discovery::{
-    Discovery, Formula, LearnedCurve, NextExperiment, NotJudged, RandomLoad, Ranked, Rung, Verdict,
+    Discovery, Formula, LadderStep, LearnedCurve, NextExperiment, NotJudged, RandomLoad, Ranked,
+    Verdict,
 };
 use drivescope_plant::drive::{EffectData, LawData, Motion};
 use drivescope_plant::effects::info::Variable;
@@ -26,7 +27,7 @@ pub(crate) struct Missing {
     pub(super) named: Vec<String>,
     pub(super) remaining: Verdict,
     pub(super) ranking: Vec<Ranked>,
-    pub(super) ladder: Vec<Rung>,
+    pub(super) ladder: Vec<LadderStep>,
     pub(super) not_judged: Vec<NotJudged>,
     pub(super) load: Option<RandomLoad>,
     /// The curve that describes what nobody knows.

@@ -12,7 +12,9 @@ use std::path::PathBuf;
 
 use drivescope_discovery::compare::Finding;
 use drivescope_discovery::signals::SignalFinding;
-use drivescope_discovery::{BothUnexplained, Discovery, NoiseSource, OutputFits, Rung, Verdict};
+use drivescope_discovery::{
+    BothUnexplained, Discovery, LadderStep, NoiseSource, OutputFits, Verdict,
+};
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
@@ -36,14 +38,14 @@ struct Errors {
 }
 
 impl Errors {
-    fn of(rung: &Rung) -> Self {
+    fn of(step: &LadderStep) -> Self {
         Self {
-            error: rung.error,
-            validation_error: rung.validation_error,
-            unexplained: rung.unexplained,
-            validation_unexplained: rung.validation_unexplained,
-            fit_percent: rung.fit_percent.clone(),
-            validation_fit_percent: rung.validation_fit_percent.clone(),
+            error: step.error,
+            validation_error: step.validation_error,
+            unexplained: step.unexplained,
+            validation_unexplained: step.validation_unexplained,
+            fit_percent: step.fit_percent.clone(),
+            validation_fit_percent: step.validation_fit_percent.clone(),
         }
     }
 }

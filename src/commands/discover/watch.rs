@@ -39,9 +39,9 @@ impl Watch for Watching<'_> {
         match step {
             Step::Doing(what) => self.bar.set_message(*what),
             Step::Fitting(_) => {}
-            Step::Rung(rung) => self.bar.suspend(|| {
+            Step::Ladder(step) => self.bar.suspend(|| {
                 let mut steps = self.steps.lock().unwrap_or_else(PoisonError::into_inner);
-                steps.push(StepOfLadder::from(*rung));
+                steps.push(StepOfLadder::from(*step));
                 self.session.remark(line(&table(self.motion, &steps)));
             }),
         }

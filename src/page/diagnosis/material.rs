@@ -27,7 +27,7 @@ pub(in crate::page) struct Ready {
     /// Names of the recordings that it was trained on.
     pub(in crate::page) healthy: Vec<String>,
     /// The step whose drive it knows.
-    pub(in crate::page) rung: Option<usize>,
+    pub(in crate::page) step: Option<usize>,
 }
 
 /// What a diagnoser found in a recording.
@@ -44,7 +44,7 @@ pub(in crate::page) struct Diagnosis {
     /// The recordings.
     pub(in crate::page) material: Vec<Material>,
     /// The step whose drive the diagnoser is to know.
-    pub(in crate::page) rung: Option<usize>,
+    pub(in crate::page) step: Option<usize>,
     /// The diagnoser.
     pub(in crate::page) ready: Option<Arc<Ready>>,
     /// Counts the changes.

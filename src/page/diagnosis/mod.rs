@@ -43,7 +43,7 @@ pub(super) enum DiagnosisCommand {
     /// Choose the step whose drive the diagnoser is to know.
     Drive {
         /// Which; none for a diagnoser that knows no drive.
-        rung: Option<usize>,
+        step: Option<usize>,
     },
     /// Train, and judge what is to be watched.
     Train,
@@ -111,9 +111,9 @@ impl DiagnosisCommand {
                 state.diagnosis.changes += 1;
                 state.diagnosis.material.retain(|it| it.name != name);
             }),
-            Self::Drive { rung } => bench.change(|state| {
+            Self::Drive { step } => bench.change(|state| {
                 state.diagnosis.changes += 1;
-                state.diagnosis.rung = rung.filter(|rung| *rung < state.rungs.len());
+                state.diagnosis.step = step.filter(|step| *step < state.steps.len());
             }),
             Self::Judge => judge(bench),
             Self::Train => bench

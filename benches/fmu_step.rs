@@ -1,6 +1,5 @@
 //! A step of the exported FMU through the importer against a native step of the same drive: the
 //! bar is the native step and 150 ns. Each step sets five inputs and reads six outputs.
-#![allow(missing_docs, reason = "criterion's macro makes a public function")]
 
 use std::process::Command;
 

@@ -1,10 +1,9 @@
 //! The command line.
 
-use std::path::PathBuf;
-
-use clap::{Args, Parser};
+use clap::Parser;
 
 use crate::commands::Command;
+use crate::session::Common;
 
 /// Simulates an electric drive, exports it as an FMU, diagnoses its faults, and finds what its
 /// model lacks.
@@ -15,23 +14,6 @@ pub(crate) struct Cli {
     pub(crate) common: Common,
     #[command(subcommand)]
     pub(crate) command: Command,
-}
-
-/// What every command takes.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Common options")]
-pub(crate) struct Common {
-    /// Write the result as JSON to FILE, or with `-` to standard output in place of the text.
-    #[arg(long, global = true, value_name = "FILE|-")]
-    pub(crate) json: Option<PathBuf>,
-    /// Seed of everything random: the same seed gives the same bytes; 1 by default, and a fresh
-    /// one for benchmarks.
-    #[arg(long, global = true, value_name = "N")]
-    pub(crate) seed: Option<u64>,
-    /// Say nothing but the answer and errors: no progress, no remarks; nothing at all where the
-    /// result is in the file that was asked for.
-    #[arg(long, global = true)]
-    pub(crate) quiet: bool,
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! header where it is not SI: `2000 [rpm]`.
 
 use drivescope_plant::effects::custom::{Expression, LawError};
-use drivescope_recording::{Quantity, Unit};
+use drivescope_recording::{Quantity, Unit, rounded};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
@@ -32,7 +32,7 @@ enum Wrong {
     },
     #[error("{option}: `{unit}` is no unit of it; leave it out for {si}")]
     Unit { option: &'static str, unit: String, si: &'static str },
-    #[error("{option}: `{text}` is {value} at t = {time} s")]
+    #[error("{option}: `{text}` is {value} at t = {} s", rounded(*time))]
     #[diagnostic(help("it must be finite over the whole run"))]
     NotFinite { option: &'static str, text: String, value: f64, time: f64 },
 }

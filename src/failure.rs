@@ -7,8 +7,6 @@ use std::process::ExitCode;
 use miette::{Diagnostic, MietteHandlerOpts, Report};
 use thiserror::Error;
 
-use crate::interrupt::{Stopped, StoppedPartWay};
-
 /// How a run ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending {
@@ -16,7 +14,7 @@ pub(crate) enum Ending {
     Done,
     /// The answer is a finding that `--check` forbids.
     Forbidden,
-    /// The input cannot be used.
+    /// The input cannot be used, or an output cannot be written.
     BadInput,
     /// The user stopped it.
     Stopped,
@@ -45,6 +43,19 @@ impl From<Ending> for ExitCode {
     }
 }
 
+/// The user wants the run to end.
+#[derive(Debug, Error, Diagnostic)]
+#[error("stopped; nothing was written")]
+pub(crate) struct Stopped;
+
+/// The same where something was kept.
+#[derive(Debug, Error, Diagnostic)]
+#[error("stopped; {kept}")]
+pub(crate) struct StoppedPartWay {
+    /// What was, and how to go on.
+    pub(crate) kept: String,
+}
+
 /// What the program itself finds wrong.
 #[derive(Debug, Error, Diagnostic)]
 pub(crate) enum Failure {
@@ -57,6 +68,10 @@ pub(crate) enum Failure {
         /// Why not.
         source: io::Error,
     },
+    /// It was stopped before something was written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Stopped(#[from] Stopped),
     /// Standard output cannot be written to.
     #[error("standard output cannot be written to: {source}")]
     Print {
@@ -67,7 +82,6 @@ pub(crate) enum Failure {
     #[error("port {port} of this machine cannot be served: {source}")]
     #[diagnostic(help("choose another --port, or leave it out for any that is free"))]
     Serve {
-        /// The port.
         port: u16,
         /// Why not.
         source: io::Error,
@@ -157,15 +171,17 @@ pub(crate) fn install() {
 
 /// Shows the error on standard error; how the run ends with it.
 pub(crate) fn report(error: &Report) -> Ending {
-    if matches!(error.downcast_ref::<Failure>(), Some(Failure::Unread)) {
+    use io::Write;
+
+    let failure = error.downcast_ref::<Failure>();
+    if matches!(failure, Some(Failure::Unread)) {
         return Ending::Done;
     }
-    if error.is::<Stopped>() || error.is::<StoppedPartWay>() {
-        use io::Write;
+    let is_stopped = matches!(failure, Some(Failure::Stopped(_)));
+    if is_stopped || error.is::<Stopped>() || error.is::<StoppedPartWay>() {
         let _ = writeln!(io::stderr(), "drivescope: {error}");
         return Ending::Stopped;
     }
-    use io::Write;
     let _ = writeln!(io::stderr(), "{error:?}");
     Ending::BadInput
 }

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard};
 use std::time::Duration;
 
-use crate::failure::Ending;
+use crate::failure::{Ending, Stopped};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 /// Set where a run answers with what it has when it is to end.
@@ -25,19 +25,6 @@ static LEFTOVERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 pub(crate) const OWN: &str = ".drivescope-";
 /// How long a loop may take to notice, and its temporary files to be removed.
 const GRACE: Duration = Duration::from_millis(500);
-
-/// The user wants the run to end.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("stopped; nothing was written")]
-pub(crate) struct Stopped;
-
-/// The same where something was kept.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("stopped; {kept}")]
-pub(crate) struct StoppedPartWay {
-    /// What was, and how to go on.
-    pub(crate) kept: String,
-}
 
 /// Listens for the signals.
 pub(crate) fn install() {

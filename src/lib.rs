@@ -2,8 +2,9 @@
 //!
 //! [`run`] reads the command line (`cli`), makes the `Session` that every command
 //! gets, and runs one of `commands`. A command computes with the other crates, prints its
-//! answer, and returns a finding or an error; here it becomes the exit code: 0 done, 1 a finding
-//! that `--check` forbids, 2 bad input, 70 an error of the program itself, 130 stopped by the user.
+//! answer, and returns a finding or an error; here it becomes the exit code: 0 done, 1 a finding that
+//! `--check` forbids, 2 bad input or an output that cannot be written, 70 an error of the program
+//! itself, 130 stopped by the user.
 
 mod answer;
 mod benchmark;

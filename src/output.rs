@@ -7,7 +7,7 @@ use std::path::Path;
 use drivescope_recording::{Recording, TextSignal, write_whole};
 use serde::Serialize;
 
-use crate::failure::{Failure, into_report};
+use crate::failure::{Failure, Stopped, into_report};
 use crate::interrupt;
 
 /// Writes a file, whole or not at all; a device or a pipe is written through.
@@ -19,7 +19,7 @@ pub(crate) fn write_file(
     content: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), Failure> {
     let _not_now = interrupt::writing();
-    unless_stopped(path)?;
+    unless_stopped()?;
     write_whole(path, content).map_err(|source| Failure::Write { path: path.to_owned(), source })
 }
 
@@ -29,17 +29,14 @@ pub(crate) fn write_file(
 /// The path, where it cannot be written or its format is not known.
 pub(crate) fn write_recording(path: &Path, recording: &Recording) -> miette::Result<()> {
     let _not_now = interrupt::writing();
-    unless_stopped(path)?;
+    unless_stopped()?;
     drivescope_recording::write(path, recording).map_err(into_report)
 }
 
 /// A run that was stopped writes nothing any more, though it may notice late; but for one that answers
 /// with what it has.
-fn unless_stopped(path: &Path) -> Result<(), Failure> {
-    if interrupt::may_write() {
-        return Ok(());
-    }
-    Err(Failure::Write { path: path.to_owned(), source: ErrorKind::Interrupted.into() })
+fn unless_stopped() -> Result<(), Stopped> {
+    if interrupt::may_write() { Ok(()) } else { Err(Stopped) }
 }
 
 /// Writes a recording as CSV with columns of text behind it.
@@ -63,6 +60,7 @@ pub(crate) fn write_with_texts(
         .into());
     }
     let _not_now = interrupt::writing();
+    unless_stopped()?;
     drivescope_recording::write_csv_with_texts(path, recording, texts).map_err(into_report)
 }
 
@@ -106,6 +104,9 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::AtomicBool;
+
     use super::*;
 
     #[test]
@@ -122,6 +123,25 @@ mod tests {
         assert_eq!(folder.path().read_dir().expect("a folder").count(), 1);
         assert!(check_writable(folder.path()).is_err());
         assert!(check_writable(&folder.path().join("none/a.txt")).is_err());
+    }
+
+    #[test]
+    fn a_run_that_was_stopped_writes_nothing_in_any_way() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.csv");
+        let text = TextSignal { name: "mode".to_owned(), values: vec!["on".to_owned()] };
+        let recording = Recording::new("a", 0.0, 1.0, Vec::new());
+        interrupt::listen(&Arc::new(AtomicBool::new(true)));
+        let each = [
+            write_file(&path, |out| out.write_all(b"late")).map_err(miette::Report::from),
+            write_recording(&path, &recording),
+            write_with_texts(&path, &recording, &[text]),
+        ];
+        for written in each {
+            let error = written.expect_err("it was stopped");
+            assert_eq!(crate::failure::report(&error), crate::failure::Ending::Stopped);
+        }
+        assert_eq!(folder.path().read_dir().expect("a folder").count(), 0);
     }
 
     #[test]

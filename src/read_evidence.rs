@@ -20,7 +20,6 @@ pub(crate) struct KnownNoise {
     pub(crate) name: &'static str,
     /// Standard deviation, SI.
     pub(crate) sd: f64,
-    /// Its unit.
     pub(crate) unit: String,
     /// Where it comes from.
     pub(crate) source: NoiseSource,

@@ -9,15 +9,32 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use clap::Args;
 use drivescope_recording::{ReadOptions, Recording, Report};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::call::Desk;
-use crate::cli::Common;
 use crate::failure::Failure;
 use crate::next::Next;
 use crate::output;
+
+/// What every command takes.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Common options")]
+pub(crate) struct Common {
+    /// Write the result as JSON to FILE, or with `-` to standard output in place of the text.
+    #[arg(long, global = true, value_name = "FILE|-")]
+    pub(crate) json: Option<PathBuf>,
+    /// Seed of everything random: the same seed gives the same bytes; 1 by default, and a fresh
+    /// one for benchmarks.
+    #[arg(long, global = true, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Say nothing but the answer and errors: no progress, no remarks; nothing at all where the
+    /// result is in the file that was asked for.
+    #[arg(long, global = true)]
+    pub(crate) quiet: bool,
+}
 
 /// The common options of a run.
 #[derive(Debug)]

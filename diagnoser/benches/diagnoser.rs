@@ -72,8 +72,9 @@ fn error_at_equal_time(_: &mut Criterion) {
             train(Structure::PAPER, &estimation, &validation, &training).unwrap()
         };
         let test_error = |network: &Arc<Network>| {
-            let left = residual(&mut network.run(), &test, drivescope_diagnoser::Start::Rest);
-            (left[100..].iter().map(|e| e * e).sum::<f64>() / (left.len() - 100) as f64).sqrt()
+            let remainder = residual(&mut network.run(), &test, drivescope_diagnoser::Start::Rest);
+            (remainder[100..].iter().map(|e| e * e).sum::<f64>() / (remainder.len() - 100) as f64)
+                .sqrt()
         };
         one_thread.install(|| {
             let begun = Instant::now();

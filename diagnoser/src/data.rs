@@ -16,7 +16,6 @@ pub enum DataError {
     Length {
         /// The shorter or longer signal.
         signal: String,
-        /// Its samples.
         samples: usize,
         /// Samples of the output.
         expected: usize,
@@ -24,7 +23,6 @@ pub enum DataError {
     /// A value is NaN or infinite.
     #[error("signal {signal} is not a finite number at sample {sample}: cut or repair the gap")]
     NotFinite {
-        /// The signal.
         signal: String,
         /// First such sample, from 0.
         sample: usize,
@@ -32,7 +30,6 @@ pub enum DataError {
     /// A signal that never changes.
     #[error("signal {signal} is constant at {value}: nothing can be learned from it")]
     Constant {
-        /// The signal.
         signal: String,
         /// Its only value.
         value: f64,

@@ -3,8 +3,9 @@
 use thiserror::Error;
 
 use crate::arx::{Arx, ArxError, Orders, leaves_half};
+use crate::constant_threshold::ConstantThreshold;
 use crate::data::{Data, DataError};
-use crate::detectors::{ConstantThreshold, ModelError, Stored};
+use crate::detectors::Stored;
 use crate::diagnoser::Diagnoser;
 use crate::file::SCHEMA;
 use crate::gmdh::RobustGmdh;
@@ -13,6 +14,7 @@ use crate::model::Model;
 use crate::model_error::BandDesign;
 use crate::network::{Structure, Training, TrainingError, train};
 use crate::signal_model::{Start, residual};
+use crate::stored_error::ModelError;
 use crate::threshold::Confidence;
 
 /// What the residual is modelled with.

@@ -123,7 +123,8 @@ impl Diagnoser {
         let flawed = |flaw| FileError::Flaw { path: path.into(), flaw };
         let inputs = self.interface.inputs.len();
         Flaw::of_model("process model", &self.model, inputs).map_err(flawed)?;
-        DetectorKind::ALL.into_iter().try_for_each(|kind| kind.check(self)).map_err(flawed)?;
+        let check = |kind: DetectorKind| kind.check(&self.parts(), &self.detectors);
+        DetectorKind::ALL.into_iter().try_for_each(check).map_err(flawed)?;
         if self.faults.as_ref().is_some_and(|faults| !faults.is_valid(inputs)) {
             return Err(FileError::Faults { path: path.into(), inputs });
         }

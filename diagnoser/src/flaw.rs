@@ -30,7 +30,6 @@ pub enum Flaw {
     Value {
         /// Where it stands.
         key: &'static str,
-        /// Its value.
         value: f64,
         /// What it must be.
         must: &'static str,

@@ -116,9 +116,9 @@ mod tests {
         // Relative: another threshold, the same groups.
         assert_eq!(size_groups(&TABLE_3.map(|s| 4.5 * s)), paper);
         // Broken on purpose: sizes in another order give other groups.
-        let mut turned = TABLE_3;
-        turned.reverse();
-        assert_ne!(size_groups(&turned), paper);
+        let mut reversed = TABLE_3;
+        reversed.reverse();
+        assert_ne!(size_groups(&reversed), paper);
         assert_eq!(size_groups(&[1.0, 5.0]), [Small, Large]);
         assert_eq!(size_groups(&[2.0, 2.0]), [Small, Small]);
     }

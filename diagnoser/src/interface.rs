@@ -16,7 +16,6 @@ pub enum InterfaceError {
     /// A signal is not in the recording.
     #[error("recording {recording} has no signal {name} (it has: {available})")]
     MissingSignal {
-        /// The recording.
         recording: String,
         /// The signal looked for.
         name: String,
@@ -28,7 +27,6 @@ pub enum InterfaceError {
         "signal {name} of {recording} is in {found}, the diagnoser was trained in {expected}: convert it"
     )]
     Unit {
-        /// The recording.
         recording: String,
         /// The signal.
         name: String,
@@ -42,7 +40,6 @@ pub enum InterfaceError {
         "{recording} is sampled every {found} s, the diagnoser was trained at {expected} s: resample it"
     )]
     Period {
-        /// The recording.
         recording: String,
         /// Sampling time of the training, s.
         expected: f64,
@@ -52,7 +49,6 @@ pub enum InterfaceError {
     /// The values themselves.
     #[error("recording {recording}: {source}")]
     Data {
-        /// The recording.
         recording: String,
         /// What is wrong with them.
         source: DataError,

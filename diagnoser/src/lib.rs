@@ -19,11 +19,24 @@
 //! Where the physics of the process is known, a [`bank`] of hypotheses does more: it names the
 //! mechanism that failed, its size and its onset without having been shown any fault.
 //!
+//! ```
+//! use drivescope_diagnoser::{Column, Confidence, ConstantThreshold, Data};
+//!
+//! // A healthy residual, and one to be judged.
+//! let residual: Vec<f64> = (0..2000).map(|k| (f64::from(k) * 12.9898).sin()).collect();
+//! let column = Column { name: "r", values: &residual };
+//! let healthy = Data::new(vec![column], column)?;
+//! let band = ConstantThreshold::design(&healthy, 100)?.band(Confidence::new(0.05)?);
+//! assert!(!band.is_exceeded_by(0.5) && band.is_exceeded_by(3.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Equation numbers are those of K. Patan, M. Witczak, J. Korbicz, "Towards robustness in neural
 //! network based fault diagnosis", Int. J. Appl. Math. Comput. Sci. 18 (2008), 443-454.
 
 mod arx;
 pub mod bank;
+mod constant_threshold;
 mod cusum;
 mod data;
 mod decision;
@@ -43,11 +56,13 @@ mod memory;
 mod model;
 mod model_error;
 mod network;
+mod parts;
 mod range;
 mod recipe;
 mod scale;
 mod signal_model;
 mod stability;
+mod stored_error;
 #[cfg(test)]
 mod testing;
 mod threshold;
@@ -57,14 +72,15 @@ mod windows;
 pub use arx::{
     Arx, ArxError, ArxFit, ArxRun, FreeRunOrders, FreeRunRow, OrderRow, OrderTable, Orders,
 };
+pub use constant_threshold::ConstantThreshold;
 pub use cusum::{Cusum, CusumError, CusumLanes, CusumStep, Whitening, threshold_for};
 pub use data::{Column, Data, DataError};
 pub use decision::{Detection, RunRule, SpanError, Trace};
 pub use design::{Design, DesignError, DesignReport, ErrorModel};
 pub use detector::{Detector, DetectorError};
 pub use detectors::{
-    ConstantThreshold, DetectorKind, DetectorRun, Elsewhere, Info, Judged, ModelError, Refusal,
-    ResidualDetector, ResidualTest, Stored,
+    DetectorKind, DetectorRun, Elsewhere, Info, Judged, Refusal, ResidualDetector, ResidualTest,
+    Stored,
 };
 pub use diagnoser::{Diagnoser, DiagnosisError};
 /// When a Levenberg-Marquardt search stops.
@@ -79,7 +95,7 @@ pub use gmdh::{
 pub use identification::{Size, fault_size, size_groups};
 pub use interface::{Channel, Interface, InterfaceError};
 pub use isolation::{
-    Answer, Cloud, Discriminant, FaultSymptoms, FaultsError, FaultsReport, FaultyRun,
+    Cloud, Discriminant, FaultSymptoms, FaultsError, FaultsReport, FaultyRun, Isolated,
     IsolationError, IsolationMatrix, IsolationReport, Isolator, IsolatorOptions, KnownFaults, Mlp,
     MlpSize, Named, Naming, Partition, Separability, SymptomError, Symptoms, discriminant,
     symptoms_of,
@@ -92,12 +108,14 @@ pub use network::{
     ApproximationExample, ApproximationRow, FirNeuron, IirNeuron, Method, Network, NetworkRun,
     Selection, StartRow, Structure, StructureRow, Theta, Trained, Training, TrainingError, train,
 };
+pub use parts::Parts;
 pub use range::{OperatingRange, RangeWatch};
 pub use recipe::{Learned, Recipe, RecipeError, Sets};
 pub use scale::Scale;
 pub use signal_model::{SignalModel, Start, free_run, residual};
+pub use stored_error::ModelError;
 pub use threshold::{Band, Confidence, ConfidenceError, Threshold};
 pub use verdict::Verdict;
 pub use windows::{
-    Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, Rest, WindowError, WindowWatch, Windows,
+    Baseline, FALSE_RUNS, FOLLOWED, Lag, LagRun, Standstill, WindowError, WindowWatch, Windows,
 };

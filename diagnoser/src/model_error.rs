@@ -52,13 +52,13 @@ impl BandDesign {
     ) -> Result<Self, DataError> {
         healthy.require_samples(run_up + 2, "the design of bands after their run-up")?;
         healthy.require_variation()?;
-        let left = &healthy.judged(&residual(error_model, healthy, start), run_up)[..];
-        let (mean, deviation) = mean_and_deviation(left);
-        let whiteness = ljung_box(left, LAGS);
+        let remainder = &healthy.judged(&residual(error_model, healthy, start), run_up)[..];
+        let (mean, deviation) = mean_and_deviation(remainder);
+        let whiteness = ljung_box(remainder, LAGS);
         let correlation = whiteness.as_ref().map_or(&[][..], |white| &white.autocorrelation);
-        let normality = omnibus_normality(left, correlation);
+        let normality = omnibus_normality(remainder, correlation);
         let (_, plain) = mean_and_deviation(&healthy.judged(healthy.output().values, run_up));
-        Ok(Self { deviation, plain, mean, samples: left.len(), whiteness, normality })
+        Ok(Self { deviation, plain, mean, samples: remainder.len(), whiteness, normality })
     }
 }
 

@@ -21,9 +21,7 @@ const MARGIN: f64 = 0.1;
 pub struct OperatingRange {
     /// Samples of a window.
     pub samples: usize,
-    /// Of each input.
     pub inputs: Vec<[f64; 2]>,
-    /// Of the output.
     pub output: [f64; 2],
     /// Whether each input raises the output.
     pub raises: Vec<bool>,

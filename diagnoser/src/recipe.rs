@@ -51,7 +51,6 @@ pub struct Sets<'a> {
 pub struct Recipe {
     /// Sizes of the process model.
     pub structure: Structure,
-    /// Its training.
     pub training: Training,
     /// Error model, bands and decision.
     pub design: Design,
@@ -136,7 +135,6 @@ impl Recipe {
 /// A diagnoser and what was found on the way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Learned {
-    /// The diagnoser.
     pub diagnoser: Diagnoser,
     /// Its process model.
     pub process: Trained,

@@ -22,7 +22,6 @@ pub const PASSING_PACE: f64 = 25.0;
 /// jumps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
-    /// The observer.
     pub observer: Observer,
     /// Longest sub-step of the integration, s.
     pub longest_s: f64,

@@ -31,15 +31,9 @@ const LONG: usize = 3_000_000;
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Doubt {
     /// u does not change.
-    ConstantInput {
-        /// The recording.
-        recording: String,
-        /// Its value.
-        value: f64,
-    },
+    ConstantInput { recording: String, value: f64 },
     /// The recording ends before the speed has settled once.
     Short {
-        /// The recording.
         recording: String,
         /// Its longest stretch, s.
         duration_s: f64,
@@ -48,9 +42,7 @@ pub enum Doubt {
     },
     /// So many samples that the work takes minutes and gigabytes.
     Long {
-        /// The recording.
         recording: String,
-        /// Its samples.
         samples: usize,
         /// Its sampling time, s.
         period_s: f64,
@@ -67,7 +59,6 @@ pub enum Doubt {
         here: f64,
         /// In these.
         there: f64,
-        /// Its unit.
         unit: String,
     },
 }

@@ -30,7 +30,6 @@ pub enum Driving {
     Input,
     /// The motor's torque or force.
     Torque,
-    /// The current.
     Current,
     /// The control signal, taken for u.
     Command,

@@ -1,5 +1,6 @@
 //! Why a recording, or a drive with it, cannot be used.
 
+use drivescope_recording::{rounded, rounded_to};
 use thiserror::Error as ThisError;
 
 /// Why a recording, or a drive with it, cannot be used.
@@ -92,9 +93,10 @@ pub enum Error {
     },
     /// The model overflows, and a sample of the recording is beyond what it may be stepped.
     #[error(
-        "{recording}: a sample of {period_s} s would take the model {:.1e} sub-steps, more than the \
+        "{recording}: a sample of {} s would take the model {:.1e} sub-steps, more than the \
          {most} that one may take: check the unit of time (--columns time=COLUMN:ms), and R, L, J and \
          the effects of the drive file, one of which makes it that much faster than the recording",
+        rounded(*period_s),
         substeps
     )]
     OutOfBudget {
@@ -109,15 +111,16 @@ pub enum Error {
     },
     /// A speed that the input cannot give.
     #[error(
-        "{file}: {name} reaches {largest:.4} {unit}, but u and K_e of the drive file give {possible:.4} \
-         {unit} at most{meaning}: name the unit by --columns {name}=COLUMN:UNIT, or correct K_e"
+        "{file}: {name} reaches {} {unit}, but u and K_e of the drive file give {} {unit} at \
+         most{meaning}: name the unit by --columns {name}=COLUMN:UNIT, or correct K_e",
+        rounded_to(4, *largest),
+        rounded_to(4, *possible)
     )]
     ImpossibleSpeed {
         /// The recording.
         file: String,
         /// The speed's name.
         name: &'static str,
-        /// Its unit.
         unit: String,
         /// Its greatest magnitude but for spikes.
         largest: f64,
@@ -129,7 +132,6 @@ pub enum Error {
     /// An effect that the user chose cannot be added.
     #[error("{effect} cannot be added: {reason}")]
     CannotAdd {
-        /// The effect.
         effect: String,
         /// Why, and what to do.
         reason: String,

@@ -172,21 +172,21 @@ fn rows(measured: &Measured, channel: &Channel) -> Vec<Row> {
 
 /// What the first `columns` differences of u leave unexplained; nothing where u does not vary.
 fn explained(rows: &[Row], columns: usize) -> Option<Vec<f64>> {
-    let mut left: Vec<f64> = rows.iter().map(|row| row.difference).collect();
+    let mut remainder: Vec<f64> = rows.iter().map(|row| row.difference).collect();
     // Twice: the second time without what the first showed to be no noise.
     for _ in 0..2 {
-        let limit = CLIP * clipped(&left);
+        let limit = CLIP * clipped(&remainder);
         let mut regression = Regression::new(columns);
-        for (row, left) in rows.iter().zip(&left) {
-            if left.abs() <= limit {
+        for (row, remainder) in rows.iter().zip(&remainder) {
+            if remainder.abs() <= limit {
                 regression.push(row.u[..columns].iter().copied(), row.difference);
             }
         }
         let fit = regression.solve().ok()?;
         let by_u = |row: &Row| row.u.iter().zip(&fit.parameters).map(|(u, p)| u * p).sum::<f64>();
-        left = rows.iter().map(|row| row.difference - by_u(row)).collect();
+        remainder = rows.iter().map(|row| row.difference - by_u(row)).collect();
     }
-    Some(left)
+    Some(remainder)
 }
 
 /// Whether present and future u explain what the past left.

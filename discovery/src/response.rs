@@ -148,7 +148,6 @@ fn along(row: &[f64; SEEDS], x: &[[f64; TOGETHER]; SEEDS], used: usize) -> [f64;
 
 /// What some series do to a measured value, in units of the noise.
 pub(crate) struct Response<'a> {
-    /// Its sample.
     pub(crate) sample: usize,
     /// Its output, by its place in [`crate::Measured::outputs`].
     pub(crate) output: usize,

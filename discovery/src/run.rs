@@ -68,8 +68,8 @@ impl<R: Real> Runner<'_, R> {
     /// circuit (V), added to the balances over this sample.
     #[inline]
     pub(crate) fn sample(&mut self, k: usize, added: [R; 2]) -> [R; OUTPUTS] {
-        let begins = |piece: &std::ops::Range<usize>| piece.start == k;
-        if self.measured.pieces.get(self.next_piece).is_some_and(begins) {
+        let is_here = |piece: &std::ops::Range<usize>| piece.start == k;
+        if self.measured.pieces.get(self.next_piece).is_some_and(is_here) {
             self.begin();
         }
         let load = self.measured.load.as_ref().map_or(0.0, |load| load[k]);

@@ -278,7 +278,7 @@ fn every_curve_of_the_state_is_added_as_it_was_shown() {
         assert_eq!(found, (balance, over, times), "{learned:?}");
         assert!(learned.addable && learned.excess_removed > 0.9, "{learned:?}");
         let added = add(&base(), "learned", &estimation, &validation, &Unwatched).expect("added");
-        let excess = |rung: usize| added.ladder[rung].validation_error.powi(2) - 1.0;
+        let excess = |step: usize| added.ladder[step].validation_error.powi(2) - 1.0;
         assert!(excess(1) < 0.2 * excess(0), "{} and {}", excess(1), excess(0));
         let effect = added.drive.effects.last().expect("it was added");
         let values: Vec<f64> = effect.parameters.iter().map(|(_, value)| *value).collect();

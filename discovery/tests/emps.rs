@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 
 use drivescope_discovery::{
-    Estimate, Evidence, Fitted, Measured, Observer, Options, Ranked, Rung, Setting, USUAL_BAND_HZ,
-    Unwatched, compare, discover, evaluate, fit, noise, relative_force_error,
+    Estimate, Evidence, Fitted, LadderStep, Measured, Observer, Options, Ranked, Setting,
+    USUAL_BAND_HZ, Unwatched, compare, discover, evaluate, fit, noise, relative_force_error,
 };
 use drivescope_plant::drive::Drive;
 use drivescope_recording::{ReadOptions, read};
@@ -119,7 +119,7 @@ fn discovery_names_the_direction_of_friction_and_refuses_the_rest_in_words() {
     let difference = 2.0 * value("asymmetric_friction.dB_m");
     let mean = value("B_m");
     assert!((65.0..82.0).contains(&difference) && (185.0..210.0).contains(&mean));
-    let ends = |rung: &Rung| rung.validation_error;
+    let ends = |step: &LadderStep| step.validation_error;
     let ratio = ends(found.ladder.last().expect("a base")) / ends(&found.ladder[0]);
     println!("F_v- minus F_v+ {difference}, mean {mean}, validation error {ratio} of the base");
     assert!(ratio <= 0.80, "{ratio}");

@@ -71,8 +71,8 @@ fn found(disturbs: impl Fn(f64) -> f64) -> Discovery {
 }
 
 fn torque(found: &Discovery, step: usize) -> f64 {
-    let left = &found.ladder[step].validation_unexplained;
-    left.torque.expect("torque and motion were measured").rms
+    let remainder = &found.ladder[step].validation_unexplained;
+    remainder.torque.expect("torque and motion were measured").rms
 }
 
 #[test]

@@ -2,8 +2,6 @@
 //! and six outputs read. The FMU's own work is next to nothing here, so the whole is an upper bound of what the
 //! importer adds.
 
-#![allow(missing_docs)] // `criterion_group!` makes a public function.
-
 use std::hint::black_box;
 use std::sync::Arc;
 

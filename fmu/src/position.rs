@@ -3,7 +3,6 @@
 /// A position in a document, both from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Position {
-    /// Line.
     pub line: u32,
     /// Column, in characters.
     pub column: u32,
@@ -12,7 +11,6 @@ pub struct Position {
 /// A problem at a position of a document.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DocumentProblem {
-    /// Where.
     pub position: Position,
     /// What is wrong there.
     pub text: String,

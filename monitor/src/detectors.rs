@@ -60,7 +60,7 @@ impl Detectors {
         baseline: Option<(&str, &Data)>,
     ) -> Result<Self, MonitorError> {
         let confidence = beta.map(Confidence::new).transpose()?.unwrap_or(diagnoser.confidence);
-        let held = DetectorKind::ALL.into_iter().filter(|kind| kind.is_held(diagnoser));
+        let held = DetectorKind::ALL.into_iter().filter(|kind| diagnoser.holds(*kind));
         let healthy = baseline.map(|(_, data)| data);
         let each = held.map(|kind| OfResidual::new(diagnoser, kind, (asked, confidence), healthy));
         let each = each.collect::<Result<_, DetectorError>>()?;
@@ -80,7 +80,7 @@ impl Detectors {
         let is_there = match asked {
             Method::Bank => true,
             Method::Windows => windows.is_some(),
-            Method::Residual(kind) => kind.is_held(diagnoser),
+            Method::Residual(kind) => diagnoser.holds(kind),
         };
         if !is_there {
             return Err(MonitorError::Missing { method: asked });

@@ -33,7 +33,6 @@ pub enum MonitorError {
     Unit {
         /// The signal.
         name: String,
-        /// Its unit.
         unit: String,
         /// Unit of the training.
         trained: String,
@@ -68,8 +67,5 @@ pub enum MonitorError {
     },
     /// The diagnoser does not hold what was asked for.
     #[error("the diagnoser holds no {}{}", method.label(), if *method == Method::Windows { ", or no baseline was given" } else { "" })]
-    Missing {
-        /// The method.
-        method: Method,
-    },
+    Missing { method: Method },
 }

@@ -1,6 +1,6 @@
 //! What a method found.
 
-use drivescope_diagnoser::{Answer, KnownFaults, Memory, MemoryError, Named, Size, Walk};
+use drivescope_diagnoser::{Isolated, KnownFaults, Memory, MemoryError, Named, Size, Walk};
 use serde::Serialize;
 
 use crate::declaration::{Declaration, UNKNOWN};
@@ -12,7 +12,6 @@ pub(crate) const MOST_KEPT: usize = 10_000;
 /// What a method found until now.
 #[derive(Debug, Clone, Serialize)]
 pub struct Found {
-    /// The method.
     pub method: Method,
     /// `healthy`, `fault`, `abnormal` or `not_judged`.
     pub verdict: &'static str,
@@ -73,8 +72,8 @@ impl Fault {
     pub(crate) fn new(known: &KnownFaults, named: &Named) -> Self {
         let unknown = named.shares.len() - 1;
         let (class, place) = match named.answer {
-            Answer::Class(class) => (known.class(class).join(BETWEEN), class),
-            Answer::Unknown => (UNKNOWN.to_owned(), unknown),
+            Isolated::Class(class) => (known.class(class).join(BETWEEN), class),
+            Isolated::Unknown => (UNKNOWN.to_owned(), unknown),
         };
         let Named { samples, size, group, .. } = *named;
         Self { class, samples, share: named.shares[place], s: size, group }
@@ -162,7 +161,6 @@ pub struct Machine {
 /// What every method found over a run.
 #[derive(Debug, Clone)]
 pub struct Finished {
-    /// Samples.
     pub samples: usize,
     /// Of these, only settling the models.
     pub run_up: usize,
@@ -170,6 +168,5 @@ pub struct Finished {
     pub beyond: usize,
     /// What the bank learned of the machine.
     pub machine: Option<Machine>,
-    /// Every method.
     pub methods: Vec<Found>,
 }

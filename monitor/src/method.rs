@@ -70,7 +70,7 @@ impl Method {
         match self {
             Self::Bank => diagnoser.bank.is_some(),
             Self::Windows => diagnoser.windows.is_some() && baseline,
-            Self::Residual(kind) => kind.is_held(diagnoser),
+            Self::Residual(kind) => diagnoser.holds(kind),
         }
     }
 

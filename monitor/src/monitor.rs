@@ -115,8 +115,9 @@ impl Monitor {
     ) -> Result<(), MonitorError> {
         let data = diagnoser.interface.select(recording)?;
         let mut u = vec![0.0; data.inputs().len()];
+        let mut breaks = recording.breaks.iter().map(|it| it.at).peekable();
         for (k, y) in data.output().values.iter().enumerate() {
-            if recording.breaks.iter().any(|it| it.at == k) {
+            if breaks.next_if_eq(&k).is_some() {
                 self.begin();
             }
             u.iter_mut().zip(data.inputs()).for_each(|(u, column)| *u = column.values[k]);

@@ -1,6 +1,6 @@
 //! Windows of the residual at work.
 
-use drivescope_diagnoser::{LagRun, Memory, MemoryError, Rest, Walk, WindowWatch};
+use drivescope_diagnoser::{LagRun, Memory, MemoryError, Standstill, Walk, WindowWatch};
 
 use crate::declaration::Declaration;
 use crate::found::Found;
@@ -13,7 +13,7 @@ use crate::state::Shown;
 pub(crate) struct OfWindows {
     watch: WindowWatch,
     model: LagRun,
-    rest: Rest,
+    rest: Standstill,
     /// Time of the last window outside.
     last_outside: f64,
     pub(crate) counted: Outside,
@@ -26,7 +26,7 @@ impl OfWindows {
         Self {
             watch,
             model,
-            rest: Rest::default(),
+            rest: Standstill::default(),
             last_outside: 0.0,
             counted: Outside::default(),
             found: Found::new(Method::Windows, None),
@@ -48,8 +48,8 @@ impl OfWindows {
         };
         self.counted.step(1, usize::from(outside));
         let mut was_standing = std::mem::replace(&mut self.standing, outside);
-        let begins = outside && !was_standing;
-        if begins {
+        let is_onset = outside && !was_standing;
+        if is_onset {
             self.found.declare(Declaration { sample, ..Declaration::unknown(time, time) });
         }
         if outside {
@@ -57,14 +57,14 @@ impl OfWindows {
         } else {
             self.found.end(self.last_outside, &mut was_standing);
         }
-        begins
+        is_onset
     }
 
     /// A new segment begins.
     pub(crate) fn begin(&mut self) {
         self.watch.reset();
         self.model.reset();
-        self.rest = Rest::default();
+        self.rest = Standstill::default();
         self.found.end(self.last_outside, &mut self.standing);
     }
 

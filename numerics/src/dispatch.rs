@@ -25,7 +25,7 @@ pub fn prefetch(part: &[f64]) {
 /// The columns of a block of two by two. The compiler moves the four numbers one by one; as two
 /// vectors they cost half, wherever the code around is compiled for.
 #[inline(always)]
-pub fn turned(block: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+pub fn transposed(block: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_mm_loadu_pd, _mm_storeu_pd, _mm_unpackhi_pd, _mm_unpacklo_pd};
@@ -88,6 +88,6 @@ pub fn widest<W: Work>(work: W) {
 mod tests {
     #[test]
     fn a_block_is_turned() {
-        assert_eq!(super::turned([[1.0, 2.0], [3.0, 4.0]]), [[1.0, 3.0], [2.0, 4.0]]);
+        assert_eq!(super::transposed([[1.0, 2.0], [3.0, 4.0]]), [[1.0, 3.0], [2.0, 4.0]]);
     }
 }

@@ -9,6 +9,18 @@
 //! squares row by row, `minimise` nonlinear ones; `ljung_box` and `omnibus_normality` test what is
 //! left, `aic` weighs it against the number of parameters, `wilson_95` is the interval of a counted
 //! share.
+//!
+//! ```
+//! use drivescope_numerics::{Dual, Real};
+//!
+//! /// A drag and its slope, in one pass.
+//! fn drag<R: Real>(omega: R) -> R {
+//!     R::constant(3e-6) * omega * omega
+//! }
+//!
+//! let torque = drag(Dual::<1>::parameter(100.0, 0));
+//! assert!((torque.v - 0.03).abs() < 1e-15 && (torque.d[0] - 6e-4).abs() < 1e-15);
+//! ```
 
 pub mod dispatch;
 mod dual;

@@ -86,9 +86,9 @@ impl Request {
         let (mut account, converted) = match outcome {
             Ok(Ok((recording, report))) => {
                 write(beside(&self.extension), &recording)?;
-                let told = [report.guesses(), report.warnings()].concat();
+                let stated = [report.guesses(), report.warnings()].concat();
                 let noise_gain = recording.noise_gain;
-                (json!({ "report": report, "told": told, "noise_gain": noise_gain }), Ok(()))
+                (json!({ "report": report, "told": stated, "noise_gain": noise_gain }), Ok(()))
             }
             Ok(Err(error)) => (json!({ "error": error.to_string() }), Err(error.into())),
             Err(payload) => {

@@ -13,22 +13,22 @@ pub(crate) const NUMBER_BYTES: usize = size_of::<f64>();
 #[derive(Debug)]
 pub(crate) struct Budget {
     file: String,
-    left: usize,
+    remaining: usize,
 }
 
 impl Budget {
     pub(crate) fn new(file: &str) -> Budget {
-        Budget { file: file.to_owned(), left: MOST_NUMBERS }
+        Budget { file: file.to_owned(), remaining: MOST_NUMBERS }
     }
 
     /// Numbers that may still be taken.
-    pub(crate) fn left(&self) -> usize {
-        self.left
+    pub(crate) fn remaining(&self) -> usize {
+        self.remaining
     }
 
     /// Takes room for so many numbers.
     pub(crate) fn take(&mut self, numbers: usize) -> Result<(), Error> {
-        self.left = self.left.checked_sub(numbers).ok_or_else(|| self.too_large())?;
+        self.remaining = self.remaining.checked_sub(numbers).ok_or_else(|| self.too_large())?;
         Ok(())
     }
 
@@ -58,7 +58,7 @@ mod tests {
         let mut budget = Budget::new("a.csv");
         budget.take_table(MOST_NUMBERS / 4, 2).unwrap();
         budget.take_bytes(8 * MOST_NUMBERS as u64 / 4 - 7).unwrap();
-        assert_eq!(budget.left(), MOST_NUMBERS / 4);
+        assert_eq!(budget.remaining(), MOST_NUMBERS / 4);
         assert!(budget.take(MOST_NUMBERS / 4 + 1).is_err());
         assert!(budget.take_table(usize::MAX, 2).is_err() && budget.take_bytes(u64::MAX).is_err());
         assert!(budget.too_large().to_string().contains("a.csv"));

@@ -7,7 +7,6 @@ use crate::rounded::rounded;
 
 /// Why a recording could not be read, used or written.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Error {
     /// The file cannot be opened or read.
     #[error("{file}: cannot be read: {source}")]

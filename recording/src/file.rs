@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::formats::{Format, by_extension, recognise, written};
 use crate::mapping::ReadOptions;
 use crate::preview::Preview;
-use crate::replace::write_whole;
+use crate::replace::{is_no_file, write_whole};
 use crate::report::Report;
 use crate::signal::{Recording, TextSignal};
 use crate::table::Table;
@@ -74,7 +74,7 @@ fn table(format: &Format, opened: File, file: &str, options: &ReadOptions) -> Re
 }
 
 /// Writes a recording; the extension tells the format. Nothing is left half-written: the file
-/// gets its name when it is complete.
+/// gets its name when it is complete. A device or a pipe with another name takes CSV.
 ///
 /// # Errors
 /// [`Error::Write`], [`Error::WriteFormat`] or [`Error::UnequalLengths`].
@@ -82,7 +82,8 @@ pub fn write(path: impl AsRef<Path>, recording: &Recording) -> Result<(), Error>
     let path = path.as_ref();
     match by_extension(path).and_then(|format| format.write) {
         Some(content) => put_in_place(path, recording, |out| content(out, recording)),
-        _ => Err(Error::WriteFormat { file: path.display().to_string(), known: written() }),
+        None if is_no_file(path) => write_csv(path, recording),
+        None => Err(Error::WriteFormat { file: path.display().to_string(), known: written() }),
     }
 }
 

@@ -11,6 +11,21 @@
 //!
 //! [`CsvStream`] does the same row by row, for live data; [`write()`] writes a recording so that
 //! reading it again gives the same bits.
+//!
+//! ```
+//! use drivescope_recording::{ReadOptions, Recording, Signal, read, write};
+//!
+//! let values = (0..100).map(|k| f64::from(k).sin()).collect();
+//! let speed = Signal { name: "omega".into(), unit: "rad/s".into(), values };
+//! let recording = Recording::new("run", 0.0, 0.01, vec![speed]);
+//! let folder = tempfile::tempdir()?;
+//! let file = folder.path().join("run.csv");
+//! write(&file, &recording)?;
+//! let (found, report) = read(&file, &ReadOptions::default())?;
+//! assert_eq!(found.signals, recording.signals);
+//! assert!(report.suspicions.is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod budget;
 mod canonical;
@@ -65,7 +80,7 @@ pub use quality::{Limit, SignalQuality, limits};
 pub use quantum::Quantum;
 pub use replace::{check_writable, write_whole};
 pub use report::{Constant, Report, Sampling};
-pub use rounded::rounded;
+pub use rounded::{rounded, rounded_to};
 pub use signal::{NoiseGain, Recording, Signal, TextSignal};
 pub use stretches::{Stretch, Stretches};
 pub use suspicion::{Suspicion, suspicions};

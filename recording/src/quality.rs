@@ -25,7 +25,6 @@ const DIRECTION: f64 = 0.02;
 pub struct SignalQuality {
     /// The signal's name.
     pub name: String,
-    /// Its unit.
     pub unit: String,
     /// Smallest value; NaN where there is none.
     pub min: f64,
@@ -50,7 +49,6 @@ pub struct SignalQuality {
 /// An extreme value at which a signal sits, as a saturated one does.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limit {
-    /// The value.
     pub value: f64,
     /// Share of the samples there.
     pub share: f64,

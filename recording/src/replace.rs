@@ -65,10 +65,15 @@ enum Target {
     Through,
 }
 
+/// Whether a device or a pipe is there, which takes bytes under any name.
+pub(crate) fn is_no_file(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
 fn target(path: &Path) -> io::Result<Target> {
     match fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(ErrorKind::IsADirectory.into()),
-        Ok(there) if !there.is_file() => Ok(Target::Through),
+        Ok(_) if is_no_file(path) => Ok(Target::Through),
         _ => followed(path).map(Target::File),
     }
 }

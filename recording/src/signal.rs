@@ -34,7 +34,6 @@ impl Signal {
 /// One value a sample that is no number: what an FMU says beside its signals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextSignal {
-    /// Its name.
     pub name: String,
     /// One text a sample.
     pub values: Vec<String>,

@@ -23,7 +23,6 @@ pub struct Stretches {
     pub listed: Vec<Stretch>,
     /// All stretches.
     pub count: usize,
-    /// All samples in them.
     pub samples: usize,
     #[serde(skip)]
     last: usize,

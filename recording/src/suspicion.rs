@@ -49,7 +49,6 @@ pub enum Suspicion {
     },
     /// A speed that no drive reaches.
     TooFast {
-        /// The signal.
         signal: String,
         /// Its largest magnitude, rad/s.
         largest: f64,
@@ -287,8 +286,8 @@ mod tests {
                 "{words}: {meaning:?}"
             );
         }
-        let told = suspicions(&swinging(60.0 / TAU, 1.0))[0].to_string();
-        assert!(told.contains("say --columns omega=COLUMN:UNIT"), "{told}");
+        let stated = suspicions(&swinging(60.0 / TAU, 1.0))[0].to_string();
+        assert!(stated.contains("say --columns omega=COLUMN:UNIT"), "{stated}");
         let (ratio, meaning) = only(&swinging(14.0, 1.0));
         assert!((ratio - 14.0).abs() < 0.1 && meaning.is_none(), "a gear");
         let contradicts = |scale| suspicions(&swinging(scale, 1.0))[0].is_contradiction();
@@ -302,8 +301,8 @@ mod tests {
         recording.period_s = 0.4e-3;
         let mut found = suspicions(&recording);
         found[0].suggest_rows(0.4e-3);
-        let told = found[0].to_string();
-        assert!(told.contains("rows 0.001 s apart, say --rows-every 0.001;"), "{told}");
+        let stated = found[0].to_string();
+        assert!(stated.contains("rows 0.001 s apart, say --rows-every 0.001;"), "{stated}");
         assert!(!found[0].is_contradiction());
         // A unit that explains the factor comes first.
         let mut rpm = suspicions(&swinging(60.0 / TAU, 1.0));
@@ -326,7 +325,10 @@ mod tests {
         assert_eq!(suspicions(&recording), [], "a spike is no unit");
         recording.signals[0].values[7..47].fill(3000.0);
         recording.period_s = 1.0;
-        let told: Vec<String> = suspicions(&recording).iter().map(Suspicion::to_string).collect();
-        assert!(told[0].contains("28648 rpm") && told[1].contains("milliseconds"), "{told:?}");
+        let stated: Vec<String> = suspicions(&recording).iter().map(Suspicion::to_string).collect();
+        assert!(
+            stated[0].contains("28648 rpm") && stated[1].contains("milliseconds"),
+            "{stated:?}"
+        );
     }
 }

@@ -74,8 +74,8 @@ impl Table {
             // A time that is not to be believed is no signal either.
             if let Some(position) = resolved.time.take() {
                 columns.remove(position);
-                let left = resolved.columns.remove(position).note.column;
-                notes.push(format!("column `{left}` is not used: rows lie {every_s} s apart"));
+                let remaining = resolved.columns.remove(position).note.column;
+                notes.push(format!("column `{remaining}` is not used: rows lie {every_s} s apart"));
             }
         }
         let time = match (resolved.time, period_s) {

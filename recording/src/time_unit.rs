@@ -44,15 +44,15 @@ pub(crate) fn stamps(
     first: Option<i128>,
     values: &[f64],
 ) -> (Option<&'static str>, String) {
-    let told = || format!("column `{name}` begins at 0: it counted from another moment");
+    let stated = || format!("column `{name}` begins at 0: it counted from another moment");
     let (Some(first), Some(step), false) = (first, median_step(values), has_unit) else {
-        return (None, told());
+        return (None, stated());
     };
     match since_1970(first as f64 / 1e9, step) {
         Some(unit) => (Some(unit), epoch(name, unit)),
         None => match by_step(step) {
             Some(unit) => (Some(unit), guessed(name, unit, step)),
-            None => (None, told()),
+            None => (None, stated()),
         },
     }
 }

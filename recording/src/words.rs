@@ -32,7 +32,6 @@ pub(crate) enum Word {
     Load,
     /// By a sensor of its own.
     Sensor,
-    /// As measured.
     Measured,
     /// Smoothed.
     Filtered,
@@ -50,7 +49,6 @@ pub(crate) enum Word {
     Number,
     /// The letter q: an axis of the current, or a joint's position.
     Q,
-    /// A digit.
     Digit(u32),
     /// Nothing of its own.
     Neutral,

@@ -86,9 +86,9 @@ fn holes_are_read_located_and_refused_only_where_needed() {
     }
     let (recording, report) = read_bytes(text.as_bytes()).unwrap();
     assert!(recording.signal("omega").unwrap().values[42].is_nan());
-    let told = report.to_string();
-    assert!(told.contains("omega: 5 samples missing or not finite, lines 42 to 46"), "{told}");
-    assert!(told.contains("u: 1 samples missing or not finite, line 62"), "{told}");
+    let stated = report.to_string();
+    assert!(stated.contains("omega: 5 samples missing or not finite, lines 42 to 46"), "{stated}");
+    assert!(stated.contains("u: 1 samples missing or not finite, line 62"), "{stated}");
     let error = report.require(&recording, &["omega"]).unwrap_err().to_string();
     assert!(error.contains("rec.csv:42") && error.contains("`omega`"), "{error}");
     let error = report.require(&recording, &["i"]).unwrap_err().to_string();
@@ -102,11 +102,11 @@ fn bytes_that_are_not_text() {
     let (recording, report) = read_bytes(b"time [s],Winkel [\xb0]\n0,180\n1,\xff\n2,0\n").unwrap();
     assert_eq!(recording.signals[0].values[0], std::f64::consts::PI);
     assert!(recording.signals[0].values[1].is_nan());
-    let told = report.to_string();
+    let stated = report.to_string();
     assert!(
-        told.contains("Windows-1252")
-            && told.contains("such as `\u{ff}`, and counts as missing, line 3"),
-        "{told}"
+        stated.contains("Windows-1252")
+            && stated.contains("such as `\u{ff}`, and counts as missing, line 3"),
+        "{stated}"
     );
 }
 
@@ -141,14 +141,14 @@ fn every_guess_is_said() {
     let (recording, report) = read_bytes(text.as_bytes()).unwrap();
     assert_eq!(recording.period_s, 0.005);
     assert_eq!(recording.signal("omega").unwrap().unit, "rad/s");
-    let told = report.guesses();
+    let stated = report.guesses();
     for sentence in [
         "column `Timestamp` [ms] taken as time, converted to s",
         "column `Voltage` taken as u, its unit as V",
         "column `Speed` [rpm] taken as omega, converted to rad/s",
         "column `vibration` is not known and kept as it is",
     ] {
-        assert!(told.iter().any(|it| it == sentence), "{sentence}: {told:?}");
+        assert!(stated.iter().any(|it| it == sentence), "{sentence}: {stated:?}");
     }
 }
 
@@ -197,6 +197,7 @@ fn paths_that_are_no_recordings() {
     write(&kept, &recording).unwrap();
     assert!(matches!(write(&kept, &uneven), Err(Error::UnequalLengths { .. })));
     assert_eq!(read(&kept, &options).unwrap().0.signals, recording.signals);
-    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|it| it.unwrap()).collect();
-    assert_eq!(left.len(), 3, "a temporary file stayed behind: {left:?}");
+    let remaining: Vec<_> =
+        std::fs::read_dir(folder.path()).unwrap().map(|it| it.unwrap()).collect();
+    assert_eq!(remaining.len(), 3, "a temporary file stayed behind: {remaining:?}");
 }

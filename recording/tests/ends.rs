@@ -32,14 +32,17 @@ fn rows_before_the_first_and_behind_the_last_value_are_left_out() {
         assert_eq!((recording.len(), recording.start_s), (194, 0.05), "{report}");
         report.require(&recording, &["omega", "i"]).unwrap();
         assert_eq!(recording.signal("omega").unwrap().values[0], 0.5_f64.sin());
-        let told = report.to_string();
+        let stated = report.to_string();
         assert!(
-            told.contains("left out: lines 2 to 6, before the first value of `omega`, `i`\n")
-                && told.contains("left out: line 201, behind the last value of `i`\n"),
-            "{told}"
+            stated.contains("left out: lines 2 to 6, before the first value of `omega`, `i`\n")
+                && stated.contains("left out: line 201, behind the last value of `i`\n"),
+            "{stated}"
         );
         // What nobody reads keeps its holes, at their lines.
-        assert!(told.contains("other: 85 samples missing or not finite, lines 7 to 91"), "{told}");
+        assert!(
+            stated.contains("other: 85 samples missing or not finite, lines 7 to 91"),
+            "{stated}"
+        );
     }
 }
 
@@ -58,11 +61,11 @@ fn a_device_s_empty_channels_are_left_out_with_one_word() {
     (0..50).for_each(|k| writeln!(text, "{k},{},0.0,0.0,0.0", k * k).unwrap());
     let (recording, report) = read(&text, &ReadOptions::default());
     assert_eq!(recording.signals.len(), 1);
-    let told = report.to_string();
-    assert_eq!(told.matches("Not selected`").count(), 1, "{told}");
+    let stated = report.to_string();
+    assert_eq!(stated.matches("Not selected`").count(), 1, "{stated}");
     assert!(
-        told.contains("left out: columns 3 to 5, called `Not selected`, and constant"),
-        "{told}"
+        stated.contains("left out: columns 3 to 5, called `Not selected`, and constant"),
+        "{stated}"
     );
     let columns = Mapping::parse_list("mode=Not selected#2").unwrap();
     let (recording, _) = read(&text, &ReadOptions { columns, ..ReadOptions::default() });
@@ -76,10 +79,10 @@ fn rows_that_are_said_to_lie_too_close_are_told_how_far_apart_they_do() {
         let t = 0.02 * f64::from(k);
         writeln!(text, "{:.6},{:.6}", (0.7 * t).sin(), 0.7 * (0.7 * t).cos()).unwrap();
     }
-    let told = |rows_every| {
+    let stated = |rows_every| {
         let options = ReadOptions { rows_every: Some(rows_every), ..ReadOptions::default() };
         read(&text, &options).1.to_string()
     };
-    assert!(told(0.008).contains("say --rows-every 0.02;"), "{}", told(0.008));
-    assert!(!told(0.02).contains("--rows-every"), "{}", told(0.02));
+    assert!(stated(0.008).contains("say --rows-every 0.02;"), "{}", stated(0.008));
+    assert!(!stated(0.02).contains("--rows-every"), "{}", stated(0.02));
 }

@@ -89,8 +89,8 @@ fn time_without_a_unit_is_guessed_by_its_steps() {
         let rows: String = (0..5).map(|k| format!("{},{k}\n", f64::from(k) * step)).collect();
         let (recording, report) = read(&format!("time,u\n{rows}"));
         assert_eq!(recording.period_s, period_s, "{unit}");
-        let told = report.to_string();
-        assert!(unit == "s" || told.contains(&format!("{step} {unit}, a guess")), "{told}");
+        let stated = report.to_string();
+        assert!(unit == "s" || stated.contains(&format!("{step} {unit}, a guess")), "{stated}");
     }
     assert!(read("time,u\n0,1\n1,2\n2,4\n").1.to_string().contains("counts rows"));
 }
@@ -108,8 +108,8 @@ fn what_is_left_out_is_said() {
         ("time [s],u,i\n0,1,2\n0.1,2\n0.2,3,4\n", "1 rows lack values at their end"),
         ("time [s],u,id\n0,1,00A3\n0.1,2,1E05\n0.2,3,00B4\n", "column `id` holds text"),
     ] {
-        let told = read(text).1.to_string();
-        assert!(told.contains(words), "{words}: {told}");
+        let stated = read(text).1.to_string();
+        assert!(stated.contains(words), "{words}: {stated}");
     }
     let many: String = (0..30).map(|k| format!("{},{k}\n", f64::from(k) * 0.25)).collect();
     let (recording, report) = read(&format!("time [s],u\n{many}7.5,1,2,3\n7.5,30\n"));

@@ -48,15 +48,15 @@ fn a_logger_of_two_steps_keeps_its_time() {
             writeln!(text, "{t:.6},{theta:.6},{omega:.6},{:.6}", 0.1 * random(k + 7)).unwrap();
         }
         let (recording, report) = read(&text);
-        let told = report.to_string();
-        assert!(!told.contains("runs back") && report.sampling.moved == 0, "{told}");
-        assert!(recording.start_s >= stamps[0] - 0.02, "{told}");
-        assert!(report.end_s <= stamps[stamps.len() - 1] + 0.02, "{told}");
+        let stated = report.to_string();
+        assert!(!stated.contains("runs back") && report.sampling.moved == 0, "{stated}");
+        assert!(recording.start_s >= stamps[0] - 0.02, "{stated}");
+        assert!(report.end_s <= stamps[stamps.len() - 1] + 0.02, "{stated}");
         // 25 rad/s over the jitter of half a millisecond.
         let theta = &recording.signal("theta").unwrap().values;
         let off = |(k, theta): (usize, &f64)| (theta - angle(recording.time(k))).abs();
         let most = theta.iter().enumerate().map(off).fold(0.0, f64::max);
-        assert!(most < 0.02, "{most} {told}");
+        assert!(most < 0.02, "{most} {stated}");
     }
 }
 

@@ -69,8 +69,8 @@ fn stamps_that_jitter_are_told_from_samples_that_do() {
     // The rows themselves: only the first stamp's jitter moves the clock.
     let clock = late[0].0;
     assert!(error(&recording, clock) < 1e-3, "{}", error(&recording, clock));
-    let told = report.to_string();
-    assert!(told.contains("a uniform grid of 0.002 s; rows taken as evenly sampled"), "{told}");
+    let stated = report.to_string();
+    assert!(stated.contains("a uniform grid of 0.002 s; rows taken as evenly sampled"), "{stated}");
 
     for (k, row) in late.iter_mut().enumerate() {
         row.2 = speed(row.0) + 1e-3 * random(k, 2);

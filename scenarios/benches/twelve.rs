@@ -1,5 +1,4 @@
 //! The twelve faulty runs natively on one core: bar 1 ms for all of them.
-#![allow(missing_docs, reason = "criterion's macro makes a public function")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use drivescope_plant::noise::NoiseStream;

@@ -1,6 +1,5 @@
 //! The bank of hypotheses over a stream of C_m, T, I_m on one core: bar 2 us a sample for all
 //! detectors, of which those of the paper take some tenths (benches of the diagnoser).
-#![allow(missing_docs, reason = "criterion's macro makes a public function")]
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use drivescope_monitor::bank::{Columns, design};

@@ -18,10 +18,7 @@ pub enum ExperimentError {
     #[error(
         "the study needs speed control that is sampled: give `{drive}` a [controller] with a period"
     )]
-    NoController {
-        /// The drive.
-        drive: String,
-    },
+    NoController { drive: String },
 }
 
 /// Which run the noise is for: each has a stream of its own, apart from all others.
@@ -71,7 +68,6 @@ const USUAL_LIMIT: f64 = 10.0;
 /// The experiment with one drive.
 #[derive(Debug, Clone)]
 pub struct Experiment {
-    /// The drive.
     pub drive: Drive,
     /// Sampling time, s.
     pub period_s: f64,

@@ -1,6 +1,6 @@
 //! A run of the drive without any FMU: the reference for what the FMU must give, bit for bit.
 
-use drivescope_numerics::dispatch::{prefetch, turned};
+use drivescope_numerics::dispatch::{prefetch, transposed};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::OutputLanes;
 use drivescope_plant::fault::{FaultLanes, Faults, Mechanism};
@@ -182,7 +182,7 @@ fn turn<const N: usize>(
             columns.map(|values| values[samples.clone()].as_chunks::<2>());
         for (two, (a, b)) in row_pairs.iter_mut().zip(a.iter().zip(b)) {
             let [this, next] = two.each_mut().map(|row| &mut place(row).as_chunks_mut().0[pair]);
-            [*this, *next] = turned([*a, *b]);
+            [*this, *next] = transposed([*a, *b]);
         }
         for (row, (a, b)) in last_row.iter_mut().zip(a_last.iter().zip(b_last)) {
             place(row).as_chunks_mut().0[pair] = [*a, *b];
@@ -266,7 +266,7 @@ impl<const N: usize> Tile<'_, N> {
                     .map(|made| made.signals[signal].values[samples.clone()].as_chunks_mut::<2>());
                 for (two, (a, b)) in kept_pairs.iter().zip(a.iter_mut().zip(b)) {
                     let lanes = two.each_ref().map(|rows| rows[signal].as_chunks().0[pair]);
-                    [*a, *b] = turned(lanes);
+                    [*a, *b] = transposed(lanes);
                 }
                 for (rows, (a, b)) in last_kept.iter().zip(a_last.iter_mut().zip(b_last)) {
                     [*a, *b] = rows[signal].as_chunks().0[pair];

@@ -26,13 +26,11 @@ pub const IN_TIME: usize = 4060;
 /// One fault under one method, over all seeds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FaultRow {
-    /// The fault.
     pub fault: FaultName,
     /// Seeds in which it was declared, with no false alarm before it.
     pub detected: Share,
     /// Seeds in which t_dt was at most [`IN_TIME`].
     pub in_time: Share,
-    /// r_td.
     pub r_td: Spread,
     /// t_dt over the seeds in which it was declared.
     pub t_dt: Spread,
@@ -41,7 +39,6 @@ pub struct FaultRow {
 /// One method over all seeds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodRows {
-    /// The method.
     pub method: DetectorKind,
     /// Seeds in which all twelve faults were detected.
     pub all_detected: Share,
@@ -85,7 +82,6 @@ pub struct Parity {
     pub design_samples: usize,
     /// Healthy samples judged in all.
     pub healthy_samples: usize,
-    /// The methods.
     pub methods: Vec<MethodRows>,
     /// Model error modelling, broken.
     pub broken: Broken,

@@ -29,13 +29,11 @@ impl Share {
 /// Mean and spread of a figure over the seeds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// Mean.
     pub mean: f64,
     /// 95 % interval of the mean, from the scatter of the seeds; not numbers for less than two.
     pub interval: [f64; 2],
     /// 5 and 95 % of the seeds lie below.
     pub range: [f64; 2],
-    /// The least of all.
     pub least: f64,
 }
 

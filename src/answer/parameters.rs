@@ -43,7 +43,7 @@ pub(crate) fn parameters<'a>(all: impl Iterator<Item = (&'a Estimate, String)>) 
 
 /// What the recordings do not tell, a sentence each.
 pub(crate) fn not_told(all: &[NotIdentifiable]) -> Vec<Block> {
-    let told = |it: &NotIdentifiable| {
+    let stated = |it: &NotIdentifiable| {
         let NotIdentifiable { parameter, kept, with } = it;
         let why = match with.as_slice() {
             [] => "nothing in the recordings depends on it".to_owned(),
@@ -52,5 +52,5 @@ pub(crate) fn not_told(all: &[NotIdentifiable]) -> Vec<Block> {
         let kept = significant(*kept, DIGITS);
         Block::Note(format!("not identifiable: {parameter}, kept at {kept}: {why}"))
     };
-    all.iter().map(told).collect()
+    all.iter().map(stated).collect()
 }

@@ -14,9 +14,9 @@ pub(crate) fn text(blocks: &[Block]) -> String {
     out.0.trim_end_matches('\n').to_owned() + "\n"
 }
 
-/// The only row of a table in a line, with what stands above its columns.
+/// The last row of a table in a line, with what stands above its columns.
 pub(crate) fn line(table: &Table) -> String {
-    let Some(row) = table.rows.first() else { return String::new() };
+    let Some(row) = table.rows.last() else { return String::new() };
     let shown = shown(table);
     let value = |at: &usize| {
         let heading = table.columns[*at].heading.to_lowercase();

@@ -10,7 +10,7 @@ use drivescope_discovery::{
 };
 
 use super::{RecordingOptions, Run};
-use crate::answer::compare::{self as answer, Answer};
+use crate::answer::compare::{self as answer, CompareAnswer};
 use crate::answer::text;
 use crate::failure::{Ending, into_report};
 use crate::next::Next;
@@ -73,7 +73,7 @@ impl Run for Compare {
         let seed = session.seed;
         let setting =
             answer::Setting::new(&drive, &evidence, &noise[0], validation_error, &doubts, seed);
-        let answer = Answer::new(&compared, &setting, &signals, force);
+        let answer = CompareAnswer::new(&compared, &setting, &signals, force);
         let blocks = answer.blocks();
         if let Some(out) = &self.out {
             let html = compare_html(&setting, &blocks);

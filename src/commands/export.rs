@@ -44,7 +44,7 @@ pub(crate) struct Export {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer {
+struct Exported {
     /// Name of the drive.
     #[serde(skip_serializing_if = "Option::is_none")]
     drive: Option<String>,
@@ -66,6 +66,13 @@ struct Answer {
 
 impl Run for Export {
     fn run(self, session: &Session) -> miette::Result<Ending> {
+        if self.output.extension().is_some_and(|it| !it.eq_ignore_ascii_case("fmu")) {
+            return Err(Failure::Usage {
+                what: format!("{}: no tool takes an FMU of that name", self.output.display()),
+                instead: "name it .fmu".to_owned(),
+            }
+            .into());
+        }
         let path = PathBuf::from(&self.drive);
         let is_diagnoser = std::fs::read_to_string(&path).is_ok_and(|it| Diagnoser::is_meant(&it));
         let version = fmu_file::version(self.fmi);
@@ -88,7 +95,7 @@ impl Run for Export {
             "{}, FMI {}.0, Co-Simulation and Model Exchange, {shape}",
             drive.name, self.fmi
         );
-        let answer = Answer {
+        let answer = Exported {
             drive: Some(drive.name),
             open_loop: Some(open_loop),
             states: description.states().len(),
@@ -126,7 +133,7 @@ impl Export {
             (None, None) => "for any machine of its kind".to_owned(),
         };
         let shown = format!("{}, FMI {}.0, Co-Simulation, {machine}", description.name, self.fmi);
-        let answer = Answer {
+        let answer = Exported {
             diagnoser: Some(path.to_owned()),
             learns_for,
             ..self.answer(description.variables.len(), version)?
@@ -135,10 +142,10 @@ impl Export {
     }
 
     /// What every FMU has.
-    fn answer(&self, variables: usize, version: Version) -> miette::Result<Answer> {
+    fn answer(&self, variables: usize, version: Version) -> miette::Result<Exported> {
         let unread = |source| Failure::Read { path: self.output.clone(), source };
         let bytes = std::fs::metadata(&self.output).map_err(unread)?.len();
-        Ok(Answer {
+        Ok(Exported {
             drive: None,
             diagnoser: None,
             output: self.output.clone(),
@@ -153,8 +160,8 @@ impl Export {
     }
 }
 
-fn say(what: &str, answer: &Answer, session: &Session) -> miette::Result<Ending> {
-    let Answer { output, platform, bytes, variables, states, .. } = answer;
+fn say(what: &str, answer: &Exported, session: &Session) -> miette::Result<Ending> {
+    let Exported { output, platform, bytes, variables, states, .. } = answer;
     let shown = format!(
         "{}: {what}\n\
          {variables} variables, {states} continuous states, {} kB\n\

@@ -8,7 +8,7 @@ use drivescope_discovery::{Evidence, Options, Purpose, Setting, evaluate, fit};
 use drivescope_plant::drive::Drive;
 
 use super::Run;
-use crate::answer::fit::{Answer, Judged};
+use crate::answer::fit::{FitAnswer, Judged};
 use crate::answer::text;
 use crate::drive_source;
 use crate::drive_text::with_estimates;
@@ -56,7 +56,7 @@ impl Run for Fit {
         let given = drive_source::text(&self.drive)?;
         let file = with_estimates((&self.drive, &given), &fitted, &gathered)?;
         output::write_file(&self.output, |out| out.write_all(file.as_bytes()))?;
-        let answer = Answer::new(
+        let answer = FitAnswer::new(
             &base,
             session.named(&self.output),
             &gathered,

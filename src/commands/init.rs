@@ -152,8 +152,8 @@ fn said(first: &FirstDrive, answer: &InitAnswer<'_>) -> String {
         let percent = percent.map_or("constant".to_owned(), |it| format!("{it:.1} %"));
         let _ = writeln!(text, "  {signal:<8} fit {percent}, rms {} {unit}, {how}", number(*rms));
     }
-    for (name, left) in balances(answer.motion, &answer.unexplained) {
-        if let Some(Unexplained { share, .. }) = left {
+    for (name, remainder) in balances(answer.motion, &answer.unexplained) {
+        if let Some(Unexplained { share, .. }) = remainder {
             let _ = writeln!(text, "  {:.1} % of the {name} unexplained", 100.0 * share);
         }
     }

@@ -74,7 +74,7 @@ const MOST_COLUMNS: usize = 10;
 const MOST_SAMPLES: usize = MOST_NUMBERS / MOST_COLUMNS;
 
 #[derive(Debug, Serialize)]
-struct Answer {
+struct Simulated {
     drive: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
@@ -236,7 +236,7 @@ impl Simulate {
         let next = Next::new("compare").with(&self.drive).files([measured]);
         session.wrote(
             &text,
-            &Answer { drive, output, samples, start, period, reference, seed, fit },
+            &Simulated { drive, output, samples, start, period, reference, seed, fit },
             &next,
         )?;
         Ok(())

@@ -98,6 +98,8 @@ impl FromStr for Together {
 
 impl Run for Study {
     fn run(self, session: &Session) -> miette::Result<Ending> {
+        let machines = [("hidden-machines", self.hidden_machines as u64)];
+        all_positive(&machines, "; 200 give smooth curves")?;
         let TwelveDetected { faults, beta } = self.twelve;
         let drive = drive_source::drive(&faults.drive)?;
         if let Some(effect) = &self.hidden
@@ -110,8 +112,6 @@ impl Run for Study {
             }
             .into());
         }
-        let machines = [("hidden-machines", self.hidden_machines as u64)];
-        all_positive(&machines, "; 200 give smooth curves")?;
         let folder = RunFolder::take(&self.out)?;
         session.check_writable(&[])?;
         let at = |name: &str| folder.work().join(name);

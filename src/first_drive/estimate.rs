@@ -32,8 +32,8 @@ pub(super) fn first_drive(
         begun = with_load;
     }
     // An inertia that nothing tells is kept so small that it hardly matters.
-    let told = begun.identified.iter().any(|it| it.name == "J");
-    let untold = !told && given.value("J", choice.input).is_none();
+    let stated = begun.identified.iter().any(|it| it.name == "J");
+    let untold = !stated && given.value("J", choice.input).is_none();
     if let Some(j) = small_inertia(&begun.drive, &evidence).filter(|_| untold) {
         begun.drive.motor.j = j;
         begun.drive.fixed.push("J".to_owned());

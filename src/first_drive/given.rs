@@ -4,7 +4,7 @@ use drivescope_plant::drive::Input;
 use drivescope_recording::Constant;
 
 use super::FirstDriveError;
-use super::names::FRICTION;
+use super::names::{FRICTION, split};
 
 /// What may be given: parameters of the motor, and dry friction, SI.
 const NAMES: [&str; 7] = ["R", "L", "K_e", "K_m", "J", "B_m", FRICTION];
@@ -82,7 +82,7 @@ impl Given {
             let wrong =
                 || FirstDriveError::Given { item: item.to_owned(), names: NAMES.join(", ") };
             let (name, value) = item.split_once('=').ok_or_else(wrong)?;
-            let alias = if name.trim() == "T_c" { FRICTION } else { name.trim() };
+            let alias = if name.trim() == split(FRICTION).1 { FRICTION } else { name.trim() };
             let name = NAMES.iter().find(|known| **known == alias).ok_or_else(wrong)?;
             let value: f64 = value.trim().parse().map_err(|_| wrong())?;
             let friction = ["B_m", FRICTION].contains(name);

@@ -95,7 +95,6 @@ pub(crate) struct Value {
     pub(crate) name: &'static str,
     /// SI.
     pub(crate) value: f64,
-    /// Its unit.
     pub(crate) unit: String,
     /// Standard error where it was estimated.
     pub(crate) std_error: Option<f64>,
@@ -128,7 +127,6 @@ pub(crate) struct Quality {
 /// What a recording says of a drive.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FirstDrive {
-    /// The recording.
     pub(crate) recording: String,
     /// What is modelled.
     pub(crate) choice: Choice,

@@ -1,9 +1,8 @@
 //! Parameters of effects that a first drive may have.
 
-/// The offset's parameter.
-pub(super) const OFFSET: &str = "constant_load.T_0";
+pub(super) use drivescope_plant::effects::constant_load::OFFSET;
 /// Dry friction's, which every first drive has.
-pub(super) const FRICTION: &str = "coulomb.T_c";
+pub(super) use drivescope_plant::effects::coulomb::LEVEL as FRICTION;
 
 /// Kind of the effect and key of the parameter.
 pub(super) fn split(name: &'static str) -> (&'static str, &'static str) {

@@ -30,8 +30,8 @@ pub(super) fn with_constant_load(
     drive.per_recording.push(OFFSET.to_owned());
     let evidence = seen(&drive, recording)?;
     let begun = begin(&drive, &evidence);
-    let left = |drive: &Drive| unexplained(drive, &evidence)[0].map(|it| it.rms);
-    let (before, after) = (left(&without.drive), left(&begun.drive));
+    let remainder = |drive: &Drive| unexplained(drive, &evidence)[0].map(|it| it.rms);
+    let (before, after) = (remainder(&without.drive), remainder(&begun.drive));
     let clearly = before.zip(after).is_some_and(|(before, after)| after < CLEARLY_LESS * before);
     Ok((clearly && begun.identified.iter().any(|it| it.name == OFFSET)).then_some(begun))
 }

@@ -11,7 +11,7 @@ use super::upload::UploadError;
 use crate::failure::Failure;
 
 /// An answer, or what stands in its place.
-pub(super) type Answer<T> = Result<T, Refusal>;
+pub(super) type Reply<T> = Result<T, Refusal>;
 
 /// Why something is not answered.
 #[derive(Debug)]

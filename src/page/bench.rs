@@ -1,12 +1,11 @@
-//! A session of work: recordings, a drive, the rungs of its ladder, and what is being done.
+//! A session of work: recordings, a drive, the steps of its ladder, and what is being done.
 //!
 //! Whoever changes the state holds its lock for a moment; long work runs on copies and hands its
 //! result in at the end, if it has not been cancelled until then.
 
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use drivescope_discovery::Evidence;
@@ -14,12 +13,10 @@ use drivescope_plant::drive::Drive;
 use tokio::sync::watch;
 
 use super::diagnosis::Diagnosis;
-use super::job::{Cancelled, Job, Progress};
-use super::plain::plain;
+use super::job::Job;
 use super::recordings::Taken;
-use super::rung::Rung;
+use super::session_step::SessionStep;
 use super::unit_fix::UnitFix;
-use super::work;
 use crate::answer::discover::Missing;
 use crate::evidence::Gathered;
 use crate::failure::Failure;
@@ -27,9 +24,7 @@ use crate::failure::Failure;
 /// A drive file that the user gave, or one that was made from a recording.
 #[derive(Debug, Clone)]
 pub(super) struct GivenDrive {
-    /// Its name.
     pub(super) name: String,
-    /// Its text.
     pub(super) text: String,
     /// What it describes.
     pub(super) drive: Drive,
@@ -40,7 +35,6 @@ pub(super) struct GivenDrive {
 /// What a session knows.
 #[derive(Debug, Default)]
 pub(super) struct State {
-    /// The recordings.
     pub(super) recordings: Vec<Taken>,
     /// The drive to begin with.
     pub(super) drive: Option<GivenDrive>,
@@ -50,9 +44,9 @@ pub(super) struct State {
     pub(super) whole: Option<Arc<Evidence>>,
     /// Units that look wrong, and what would be right.
     pub(super) fixes: Vec<UnitFix>,
-    /// The rungs, each after the one that it was made from.
-    pub(super) rungs: Vec<Arc<Rung>>,
-    /// What rungs lack, as far as that was asked.
+    /// The steps, each after the one that it was made from.
+    pub(super) steps: Vec<Arc<SessionStep>>,
+    /// What steps lack, as far as that was asked.
     pub(super) missing: BTreeMap<usize, Arc<Missing>>,
     /// Training and diagnosing; it outlasts what begins anew.
     pub(super) diagnosis: Diagnosis,
@@ -62,7 +56,8 @@ pub(super) struct State {
     pub(super) problem: Option<String>,
     /// Counts how often everything began anew.
     pub(super) beginnings: u64,
-    jobs: u64,
+    /// Counts the jobs.
+    pub(super) jobs: u64,
 }
 
 /// A session.
@@ -128,78 +123,6 @@ impl Bench {
         Ok(())
     }
 
-    /// Begins to analyse the recordings from the start; what was done before is dropped. Nothing
-    /// more happens without a recording, or while one is to be completed.
-    pub(super) fn analyse(self: &Arc<Self>) {
-        let anew = |state: &mut State| {
-            state.end_job();
-            state.forget();
-            let whole = state.recordings.iter().all(|it| it.incomplete.is_none());
-            whole && !state.recordings.is_empty()
-        };
-        self.begin("Analysing", anew, work::analyse);
-    }
-
-    /// Begins long work; `work` gets its progress and answers with what changes in the state.
-    ///
-    /// # Errors
-    /// Other work is under way.
-    pub(super) fn start<W, C>(self: &Arc<Self>, title: &str, work: W) -> Result<(), Failure>
-    where
-        W: FnOnce(&Progress) -> miette::Result<C> + Send + 'static,
-        C: FnOnce(&mut State),
-    {
-        let begun = self.begin(title, |state| state.job.is_none(), work);
-        if begun { Ok(()) } else { Err(busy()) }
-    }
-
-    /// Begins long work where the state, made ready under one lock, allows it.
-    fn begin<W, C>(
-        self: &Arc<Self>,
-        title: &str,
-        ready: impl FnOnce(&mut State) -> bool,
-        work: W,
-    ) -> bool
-    where
-        W: FnOnce(&Progress) -> miette::Result<C> + Send + 'static,
-        C: FnOnce(&mut State),
-    {
-        let cancelled = Arc::new(AtomicBool::new(false));
-        let number = self.change(|state| {
-            if !ready(state) {
-                return None;
-            }
-            state.jobs += 1;
-            state.problem = None;
-            state.job = Some(Job {
-                number: state.jobs,
-                title: title.to_owned(),
-                doing: "beginning".to_owned(),
-                errors: Vec::new(),
-                cancelled: Arc::clone(&cancelled),
-            });
-            Some(state.jobs)
-        });
-        let Some(number) = number else { return false };
-        let progress = Progress { bench: Arc::clone(self), number, cancelled };
-        std::thread::spawn(move || {
-            let done = catch_unwind(AssertUnwindSafe(|| work(&progress)));
-            progress.bench.change(|state| {
-                // What was cancelled has no say any more.
-                if state.job.take_if(|job| job.number == number).is_none() {
-                    return;
-                }
-                match done {
-                    Ok(Ok(change)) => change(state),
-                    Ok(Err(error)) if error.downcast_ref::<Cancelled>().is_some() => {}
-                    Ok(Err(error)) => state.problem = Some(plain(&words(&error))),
-                    Err(_) => state.problem = Some("an internal error ended the work".to_owned()),
-                }
-            });
-        });
-        true
-    }
-
     /// Ends what is being done; its result is dropped.
     pub(super) fn cancel(&self) {
         self.change(State::end_job);
@@ -226,84 +149,34 @@ impl Bench {
 
 impl State {
     /// Ends what is being done.
-    fn end_job(&mut self) {
+    pub(super) fn end_job(&mut self) {
         if let Some(job) = self.job.take() {
             job.cancelled.store(true, Ordering::Relaxed);
         }
     }
 
     /// Drops what was found.
-    fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.beginnings += 1;
-        self.rungs.clear();
+        self.steps.clear();
         self.missing.clear();
         self.fixes.clear();
         (self.gathered, self.whole, self.problem) = (None, None, None);
     }
 
-    /// The rung of that number.
+    /// The step of that number.
     ///
     /// # Errors
     /// There is none.
-    pub(super) fn rung(&self, number: usize) -> Result<Arc<Rung>, Failure> {
-        self.rungs.get(number).cloned().ok_or_else(|| Failure::Usage {
+    pub(super) fn step(&self, number: usize) -> Result<Arc<SessionStep>, Failure> {
+        self.steps.get(number).cloned().ok_or_else(|| Failure::Usage {
             what: format!("there is no step {number}"),
             instead: "reload the page: another tab may have begun anew".to_owned(),
         })
     }
 }
 
-fn busy() -> Failure {
-    Failure::Usage {
-        what: "other work is under way in this session".to_owned(),
-        instead: "wait for it, or cancel it".to_owned(),
-    }
-}
-
 /// An error with what helps against it.
 pub(super) fn words(error: &miette::Report) -> String {
     error.help().map_or_else(|| error.to_string(), |help| format!("{error}: {help}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::mpsc;
-
-    use super::*;
-
-    type Change = fn(&mut State);
-
-    #[test]
-    fn what_was_cancelled_changes_nothing() {
-        let bench = Arc::new(Bench::new("a".to_owned(), 1));
-        let (go, wait) = mpsc::channel::<()>();
-        let work = move |_: &Progress| -> miette::Result<Change> {
-            let _ = wait.recv();
-            Ok(|state| state.problem = Some("too late".to_owned()))
-        };
-        bench.start("waiting", work).expect("nothing is being done");
-        let second = bench.start("another", |_: &Progress| Ok((|_| {}) as Change));
-        assert!(second.is_err(), "one at a time");
-        bench.cancel();
-        assert!(!bench.is_busy());
-        let mut changes = bench.changes.subscribe();
-        let before = *changes.borrow_and_update();
-        go.send(()).expect("it waits");
-        while *changes.borrow() == before {
-            std::thread::yield_now();
-        }
-        assert_eq!(bench.state().problem, None);
-    }
-
-    #[test]
-    fn a_panic_is_told_and_leaves_a_usable_session() {
-        let bench = Arc::new(Bench::new("a".to_owned(), 1));
-        let work = |_: &Progress| -> miette::Result<Change> { panic!("for the test") };
-        bench.start("failing", work).expect("nothing is being done");
-        while bench.is_busy() {
-            std::thread::yield_now();
-        }
-        assert!(bench.state().problem.as_ref().is_some_and(|it| it.contains("internal")));
-        assert!(bench.start("again", |_: &Progress| Ok((|_| {}) as Change)).is_ok());
-    }
 }

@@ -10,7 +10,7 @@ use super::bench::{Bench, words};
 use super::example::Example;
 use super::law::TypedLaw;
 use super::recordings::Taken;
-use super::rung::Rung;
+use super::session_step::SessionStep;
 use super::work;
 use crate::failure::{Failure, into_report};
 
@@ -24,73 +24,39 @@ pub(super) enum Command {
         id: String,
     },
     /// Take a column as a signal in a unit.
-    Column {
-        /// The recording.
-        recording: usize,
-        /// Its column.
-        column: String,
-        /// The signal.
-        signal: String,
-        /// The unit.
-        unit: String,
-    },
+    Column { recording: usize, column: String, signal: String, unit: String },
     /// Sample a recording every so many milliseconds, or as it was sampled.
     Resample {
-        /// Which.
         recording: usize,
         /// Sampling time, ms.
         ms: Option<f64>,
     },
     /// Take the rows of a recording as sampled every so many milliseconds.
     RowsEvery {
-        /// Which.
         recording: usize,
         /// Sampling time, ms.
         ms: Option<f64>,
     },
     /// Forget what was said of a recording.
-    Again {
-        /// Which.
-        recording: usize,
-    },
+    Again { recording: usize },
     /// Drop a recording.
-    Remove {
-        /// Which.
-        recording: usize,
-    },
-    /// Ask what the drive of a rung lacks.
-    Learn {
-        /// Which.
-        rung: usize,
-    },
+    Remove { recording: usize },
+    /// Ask what the drive of a step lacks.
+    Learn { step: usize },
     /// Add an effect of the library, or `learned`.
-    Add {
-        /// To which rung.
-        rung: usize,
-        /// The effect.
-        effect: String,
-    },
+    Add { step: usize, effect: String },
     /// Add a typed law.
-    Law {
-        /// To which rung.
-        rung: usize,
-        /// The law.
-        law: TypedLaw,
-    },
+    Law { step: usize, law: TypedLaw },
     /// Set a parameter, nothing fitted.
     Set {
-        /// Of which rung.
-        rung: usize,
+        step: usize,
         /// The parameter.
         name: String,
         /// Its value, SI.
         value: f64,
     },
-    /// Fit the drive of a rung again.
-    Fit {
-        /// Which.
-        rung: usize,
-    },
+    /// Fit the drive of a step again.
+    Fit { step: usize },
     /// End what is being done.
     Cancel,
 }
@@ -136,37 +102,37 @@ impl Command {
                 bench.analyse();
                 Ok(())
             }
-            Self::Learn { rung } => {
-                bench.state().rung(rung).map_err(said)?;
-                bench.start("Learning", move |progress| work::learn(progress, rung)).map_err(said)
+            Self::Learn { step } => {
+                bench.state().step(step).map_err(said)?;
+                bench.start("Learning", move |progress| work::learn(progress, step)).map_err(said)
             }
-            Self::Add { rung, effect } => {
-                bench.state().rung(rung).map_err(said)?;
+            Self::Add { step, effect } => {
+                bench.state().step(step).map_err(said)?;
                 let title = format!("Adding {}", effect.replace('_', " "));
                 bench
-                    .start(&title, move |progress| work::extend(progress, rung, &effect))
+                    .start(&title, move |progress| work::extend(progress, step, &effect))
                     .map_err(said)
             }
-            Self::Law { rung, law } => {
-                let on = bench.state().rung(rung).map_err(said)?;
+            Self::Law { step, law } => {
+                let on = bench.state().step(step).map_err(said)?;
                 let law = law.understood(&on.compared.curves).map_err(|wrong| wrong.words)?;
-                let step = law.added(&on).map_err(said)?;
+                let fresh = law.added(&on).map_err(said)?;
                 bench
-                    .start("Adding a law", move |progress| work::refit(progress, rung, step))
+                    .start("Adding a law", move |progress| work::refit(progress, step, fresh))
                     .map_err(said)
             }
-            Self::Set { rung, name, value } => {
-                let on = bench.state().rung(rung).map_err(said)?;
-                let step = with_value(&on, &name, value)?;
+            Self::Set { step, name, value } => {
+                let on = bench.state().step(step).map_err(said)?;
+                let fresh = with_value(&on, &name, value)?;
                 bench
-                    .start("Setting a value", move |progress| work::judge(progress, rung, step))
+                    .start("Setting a value", move |progress| work::judge(progress, step, fresh))
                     .map_err(said)
             }
-            Self::Fit { rung } => {
-                let on = bench.state().rung(rung).map_err(said)?;
-                let step = ("fitted again".to_owned(), on.text.clone());
+            Self::Fit { step } => {
+                let on = bench.state().step(step).map_err(said)?;
+                let fresh = ("fitted again".to_owned(), on.text.clone());
                 bench
-                    .start("Fitting", move |progress| work::refit(progress, rung, step))
+                    .start("Fitting", move |progress| work::refit(progress, step, fresh))
                     .map_err(said)
             }
         }
@@ -187,16 +153,16 @@ fn again(
     Ok(())
 }
 
-/// What is done, and the drive file of the rung with that value in it.
-fn with_value(rung: &Rung, name: &str, value: f64) -> Result<(String, String), String> {
-    let mut drive = rung.drive.clone();
+/// What is done, and the drive file of the step with that value in it.
+fn with_value(step: &SessionStep, name: &str, value: f64) -> Result<(String, String), String> {
+    let mut drive = step.drive.clone();
     drive.set(name, value).map_err(|error| error.to_string())?;
     let change = Change { name: name.to_owned(), value, origin: "set by hand".to_owned() };
     let mut changes = vec![change.clone()];
     if drive.motor.tie_k && name == "K_e" {
         changes.push(Change { name: "K_m".to_owned(), ..change });
     }
-    let (text, _) = Drive::edited(&rung.text, "the drive", &changes)
+    let (text, _) = Drive::edited(&step.text, "the drive", &changes)
         .map_err(|error| into_report(error).to_string())?;
     Ok((format!("{name} = {value} by hand"), text))
 }

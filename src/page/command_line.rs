@@ -12,9 +12,9 @@ use crate::session::USUAL_SEED;
 /// What ends a text that is typed into a file.
 const END: &str = "DRIVESCOPE";
 
-/// The file that holds the drive of a rung.
-pub(super) fn file_of(rung: usize) -> String {
-    format!("step-{rung}.toml")
+/// The file that holds the drive of a step.
+pub(super) fn file_of(step: usize) -> String {
+    format!("step-{step}.toml")
 }
 
 /// The recordings of a session, as command lines name them.
@@ -75,15 +75,15 @@ impl Files {
         self.on(Next::new("fit").with(drive), &self.names, Some(output))
     }
 
-    /// The drive of a rung with an effect more, as the next one.
-    pub(super) fn add(&self, rung: usize, effect: &str, next: usize) -> String {
-        let add = Next::new("add").with(file_of(rung)).with(effect);
+    /// The drive of a step with an effect more, as the next one.
+    pub(super) fn add(&self, step: usize, effect: &str, next: usize) -> String {
+        let add = Next::new("add").with(file_of(step)).with(effect);
         self.on(add, &self.names, Some(&file_of(next)))
     }
 
-    /// A drive file that begins as that of a rung, fitted, as the next one.
-    pub(super) fn refit(&self, (rung, before): (usize, &str), text: &str, next: usize) -> String {
-        let from = file_of(rung);
+    /// A drive file that begins as that of a step, fitted, as the next one.
+    pub(super) fn refit(&self, (step, before): (usize, &str), text: &str, next: usize) -> String {
+        let from = file_of(step);
         let added = match text.strip_prefix(before) {
             Some("") => return self.fit(&from, &file_of(next)),
             Some(added) => typed(&format!("{from} - "), &begin_of(next), added),
@@ -92,16 +92,16 @@ impl Files {
         added + &self.fit(&begin_of(next), &file_of(next))
     }
 
-    /// A drive file with a value that people set, as the next rung.
+    /// A drive file with a value that people set, as the next step.
     pub(super) fn compare(&self, text: &str, next: usize) -> String {
         let compare = Next::new("compare").with(file_of(next));
         typed("", &file_of(next), text) + &self.on(compare, &self.names, None)
     }
 }
 
-/// The drive file that a fit of the next rung begins with.
-fn begin_of(rung: usize) -> String {
-    format!("step-{rung}-before.toml")
+/// The drive file that a fit of the next step begins with.
+fn begin_of(step: usize) -> String {
+    format!("step-{step}-before.toml")
 }
 
 /// Types a text into a file, after what `from` gives.

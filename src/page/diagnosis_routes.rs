@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Path, Query, State as From};
+use axum::extract::{Path, Query, State as Shared};
 use axum::http::StatusCode;
 use axum::response::Response;
 use serde::Deserialize;
 use serde_json::json;
 
-use super::answer::{Answer, Refusal, refused};
+use super::answer::{Refusal, Reply, refused};
 use super::diagnosis::{self, DiagnosisCommand, FILE};
 use super::handlers::{bench, off_the_loop};
 use super::recordings::Taken;
@@ -21,9 +21,9 @@ use crate::fmu_file;
 
 /// The view.
 pub(super) async fn view(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
-) -> Answer<Json<serde_json::Value>> {
+) -> Reply<Json<serde_json::Value>> {
     let bench = bench(&site, &id)?;
     let state = bench.state();
     Ok(Json(json!({ "html": diagnosis::view(&state) })))
@@ -31,10 +31,10 @@ pub(super) async fn view(
 
 /// Does what the page asks.
 pub(super) async fn command(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Json(command): Json<DiagnosisCommand>,
-) -> Answer<StatusCode> {
+) -> Reply<StatusCode> {
     let bench = bench(&site, &id)?;
     command.run(&bench).map_err(refused)?;
     Ok(StatusCode::NO_CONTENT)
@@ -48,11 +48,11 @@ pub(super) struct Named {
 
 /// Takes a recording.
 pub(super) async fn file(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(Named { name, healthy }): Query<Named>,
     body: Body,
-) -> Answer<StatusCode> {
+) -> Reply<StatusCode> {
     let bench = bench(&site, &id)?;
     let name = upload::shown(&name);
     let path = upload::recording(&site, &name, body).await?;
@@ -68,10 +68,10 @@ pub(super) struct Asked {
 
 /// The diagnoser, to take along.
 pub(super) async fn give(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path((id, what)): Path<(String, String)>,
     Query(Asked { fmi }): Query<Asked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let ready = bench.state().diagnosis.ready.clone();
     let ready = ready.ok_or_else(|| refused("no diagnoser was trained here"))?;

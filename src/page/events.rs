@@ -5,7 +5,7 @@ use std::pin::pin;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::{Path, State as From};
+use axum::extract::{Path, State as Shared};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use futures_util::Stream;
 use futures_util::future::select;
@@ -14,7 +14,7 @@ use serde_json::json;
 use tokio::sync::watch;
 use tokio::time::Instant;
 
-use super::answer::Answer;
+use super::answer::Reply;
 use super::bench::Bench;
 use super::handlers::bench;
 use super::site::Site;
@@ -31,7 +31,7 @@ fn news(bench: &Bench, site: &Site) -> Event {
         "job": state.job,
         "problem": state.problem,
         "recordings": state.recordings.len(),
-        "rungs": state.rungs.len(),
+        "steps": state.steps.len(),
         "beginning": state.beginnings,
         "diagnosis": state.diagnosis.changes,
         "asked": state.missing.keys().collect::<Vec<_>>(),
@@ -68,9 +68,9 @@ impl Listener {
 
 /// Tells whenever something has changed.
 pub(super) async fn events(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
-) -> Answer<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
+) -> Reply<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
     let bench = bench(&site, &id)?;
     let (mut own, study) = (bench.changes.subscribe(), site.study.changes.subscribe());
     // Who comes anew is told how things stand.

@@ -1,4 +1,4 @@
-//! A new rung: judged on every recording, and compared.
+//! A new step: judged on every recording, and compared.
 
 use drivescope_discovery::compare::{Options, compare};
 use drivescope_discovery::{
@@ -7,16 +7,15 @@ use drivescope_discovery::{
 };
 use drivescope_plant::drive::Drive;
 
-use super::job::Progress;
-use super::rung::Rung;
-use super::work::Basis;
+use super::basis::Basis;
+use super::progress::Progress;
+use super::session_step::SessionStep;
 use crate::answer::compare::{OfStep, Setting as About};
 use crate::evidence::Gathered;
 use crate::failure::into_report;
 
 /// What an estimate says of a drive.
 pub(super) struct Drawn {
-    /// Its parameters.
     pub(super) parameters: Vec<Estimate>,
     /// What the recordings do not tell.
     pub(super) not_identifiable: Vec<NotIdentifiable>,
@@ -38,9 +37,9 @@ impl From<Discovery> for Drawn {
     }
 }
 
-/// What is known of a rung before it is judged.
+/// What is known of a step before it is judged.
 pub(super) struct Fresh {
-    /// The rung that it is made from.
+    /// The step that it is made from.
     pub(super) parent: Option<usize>,
     /// What is done.
     pub(super) label: String,
@@ -51,17 +50,17 @@ pub(super) struct Fresh {
 }
 
 impl Fresh {
-    /// The rung, judged and compared.
+    /// The step, judged and compared.
     ///
     /// # Errors
     /// The user cancelled it, the text is no drive file, or the model overflows.
-    pub(super) fn rung(
+    pub(super) fn step(
         self,
         drawn: Drawn,
         setting: Setting,
         basis: &Basis,
         progress: &Progress,
-    ) -> miette::Result<Rung> {
+    ) -> miette::Result<SessionStep> {
         let Drawn { parameters, not_identifiable, fitted } = drawn;
         // What is shown is what the file holds, to its last digit.
         let drive = Drive::parse(&self.text, "the drive of this step").map_err(into_report)?;
@@ -80,7 +79,7 @@ impl Fresh {
         let mut about = About::new(&drive, &basis.whole, &noise[0], judged, doubts, basis.seed);
         about.step = Some(OfStep { estimation_error: error, fitted });
         let Self { parent, label, command, text } = self;
-        Ok(Rung {
+        Ok(SessionStep {
             unexplained: unexplained(&drive, validation).into(),
             fits,
             parent,

@@ -24,11 +24,8 @@ pub(super) struct Incomplete {
 pub(super) enum Repair {
     /// Take the column as that signal in that unit; as none if the signal has no name.
     Column {
-        /// The column.
         column: String,
-        /// The signal.
         signal: String,
-        /// The unit.
         unit: String,
         /// What the button says.
         words: String,

@@ -6,7 +6,7 @@ use drivescope_plant::effects::custom::{Law, Target};
 use maud::{Markup, PreEscaped, html};
 use serde::{Deserialize, Serialize};
 
-use super::rung::Rung;
+use super::session_step::SessionStep;
 use crate::answer::compare::pictures;
 use crate::failure::Failure;
 use crate::report::page::minus;
@@ -170,18 +170,18 @@ impl Understood {
         figure.svg_of(WIDTH)
     }
 
-    /// What is done, and the drive file of the rung with the law in it.
+    /// What is done, and the drive file of the step with the law in it.
     ///
     /// # Errors
     /// A drive that cannot have it.
-    pub(super) fn added(&self, rung: &Rung) -> Result<(String, String), Failure> {
-        let id = rung.drive.free_id("custom");
+    pub(super) fn added(&self, step: &SessionStep) -> Result<(String, String), Failure> {
+        let id = step.drive.free_id("custom");
         let values = self.names.iter().zip(&self.values);
         let values: Vec<String> =
             values.map(|(name, value)| format!("{name} = {value:e}")).collect();
         let text = format!(
             "{}\n[[effect]]\nkind = \"custom\"\nid = \"{id}\"\n{} = {}\nparameters = {{ {} }}\n",
-            rung.text,
+            step.text,
             self.target,
             serde_json::Value::from(self.text.as_str()),
             values.join(", ")

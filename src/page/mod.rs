@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  browser ── guard (host, origin, token) ── routes ──> Site ──> Bench: one session of work
-//!    ^                                                    │  recordings, rungs of the ladder
+//!    ^                                                    │  recordings, steps of the ladder
 //!    └── events: something changed <──────────────────────┘  job: reads, fits, compares, learns
 //! ```
 //!
@@ -12,6 +12,7 @@
 
 mod answer;
 mod assets;
+mod basis;
 mod bench;
 mod command;
 mod command_line;
@@ -29,9 +30,10 @@ mod job;
 mod law;
 mod memory;
 mod plain;
+mod progress;
 mod recordings;
 mod routes;
-mod rung;
+mod session_step;
 mod shell;
 mod show;
 mod signals;

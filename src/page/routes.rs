@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 
 use axum::body::Body;
-use axum::extract::{Path, Query, State as From};
+use axum::extract::{Path, Query, State as Shared};
 use axum::http::{StatusCode, header};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
@@ -13,7 +13,7 @@ use axum::{Json, Router};
 use serde::Deserialize;
 use serde_json::json;
 
-use super::answer::{Answer, Refusal, refused};
+use super::answer::{Refusal, Reply, refused};
 use super::command::Command;
 use super::handlers::{bench, off_the_loop};
 use super::law::TypedLaw;
@@ -51,12 +51,12 @@ pub(super) fn router(site: Arc<Site>) -> Router {
 }
 
 /// A new session, or the one of the command line.
-async fn open(From(site): From<Arc<Site>>) -> Response {
+async fn open(Shared(site): Shared<Arc<Site>>) -> Response {
     let headers = [(header::LOCATION, format!("/b/{}/", site.opened()))];
     (StatusCode::SEE_OTHER, headers).into_response()
 }
 
-async fn page(From(site): From<Arc<Site>>, Path(id): Path<String>) -> Answer<Response> {
+async fn page(Shared(site): Shared<Arc<Site>>, Path(id): Path<String>) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let html = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
     Ok((html, shell::page(&bench.id, site.most_bytes)).into_response())
@@ -65,7 +65,7 @@ async fn page(From(site): From<Arc<Site>>, Path(id): Path<String>) -> Answer<Res
 #[derive(Debug, Deserialize)]
 struct Looked {
     #[serde(default)]
-    rung: usize,
+    step: usize,
     #[serde(default)]
     recording: usize,
     ghost: Option<usize>,
@@ -82,39 +82,39 @@ impl Looked {
 }
 
 async fn show(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(looked): Query<Looked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let version = *bench.changes.borrow();
     let state = bench.state();
-    let view = View { rung: looked.rung, recording: looked.recording };
+    let view = View { step: looked.step, recording: looked.recording };
     let recordings = state.recordings.iter().map(|it| &it.name).collect::<Vec<_>>();
-    let rungs = state.rungs.iter().map(|it| &it.label).collect::<Vec<_>>();
-    let rung = state.rungs.get(looked.rung);
+    let steps = state.steps.iter().map(|it| &it.label).collect::<Vec<_>>();
+    let step = state.steps.get(looked.step);
     let spans =
-        rung.and_then(|it| it.compared.recordings.get(looked.recording)).map(|it| &it.spans);
+        step.and_then(|it| it.compared.recordings.get(looked.recording)).map(|it| &it.spans);
     let answer = json!({
         "version": version,
         "beginning": state.beginnings,
         "pieces": pieces(&state, view),
         "recordings": recordings,
-        "rungs": rungs,
+        "steps": steps,
         "spans": spans,
     });
     Ok(Json(answer).into_response())
 }
 
 async fn numbers(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(looked): Query<Looked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let wanted = Wanted {
         recording: looked.recording,
-        rung: looked.rung,
+        step: looked.step,
         ghost: looked.ghost,
         window: looked.window(),
         points: looked.points.unwrap_or(MOST_POINTS),
@@ -125,17 +125,17 @@ async fn numbers(
 
 /// Where the model fails within a window; a window that was asked for later overtakes it.
 async fn brushed(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(looked): Query<Looked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
     let span = looked.window().ok_or_else(|| refused("a window has a beginning and an end"))?;
-    let (rung, whole, gathered) = {
+    let (step, whole, gathered) = {
         let state = bench.state();
         let missing = || refused("nothing was analysed");
         let whole = state.whole.clone().ok_or_else(missing)?;
-        (state.rung(looked.rung)?, whole, state.gathered.clone().ok_or_else(missing)?)
+        (state.step(looked.step)?, whole, state.gathered.clone().ok_or_else(missing)?)
     };
     let seed = site.seed;
     let mine = bench.looks.fetch_add(1, Ordering::Relaxed) + 1;
@@ -143,7 +143,7 @@ async fn brushed(
         let _alone = bench.looking.lock().unwrap_or_else(PoisonError::into_inner);
         let is_last = bench.looks.load(Ordering::Relaxed) == mine;
         let of = (&*whole, &*gathered);
-        is_last.then(|| window::compared(&rung, of, looked.recording, span, seed))
+        is_last.then(|| window::compared(&step, of, looked.recording, span, seed))
     });
     let overtaken = || Refusal::new(StatusCode::CONFLICT, "another window was asked for");
     let window = compared.await?.ok_or_else(overtaken)??;
@@ -151,10 +151,10 @@ async fn brushed(
 }
 
 async fn command(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Json(command): Json<Command>,
-) -> Answer<StatusCode> {
+) -> Reply<StatusCode> {
     let bench = bench(&site, &id)?;
     off_the_loop(move || command.run(&bench)).await?.map_err(refused)?;
     Ok(StatusCode::NO_CONTENT)
@@ -162,14 +162,14 @@ async fn command(
 
 /// Whether a typed law is right, and what it looks like.
 async fn check(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(looked): Query<Looked>,
     Json(law): Json<TypedLaw>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
-    let rung = bench.state().rung(looked.rung)?;
-    let curves = &rung.compared.curves;
+    let step = bench.state().step(looked.step)?;
+    let curves = &step.compared.curves;
     Ok(match law.understood(curves) {
         Ok(law) => Json(json!({ "html": law.preview(curves).into_string() })).into_response(),
         Err(wrong) => Json(json!({ "wrong": wrong })).into_response(),
@@ -186,11 +186,11 @@ struct Named {
 
 /// A recording or a drive file, whatever its name says.
 async fn take(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path(id): Path<String>,
     Query(Named { name, more }): Query<Named>,
     body: Body,
-) -> Answer<StatusCode> {
+) -> Reply<StatusCode> {
     let bench = bench(&site, &id)?;
     let name = upload::shown(&name);
     if name.to_lowercase().ends_with(".toml") {
@@ -213,20 +213,20 @@ async fn take(
 
 /// What the user takes along.
 async fn give(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Path((id, what)): Path<(String, String)>,
     Query(looked): Query<Looked>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let bench = bench(&site, &id)?;
-    let number = looked.rung;
-    let rung = bench.state().rung(number)?;
+    let number = looked.step;
+    let step = bench.state().step(number)?;
     match (what.as_str(), looked.fmi) {
         ("drive.toml", _) => {
-            let text = Ok(rung.text.clone().into_bytes());
+            let text = Ok(step.text.clone().into_bytes());
             Ok(download::file("application/toml", &super::command_line::file_of(number), text))
         }
         ("drive.fmu", Some(fmi @ (2 | 3))) => {
-            let fmu = off_the_loop(move || download::fmu(&site, &rung, fmi)).await?;
+            let fmu = off_the_loop(move || download::fmu(&site, &step, fmi)).await?;
             Ok(download::file("application/octet-stream", &format!("drive_fmi{fmi}.fmu"), fmu))
         }
         ("report.html", _) => {

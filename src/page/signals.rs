@@ -22,7 +22,6 @@ const SMOOTH_S: f64 = 0.05;
 struct Column {
     /// Name of the output, or `u`.
     output: &'static str,
-    /// Its unit.
     unit: String,
     /// `measured`, `model`, `residual`, `mean residual`, or some with `ghost` before.
     role: &'static str,
@@ -47,8 +46,8 @@ struct Head {
 pub(super) struct Wanted {
     /// Number of the recording.
     pub(super) recording: usize,
-    /// Rung whose model is drawn, and another one beside it.
-    pub(super) rung: usize,
+    /// Step whose model is drawn, and another one beside it.
+    pub(super) step: usize,
     /// The other one.
     pub(super) ghost: Option<usize>,
     /// From and to, s; nothing for all.
@@ -60,13 +59,13 @@ pub(super) struct Wanted {
 /// The answer.
 ///
 /// # Errors
-/// A recording or a rung that there is not.
+/// A recording or a step that there is not.
 pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure> {
-    let rung = state.rung(wanted.rung)?;
-    let ghost = wanted.ghost.map(|number| state.rung(number)).transpose()?;
+    let step = state.step(wanted.step)?;
+    let ghost = wanted.ghost.map(|number| state.step(number)).transpose()?;
     let whole = state.whole.as_ref();
     let measured = whole.and_then(|it| it.recordings.get(wanted.recording));
-    let compared = rung.compared.recordings.get(wanted.recording);
+    let compared = step.compared.recordings.get(wanted.recording);
     let (Some(measured), Some(compared)) = (measured, compared) else {
         return Err(Failure::Usage {
             what: format!("there is no recording {}", wanted.recording),
@@ -81,7 +80,7 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
     let from = from.min(to.saturating_sub(1));
     let most = wanted.points.clamp(4, MOST_POINTS);
     let bucket = bucket(to - from, most);
-    let mut columns = vec![Column { output: "u", unit: input_unit(&rung.drive), role: "measured" }];
+    let mut columns = vec![Column { output: "u", unit: input_unit(&step.drive), role: "measured" }];
     // Nothing is drawn through the gap between segments: a point without values stands there.
     let segments = measured.clock.part(&(from..to)).segments(to - from);
     let parted = |column: &[f64]| {
@@ -107,16 +106,16 @@ pub(super) fn signals(state: &State, wanted: &Wanted) -> Result<Vec<u8>, Failure
             push("ghost mean residual", &|k| smooth[k] / other.noise);
         }
     }
-    let step = if bucket == 1 { 1.0 } else { bucket as f64 / 2.0 };
+    let spacing = if bucket == 1 { 1.0 } else { bucket as f64 / 2.0 };
     let mut point = 0;
-    let begins = segments.iter().map(|segment| {
+    let starts = segments.iter().map(|segment| {
         let begin = (point, measured.time(from + segment.start));
         point += reduced(&measured.u[from..to][segment.clone()], bucket).len() + 1;
         begin
     });
     let head = Head {
-        segments: begins.collect(),
-        step: step * measured.period_s,
+        segments: starts.collect(),
+        step: spacing * measured.period_s,
         count: values[0].len(),
         bucket,
         columns,

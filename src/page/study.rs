@@ -41,7 +41,6 @@ pub(super) struct Shown {
     pub(super) results: Option<Arc<Value>>,
     /// The traces, where the study ran here.
     pub(super) traces: Option<Arc<(StudyResults, Vec<Pictures>)>>,
-    /// What is running.
     pub(super) running: Option<Running>,
     /// What went wrong last.
     pub(super) problem: Option<String>,

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Query, State as From};
+use axum::extract::{Query, State as Shared};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use serde_json::json;
 
-use super::answer::{Answer, refused};
+use super::answer::{Reply, refused};
 use super::site::Site;
 use super::{faults, upload};
 
@@ -18,7 +18,7 @@ use super::{faults, upload};
 const MOST_STUDY: usize = 20_000_000;
 
 /// The faults view.
-pub(super) async fn view(From(site): From<Arc<Site>>) -> Json<serde_json::Value> {
+pub(super) async fn view(Shared(site): Shared<Arc<Site>>) -> Json<serde_json::Value> {
     let version = *site.study.changes.borrow();
     Json(json!({ "version": version, "html": faults::view(&site.study.shown()) }))
 }
@@ -35,9 +35,9 @@ pub(super) enum StudyCommand {
 
 /// Begins or ends a study.
 pub(super) async fn command(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Json(command): Json<StudyCommand>,
-) -> Answer<StatusCode> {
+) -> Reply<StatusCode> {
     match command {
         StudyCommand::Start => {
             site.study.start(site.folder.path().to_owned(), site.seed).map_err(refused)?
@@ -48,7 +48,7 @@ pub(super) async fn command(
 }
 
 /// Takes the results of a file.
-pub(super) async fn file(From(site): From<Arc<Site>>, body: Body) -> Answer<StatusCode> {
+pub(super) async fn file(Shared(site): Shared<Arc<Site>>, body: Body) -> Reply<StatusCode> {
     let text = upload::text(body, Some(MOST_STUDY)).await;
     site.study.take(&text?).map_err(refused)?;
     Ok(StatusCode::NO_CONTENT)
@@ -62,9 +62,9 @@ pub(super) struct Run {
 
 /// The traces of a run.
 pub(super) async fn trace(
-    From(site): From<Arc<Site>>,
+    Shared(site): Shared<Arc<Site>>,
     Query(Run { run }): Query<Run>,
-) -> Answer<Response> {
+) -> Reply<Response> {
     let traces = site.study.shown().traces.clone();
     let html = traces.and_then(|traces| faults::trace(&traces, run));
     let html = html.ok_or_else(|| refused("these results hold no traces of that run"))?;

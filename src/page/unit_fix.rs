@@ -12,7 +12,6 @@ use super::recordings::Taken;
 pub(super) struct UnitFix {
     /// Number of the recording.
     pub(super) recording: usize,
-    /// The column.
     pub(super) column: String,
     /// The signal that it holds.
     pub(super) signal: String,

@@ -75,12 +75,12 @@ pub(super) async fn recording(
     let broken = |error: std::io::Error| UploadError::Broken(error.to_string());
     let mut file =
         tempfile::Builder::new().suffix(&suffix).tempfile_in(site.folder.path()).map_err(broken)?;
-    let mut left = site.most_bytes;
+    let mut remainder = site.most_bytes;
     let mut chunks = body.into_data_stream();
     while let Some(chunk) = chunks.next().await {
         let chunk = chunk.map_err(|error| UploadError::Broken(error.to_string()))?;
         let too_large = || UploadError::TooLarge { most: site.most_bytes / 1_000_000 };
-        left = left.checked_sub(chunk.len() as u64).ok_or_else(too_large)?;
+        remainder = remainder.checked_sub(chunk.len() as u64).ok_or_else(too_large)?;
         NamedTempFile::write_all(&mut file, &chunk).map_err(broken)?;
     }
     Ok(file.into_temp_path())

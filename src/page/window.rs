@@ -5,11 +5,11 @@ use std::ops::Range;
 use drivescope_discovery::compare::{Comparison, Options, compare};
 use drivescope_discovery::{Evidence, Measured, evaluate};
 
-use super::rung::Rung;
+use super::session_step::SessionStep;
 use crate::evidence::Gathered;
 use crate::failure::into_report;
 
-/// A rung over a stretch of one recording.
+/// A step over a stretch of one recording.
 pub(super) struct Window {
     /// Where the model fails.
     pub(super) compared: Comparison,
@@ -17,12 +17,12 @@ pub(super) struct Window {
     pub(super) errors: Vec<(&'static str, f64)>,
 }
 
-/// The comparison of a rung over a stretch of one recording.
+/// The comparison of a step over a stretch of one recording.
 ///
 /// # Errors
 /// A stretch that is too short.
 pub(super) fn compared(
-    rung: &Rung,
+    step: &SessionStep,
     (whole, gathered): (&Evidence, &Gathered),
     recording: usize,
     (from, to): (f64, f64),
@@ -41,10 +41,10 @@ pub(super) fn compared(
         let part = measured.part(range).map_err(into_report)?;
         Ok::<_, miette::Report>(Evidence { recordings: vec![part], noise: vec![noise.clone()] })
     };
-    let drive = &rung.drive;
+    let drive = &step.drive;
     let options = Options { curves: true, seed };
     let compared =
-        compare(drive, &part(range.clone())?, &rung.setting, &options).map_err(into_report)?;
+        compare(drive, &part(range.clone())?, &step.setting, &options).map_err(into_report)?;
     let judges = gathered.estimation.recordings.get(recording).map_or(0, Measured::len);
     let parts = [
         ("what it is fitted to", range.start..range.end.min(judges)),
@@ -57,7 +57,7 @@ pub(super) fn compared(
         _ => parts
             .into_iter()
             .filter_map(|(of, range)| {
-                let judged = evaluate(drive, &part(range).ok()?, &rung.setting, true).ok()?;
+                let judged = evaluate(drive, &part(range).ok()?, &step.setting, true).ok()?;
                 Some((of, judged.squares.error()))
             })
             .collect(),

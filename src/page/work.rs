@@ -10,12 +10,14 @@ use drivescope_discovery::{
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 
-use super::bench::{GivenDrive, State};
+use super::basis::Basis;
+use super::bench::{Bench, GivenDrive, State};
 use super::command_line::{Files, file_of};
 use super::fresh::{Drawn, Fresh};
-use super::job::{Cancelled, Progress};
+use super::job::Cancelled;
+use super::progress::Progress;
 use super::recordings::Taken;
-use super::rung::Rung;
+use super::session_step::SessionStep;
 use crate::answer::discover::Missing;
 use crate::drive_text::{with_effects, with_estimates};
 use crate::evidence::Gathered;
@@ -28,30 +30,17 @@ const FIRST_LOOK: Duration = Duration::from_millis(250);
 /// A name for the drive that is made from a recording.
 const FIRST: &str = "first.toml";
 
-/// What work rests on: copies that nobody changes.
-#[derive(Debug, Clone)]
-pub(super) struct Basis {
-    /// The recordings, parted.
-    pub(super) gathered: Arc<Gathered>,
-    /// The recordings, whole.
-    pub(super) whole: Arc<Evidence>,
-    /// How the recordings are named on a command line.
-    pub(super) files: Files,
-    /// Seed.
-    pub(super) seed: u64,
-}
-
-impl Basis {
-    /// Of a session whose recordings were analysed.
-    pub(super) fn of(progress: &Progress) -> miette::Result<Self> {
-        let state = progress.bench.state();
-        let missing = || miette::Report::msg("analyse a recording first");
-        Ok(Self {
-            gathered: state.gathered.clone().ok_or_else(missing)?,
-            whole: state.whole.clone().ok_or_else(missing)?,
-            files: Files::of(&state.recordings, progress.bench.seed),
-            seed: progress.bench.seed,
-        })
+impl Bench {
+    /// Begins to analyse the recordings from the start; what was done before is dropped. Nothing
+    /// more happens without a recording, or while one is to be completed.
+    pub(super) fn analyse(self: &Arc<Self>) {
+        let anew = |state: &mut State| {
+            state.end_job();
+            state.forget();
+            let whole = state.recordings.iter().all(|it| it.incomplete.is_none());
+            whole && !state.recordings.is_empty()
+        };
+        self.begin("Analysing", anew, analyse);
     }
 }
 
@@ -101,12 +90,12 @@ pub(super) fn analyse(progress: &Progress) -> miette::Result<impl FnOnce(&mut St
             .map_err(into_report)?;
     let command = basis.files.begun(&given.name, given.made);
     let text = with_estimates((&given.name, &given.text), &fitted, &basis.gathered)?;
-    let step = Fresh { parent: None, label: "the base, fitted".to_owned(), command, text };
-    let rung = Arc::new(step.rung(fitted.into(), setting, &basis, progress)?);
-    let drive = rung.drive.clone();
+    let fresh = Fresh { parent: None, label: "the base, fitted".to_owned(), command, text };
+    let step = Arc::new(fresh.step(fitted.into(), setting, &basis, progress)?);
+    let drive = step.drive.clone();
     progress.bench.hand_in(progress.number, |state| {
         (state.gathered, state.whole) = (Some(basis.gathered.clone()), Some(basis.whole.clone()));
-        state.rungs = vec![rung];
+        state.steps = vec![step];
     });
     let missing = lacking(&drive, &basis, progress)?;
     Ok(move |state: &mut State| {
@@ -130,41 +119,41 @@ fn lacking(drive: &Drive, basis: &Basis, progress: &Progress) -> miette::Result<
     Ok(Missing::of(&found, false))
 }
 
-/// What a job at a rung works with.
-fn at(progress: &Progress, number: usize) -> miette::Result<(Basis, Arc<Rung>)> {
-    Ok((Basis::of(progress)?, progress.bench.state().rung(number)?))
+/// What a job at a step works with.
+fn at(progress: &Progress, number: usize) -> miette::Result<(Basis, Arc<SessionStep>)> {
+    Ok((Basis::of(progress)?, progress.bench.state().step(number)?))
 }
 
-/// Asks what the drive of a rung lacks.
+/// Asks what the drive of a step lacks.
 pub(super) fn learn(
     progress: &Progress,
     number: usize,
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let (basis, rung) = at(progress, number)?;
-    let missing = lacking(&rung.drive, &basis, progress)?;
+    let (basis, step) = at(progress, number)?;
+    let missing = lacking(&step.drive, &basis, progress)?;
     Ok(move |state: &mut State| {
         state.missing.insert(number, Arc::new(missing));
     })
 }
 
-/// Adds an effect to the drive of a rung: a new rung, and what it lacks then.
+/// Adds an effect to the drive of a step: a new step, and what it lacks then.
 pub(super) fn extend(
     progress: &Progress,
     number: usize,
     effect: &str,
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let (basis, rung) = at(progress, number)?;
+    let (basis, step) = at(progress, number)?;
     let Gathered { estimation, validation, .. } = &*basis.gathered;
-    let found = add(&rung.drive, effect, estimation, validation, progress).map_err(into_report)?;
+    let found = add(&step.drive, effect, estimation, validation, progress).map_err(into_report)?;
     progress.doing("comparing")?;
     let name = file_of(number);
-    let text = with_effects((&name, &rung.text), &rung.drive, &found.drive, &basis.gathered)?;
-    let next = progress.bench.state().rungs.len();
+    let text = with_effects((&name, &step.text), &step.drive, &found.drive, &basis.gathered)?;
+    let next = progress.bench.state().steps.len();
     let command = basis.files.add(number, effect, next);
     let label = format!("+ {}", effect.replace('_', " "));
-    let step = Fresh { parent: Some(number), label, command, text };
-    let setting = Setting::new(&found.drive, rung.setting.observer);
-    finish(step, found.into(), setting, &basis, progress)
+    let fresh = Fresh { parent: Some(number), label, command, text };
+    let setting = Setting::new(&found.drive, step.setting.observer);
+    finish(fresh, found.into(), setting, &basis, progress)
 }
 
 /// Fits a drive that people changed: a typed law added, or a value set.
@@ -173,22 +162,22 @@ pub(super) fn refit(
     number: usize,
     (label, text): (String, String),
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let (basis, rung) = at(progress, number)?;
-    let next = progress.bench.state().rungs.len();
+    let (basis, step) = at(progress, number)?;
+    let next = progress.bench.state().steps.len();
     let name = file_of(number);
     let drive = Drive::parse(&text, &name).map_err(into_report)?;
     progress.doing("fitting")?;
     // As `fit` chooses it, but for the observer: errors along a ladder compare under one alone.
     let own = Setting::of_fit(&drive, &basis.gathered.estimation);
-    let setting = Setting { observer: rung.setting.observer, ..own };
+    let setting = Setting { observer: step.setting.observer, ..own };
     let options = Options { seed: basis.seed, ..Options::default() };
     let seen = |error| progress.fitting(error);
     let fitted = fit_seen(&drive, &basis.gathered.estimation, &setting, &options, &seen)
         .map_err(into_report)?;
-    let command = basis.files.refit((number, &rung.text), &text, next);
+    let command = basis.files.refit((number, &step.text), &text, next);
     let text = with_estimates((&name, &text), &fitted, &basis.gathered)?;
-    let step = Fresh { parent: Some(number), label, command, text };
-    finish(step, fitted.into(), setting, &basis, progress)
+    let fresh = Fresh { parent: Some(number), label, command, text };
+    finish(fresh, fitted.into(), setting, &basis, progress)
 }
 
 /// Judges a drive with a value that people set, nothing fitted.
@@ -197,11 +186,11 @@ pub(super) fn judge(
     number: usize,
     (label, text): (String, String),
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let (basis, rung) = at(progress, number)?;
+    let (basis, step) = at(progress, number)?;
     let drive = Drive::parse(&text, &file_of(number)).map_err(into_report)?;
-    let setting = Setting::new(&drive, rung.setting.observer);
+    let setting = Setting::new(&drive, step.setting.observer);
     let parameters = drive.fitted().into_iter().map(|it| {
-        let old = rung.parameters.iter().find(|other| other.name == it.name);
+        let old = step.parameters.iter().find(|other| other.name == it.name);
         Estimate {
             before: old.map_or(it.value, |old| old.value),
             name: it.name,
@@ -212,27 +201,27 @@ pub(super) fn judge(
         }
     });
     let parameters = parameters.collect();
-    let next = progress.bench.state().rungs.len();
+    let next = progress.bench.state().steps.len();
     let command = basis.files.compare(&text, next);
-    let step = Fresh { parent: Some(number), label, command, text };
+    let fresh = Fresh { parent: Some(number), label, command, text };
     let drawn = Drawn { parameters, not_identifiable: Vec::new(), fitted: false };
-    finish(step, drawn, setting, &basis, progress)
+    finish(fresh, drawn, setting, &basis, progress)
 }
 
-/// Hands in a new rung and asks what it lacks.
+/// Hands in a new step and asks what it lacks.
 fn finish(
-    step: Fresh,
+    fresh: Fresh,
     drawn: Drawn,
     setting: Setting,
     basis: &Basis,
     progress: &Progress,
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
-    let rung = Arc::new(step.rung(drawn, setting, basis, progress)?);
-    let drive = rung.drive.clone();
+    let step = Arc::new(fresh.step(drawn, setting, basis, progress)?);
+    let drive = step.drive.clone();
     let mut number = 0;
     progress.bench.hand_in(progress.number, |state| {
-        number = state.rungs.len();
-        state.rungs.push(rung);
+        number = state.steps.len();
+        state.steps.push(step);
     });
     let missing = lacking(&drive, basis, progress)?;
     Ok(move |state: &mut State| {

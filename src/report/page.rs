@@ -102,8 +102,8 @@ pub(crate) fn math(text: &str) -> Markup {
     let mut written = 0;
     let mut before = ' ';
     for (at, c) in text.char_indices() {
-        let begins = c.is_ascii_alphabetic() && !before.is_alphanumeric() && before != '_';
-        if begins && at >= written {
+        let is_start = c.is_ascii_alphabetic() && !before.is_alphanumeric() && before != '_';
+        if is_start && at >= written {
             let rest = &text[at + 1..];
             let index = rest.strip_prefix('_').map_or("", alphanumeric);
             let after = rest.get(1 + index.len()..).unwrap_or_default();

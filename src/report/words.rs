@@ -43,13 +43,13 @@ pub(crate) fn in_units_of_noise(error: f64) -> bool {
 /// forces.
 pub(crate) fn balances(
     motion: Motion,
-    left: &BothUnexplained,
+    remainder: &BothUnexplained,
 ) -> [(&'static str, Option<Unexplained>); 2] {
     let driving = match motion {
         Motion::Rotary => "torque",
         Motion::Linear => "force",
     };
-    [(driving, left.torque), ("voltage", left.voltage)]
+    [(driving, remainder.torque), ("voltage", remainder.voltage)]
 }
 
 /// The fit of an output: a percentage, or that the model overflowed.
@@ -158,11 +158,11 @@ mod tests {
 
     #[test]
     fn what_is_left_of_a_linear_axis_is_a_force() {
-        let left =
+        let remainder =
             BothUnexplained { torque: Some(Unexplained { rms: 2.0, share: 0.1 }), voltage: None };
-        assert_eq!(balances(Motion::Linear, &left)[0], ("force", left.torque));
-        assert_eq!(balances(Motion::Rotary, &left)[0], ("torque", left.torque));
-        assert_eq!(balances(Motion::Linear, &left)[1], ("voltage", None));
+        assert_eq!(balances(Motion::Linear, &remainder)[0], ("force", remainder.torque));
+        assert_eq!(balances(Motion::Rotary, &remainder)[0], ("torque", remainder.torque));
+        assert_eq!(balances(Motion::Linear, &remainder)[1], ("voltage", None));
     }
 
     #[test]

@@ -10,7 +10,6 @@ use thiserror::Error;
 /// A fault over a span of time.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FaultOverTime {
-    /// The mechanism.
     pub(crate) mechanism: &'static Mechanism,
     /// Its size; a fraction where the mechanism's unit is 1.
     pub(crate) size: f64,
@@ -47,7 +46,6 @@ pub(crate) enum FaultError {
     Percent {
         /// The mechanism.
         kind: &'static str,
-        /// Its unit.
         unit: &'static str,
     },
     /// More than everything is lost.

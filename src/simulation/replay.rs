@@ -15,13 +15,11 @@ use crate::interrupt;
 /// How well the model reproduces a measured signal.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub(crate) struct Fit {
-    /// The signal.
     pub(crate) signal: String,
     /// 100 (1 - |y - y_model| / |y - mean(y)|), %; none for a constant signal.
     pub(crate) percent: Option<f64>,
     /// Root of the mean squared difference, in the signal's unit.
     pub(crate) rms: f64,
-    /// The unit.
     pub(crate) unit: String,
 }
 

@@ -21,9 +21,7 @@ const ERRORS_OF_ZERO: f64 = 3.0;
 pub(crate) struct Start {
     /// Armature current; 0 where there is none.
     pub(crate) current: f64,
-    /// Speed.
     pub(crate) speed: f64,
-    /// Position.
     pub(crate) position: f64,
 }
 

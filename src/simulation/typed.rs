@@ -33,7 +33,6 @@ pub(crate) struct Run {
     pub(crate) driven: Driven,
     /// Load torque, one value a sample.
     pub(crate) load: Option<Vec<f64>>,
-    /// Faults.
     pub(crate) faults: Vec<FaultOverTime>,
     /// Sampling time, s.
     pub(crate) period_s: f64,

@@ -32,9 +32,9 @@ fn crates_use_what_the_table_says_and_nothing_else() {
         let (name, folder, uses) = (cells[1], cells[2], cells[3]);
         let manifest = manifest(folder);
         assert_eq!(manifest["package"]["name"].as_str(), Some(name), "{folder}");
-        let told: BTreeSet<String> =
+        let stated: BTreeSet<String> =
             uses.split(", ").filter(|it| !it.is_empty()).map(str::to_owned).collect();
-        assert_eq!(told, used(&manifest), "{name}");
+        assert_eq!(stated, used(&manifest), "{name}");
         folders.insert(folder.to_owned());
     }
     let members = manifest(".")["workspace"]["members"].clone();
@@ -58,7 +58,7 @@ fn files_that_are_named_are_there() {
 }
 
 /// Every Rust file of the project below a folder.
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+pub(crate) fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder that can be read").flatten() {
         let (path, name) = (entry.path(), entry.file_name());
         let name = name.to_string_lossy();
@@ -97,8 +97,8 @@ fn unsafe_code_is_where_the_table_says() {
     let section = ARCHITECTURE.split("## Unsafe code").nth(1).expect("a section");
     let section = section.split("\n## ").next().expect("an end");
     let cells = section.lines().filter_map(|line| line.strip_prefix("| ")?.split(" |").next());
-    let told: BTreeSet<String> = cells
+    let stated: BTreeSet<String> = cells
         .flat_map(|cell| cell.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>())
         .collect();
-    assert_eq!(found, told);
+    assert_eq!(found, stated);
 }

@@ -23,10 +23,10 @@ fn output(here: &Path, file: &str, name: &str) -> Vec<f64> {
 fn declared(here: &Path, file: &str, prefix: &str) -> Vec<(usize, [f64; 4])> {
     let of = |name: &str| output(here, file, &format!("{prefix}{name}"));
     let alarms = of("alarms");
-    let told = ["mechanism", "size", "size_lower", "size_upper"].map(of);
+    let stated = ["mechanism", "size", "size_lower", "size_upper"].map(of);
     (1..alarms.len())
         .filter(|k| alarms[*k] > alarms[k - 1])
-        .map(|k| (k, std::array::from_fn(|which| told[which][k])))
+        .map(|k| (k, std::array::from_fn(|which| stated[which][k])))
         .collect()
 }
 
@@ -103,9 +103,9 @@ fn noise(samples: usize) -> String {
     let mut text =
         "time [s],noise_T [rpm],noise_I_m [A],noise_T_l [N m],reference [rad/s],fault_tacho [1]\n"
             .to_owned();
-    let (left, mut load) = ((-0.005_f64 / 0.05).exp(), 0.0);
+    let (remainder, mut load) = ((-0.005_f64 / 0.05).exp(), 0.0);
     for k in 0..samples {
-        load = left * load + (1.0 - left * left).sqrt() * 1e-3 * normal();
+        load = remainder * load + (1.0 - remainder * remainder).sqrt() * 1e-3 * normal();
         let fault = if k >= 1600 { 0.05 } else { 0.0 };
         let (tacho, current) = (3.0 * normal(), 0.01 * normal());
         let time = 0.005 * k as f64;

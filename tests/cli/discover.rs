@@ -45,7 +45,14 @@ fn recorded(folder: &Path, hidden: &str) {
 fn discovered(folder: &Path, hidden: &str) -> Value {
     recorded(folder, hidden);
     let run = ["discover", "base.toml", "one.csv", "--validate", "two.csv", "-o", "found.toml"];
-    done(folder, &[&run[..], &["--json", "-"]].concat()).json()
+    let ran = done(folder, &[&run[..], &["--json", "-"]].concat());
+    let answer = ran.json();
+    // Each step is said as it comes, by the number that it has in the ladder.
+    for step in 0..answer["ladder"].as_array().map_or(0, Vec::len) {
+        let said = ran.err.lines().any(|line| line.starts_with(&format!("{step}: ")));
+        assert!(said, "{step}: {}", ran.err);
+    }
+    answer
 }
 
 fn number(value: &Value) -> f64 {
@@ -146,8 +153,8 @@ fn nothing_hidden_is_none_and_something_strange_is_unknown() {
     let added = done(here, &[&add[..], &["-o", "added.toml", "--json", "-"]].concat()).json();
     for key in ["error", "validation_error"] {
         let (before, after) = (number(&added["before"][key]), number(&added["after"][key]));
-        let left = (after - 1.0) / (before - 1.0);
-        assert!(left < LEFT_BY_A_CURVE, "{key}: {before} to {after}");
+        let remainder = (after - 1.0) / (before - 1.0);
+        assert!(remainder < LEFT_BY_A_CURVE, "{key}: {before} to {after}");
     }
     assert_runs_as_an_fmu(here, "added.toml");
     // So can the most probable of the formulas.
@@ -165,8 +172,8 @@ fn nothing_hidden_is_none_and_something_strange_is_unknown() {
     assert_eq!(added["named"], serde_json::json!(["formula"]), "{added}");
     for key in ["error", "validation_error"] {
         let (before, after) = (number(&added["before"][key]), number(&added["after"][key]));
-        let left = (after - 1.0) / (before - 1.0);
-        assert!(left < LEFT_BY_A_CURVE, "{key}: {before} to {after} with {formula}");
+        let remainder = (after - 1.0) / (before - 1.0);
+        assert!(remainder < LEFT_BY_A_CURVE, "{key}: {before} to {after} with {formula}");
     }
     assert_runs_as_an_fmu(here, "formula.toml");
 }
@@ -289,12 +296,17 @@ fn validation_data_of_another_machine_are_said() {
     record(here, "strange.csv", OTHER, "5");
     let doubts = |validation| {
         let run = ["discover", "base.toml", "one.csv", "--validate", validation, "--json", "-"];
-        let told = done(here, &run).json();
-        told["doubts"].as_array().expect("a list").iter().map(Value::to_string).collect::<String>()
+        let stated = done(here, &run).json();
+        stated["doubts"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(Value::to_string)
+            .collect::<String>()
     };
     assert!(!doubts("two.csv").contains("another machine"));
-    let told = doubts("strange.csv");
-    assert!(told.contains("another machine") && told.contains("J "), "{told}");
+    let stated = doubts("strange.csv");
+    assert!(stated.contains("another machine") && stated.contains("J "), "{stated}");
 }
 
 #[test]

@@ -113,13 +113,13 @@ fn a_constant_input_is_no_failure_but_said() {
     record(here, "still.csv", "6");
     let ran = done(here, &["fit", "wrong.toml", "still.csv", "-o", "f.toml", "--json", "-"]);
     assert!(ran.err.contains("u is constant"), "{}", ran.err);
-    let told = ran.json();
+    let stated = ran.json();
     // The run-up from rest tells the rest.
-    let kept = told["not_identifiable"].as_array().expect("a list");
-    assert!(kept.iter().any(|name| name == "B_m"), "{told}");
-    let doubts = told["doubts"].as_array().expect("a list");
+    let kept = stated["not_identifiable"].as_array().expect("a list");
+    assert!(kept.iter().any(|name| name == "B_m"), "{stated}");
+    let doubts = stated["doubts"].as_array().expect("a list");
     let says = |doubt: &Value| doubt.as_str().is_some_and(|doubt| doubt.contains("record steps"));
-    assert!(doubts.iter().any(says), "{told}");
+    assert!(doubts.iter().any(says), "{stated}");
 }
 
 #[test]

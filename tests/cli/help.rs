@@ -106,6 +106,6 @@ fn a_reader_that_goes_away_is_no_error() {
     let ended = child.wait_with_output().expect("it ends");
     assert_eq!(ended.status.code(), Some(0));
     // All of it may have been written before the reader went: then the next command is told.
-    let told = String::from_utf8_lossy(&ended.stderr).into_owned();
-    assert!(told.lines().all(|line| line.starts_with("next: ")), "{told}");
+    let stated = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert!(stated.lines().all(|line| line.starts_with("next: ")), "{stated}");
 }

@@ -45,10 +45,10 @@ fn a_run_that_is_stopped_writes_nothing() {
 fn a_study_that_is_stopped_leaves_nothing() {
     let here = folder();
     let temporary = stopped(here.path(), &["study", "--out", "deep/study"], 3 * UNDER_WAY);
-    let left = |folder: &std::path::Path| -> Vec<_> {
+    let remaining = |folder: &std::path::Path| -> Vec<_> {
         let entries = folder.read_dir().expect("a folder");
         entries.map(|entry| entry.expect("an entry").file_name()).collect()
     };
-    assert!(left(here.path()).is_empty(), "{:?}", left(here.path()));
-    assert!(left(temporary.path()).is_empty(), "{:?}", left(temporary.path()));
+    assert!(remaining(here.path()).is_empty(), "{:?}", remaining(here.path()));
+    assert!(remaining(temporary.path()).is_empty(), "{:?}", remaining(temporary.path()));
 }

@@ -119,6 +119,8 @@ fn an_error_far_along_a_line_is_bad_input_and_no_panic() {
 #[cfg(unix)]
 #[test]
 fn outputs_go_through_links_and_pipes() {
+    use std::os::unix::fs::FileTypeExt;
+
     let here = folder();
     std::fs::create_dir(here.path().join("deep")).expect("a folder");
     for (link, file) in [("log.csv", "deep/log.csv"), ("null.csv", "/dev/null")] {
@@ -129,6 +131,10 @@ fn outputs_go_through_links_and_pipes() {
         assert!(there.is_symlink(), "{link} stays a link");
     }
     assert!(here.path().join("deep/log.csv").is_file());
+    // A device takes a recording whatever its name, and stays one.
+    done(here.path(), &["simulate", "dr300", "--duration", "0.1", "-o", "/dev/null"]);
+    let there = Path::new("/dev/null").metadata().expect("every Unix has it");
+    assert!(there.file_type().is_char_device());
 }
 
 /// What cannot be read is refused in a moment, whatever its size.
@@ -176,6 +182,13 @@ fn runs_that_no_memory_holds_are_refused() {
         let message = refused(here.path(), command);
         assert!(message.contains("can be recorded"), "{command:?}: {message}");
     }
+}
+
+#[test]
+fn an_fmu_is_named_so() {
+    let here = folder();
+    let message = refused(here.path(), &["export", "dr300", "-o", "drive.txt"]);
+    assert!(message.contains("drive.txt") && message.contains(".fmu"), "{message}");
 }
 
 /// Fewer sub-steps than a drive needs would give an answer that looks like one.

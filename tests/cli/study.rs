@@ -28,7 +28,8 @@ fn a_hidden_effect_costs_sensitivity_and_adding_it_gives_it_back() {
 
     let message = refused(here, &["study", "--out", "other", "--hidden", "cogging"]);
     assert!(message.contains("no such effect") && message.contains("coulomb"), "{message}");
-    let none = ["study", "--out", "other", "--hidden", "coulomb", "--hidden-machines", "0"];
+    // Before any file is read.
+    let none = ["study", "--drive", "absent.toml", "--hidden", "coulomb", "--hidden-machines", "0"];
     assert!(refused(here, &none).contains("--hidden-machines 0"));
     assert!(!here.join("other").exists());
 }

@@ -49,7 +49,6 @@ impl From<Unit> for BaseUnit {
 /// An affine conversion of values: `factor * value + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conversion {
-    /// Factor.
     pub factor: f64,
     /// Offset, in the unit of the result.
     pub offset: f64,

@@ -9,7 +9,6 @@ use crate::table::{TABLE, listed};
 
 /// A unit that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum UnitError {
     /// A symbol is not known.
     #[error("unit `{unit}`: symbol `{symbol}` is not known; use SI symbols such as `N m/A`")]

@@ -21,7 +21,6 @@ pub(crate) const WORTH: f64 = 0.05;
 /// One candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeRunRow {
-    /// Its orders.
     pub orders: Orders,
     /// Samples in which it settles: five of its slowest time constants.
     pub run_up: usize,
@@ -36,7 +35,6 @@ pub struct FreeRunOrders {
     pub rows: Vec<FreeRunRow>,
     /// The one that was chosen.
     pub best: FreeRunRow,
-    /// Its model.
     pub model: Arc<Arx>,
 }
 
@@ -94,8 +92,8 @@ impl Arx {
             if !leaves_half(&judged, run_up) {
                 continue;
             }
-            let left = residual(&mut model.run(), &judged, start);
-            let (_, deviation) = mean_and_deviation(&judged.judged(&left, run_up));
+            let remainder = residual(&mut model.run(), &judged, start);
+            let (_, deviation) = mean_and_deviation(&judged.judged(&remainder, run_up));
             candidates.push((FreeRunRow { orders, run_up, deviation }, model));
         }
         let tried = candidates.iter().map(|(row, _)| row.deviation).filter(|it| it.is_finite());

@@ -10,7 +10,6 @@ use crate::data::Data;
 /// One candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrderRow {
-    /// Its orders.
     pub orders: Orders,
     /// Its free parameters.
     pub parameters: usize,

@@ -44,7 +44,6 @@ pub enum BaselineError {
          {tolerance}: it shows another drive or a fault"
     )]
     OutOfTolerance {
-        /// The parameter.
         parameter: String,
         /// Change that the run asks for, as a fraction.
         change: f64,
@@ -53,7 +52,7 @@ pub enum BaselineError {
     },
     /// The model with its best parameters does not explain the run.
     #[error(
-        "the drive model leaves {rms:.2} times the noise that it foretells in the baseline: fit the \
+        "the drive model leaves {rms:.2} times the noise that it predicts in the baseline: fit the \
          drive first, or record the baseline without a fault"
     )]
     NotThisMachine {

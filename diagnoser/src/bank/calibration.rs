@@ -78,7 +78,6 @@ pub enum CalibrationError {
 pub struct Verified {
     /// Healthy samples.
     pub samples: usize,
-    /// Alarms in them.
     pub alarms: usize,
 }
 

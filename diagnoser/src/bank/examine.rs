@@ -69,11 +69,11 @@ impl Projection {
 
     /// Likelihood ratio of a column; 0 where it hardly differs from what was taken out.
     fn ratio(&self, column: usize) -> f64 {
-        let left = self.gram[column][column];
-        if left <= APART * self.whole[column] || left <= 0.0 {
+        let remainder = self.gram[column][column];
+        if remainder <= APART * self.whole[column] || remainder <= 0.0 {
             return 0.0;
         }
-        0.5 * self.score[column].powi(2) / left
+        0.5 * self.score[column].powi(2) / remainder
     }
 }
 
@@ -119,8 +119,8 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
         if grows {
             gained = p.ratio(GROWTH);
             squares -= 2.0 * gained;
-            let left = p.gram[GROWTH][GROWTH];
-            growth = Some((p.score[GROWTH] / left, 1.0 / left.sqrt()));
+            let remainder = p.gram[GROWTH][GROWTH];
+            growth = Some((p.score[GROWTH] / remainder, 1.0 / remainder.sqrt()));
             p.take_out(GROWTH);
         }
         let second = (0..self.healthy.mechanisms().len()).map(|j| p.ratio(j));

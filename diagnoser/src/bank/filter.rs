@@ -11,7 +11,6 @@ pub(crate) struct Correction<const N: usize> {
     pub(crate) innovation: [f64; SENSORS],
     /// Inverse standard deviation of each; 0 where nothing was measured.
     pub(crate) inverse_sd: [f64; SENSORS],
-    /// Gain of each.
     pub(crate) gain: [[f64; N]; SENSORS],
 }
 

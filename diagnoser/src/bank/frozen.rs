@@ -1,7 +1,7 @@
 //! Stuck sensors: a value that repeats itself to the last digit.
 //!
 //! A stuck sensor shows its last value with certainty. A healthy one shows it by chance, with the
-//! probability p of the quantum that the value lies in, as the filter foretells it. The likelihood
+//! probability p of the quantum that the value lies in, as the filter predicts it. The likelihood
 //! ratio of a run of repetitions is the product of their 1 / p, and one change ends it.
 
 use super::filter::Correction;

@@ -172,16 +172,16 @@ impl<const N: usize> Onsets<N> {
     pub(crate) fn peak(&self) -> Option<Peak> {
         let mut best = [[(f32::NEG_INFINITY, 0); WIDE]; VECTORS];
         widest(Comparing { onsets: self, best: &mut best });
-        let (mut top, mut peak) = ((f32::NEG_INFINITY, 0), None);
+        let mut top = (f32::NEG_INFINITY, 0, 0);
         for (mechanism, (ratio, k)) in best.into_iter().flatten().enumerate() {
             // Of equal ones the oldest onset.
             if ratio > top.0 || (ratio == top.0 && k < top.1) {
-                top = (ratio, k);
-                peak = Some(mechanism);
+                top = (ratio, k, mechanism);
             }
         }
-        let onset = self.kept.get(top.1)?.sample;
-        peak.map(|mechanism| Peak { ratio: top.0.into(), mechanism, onset })
+        let (ratio, k, mechanism) = top;
+        let onset = self.kept.get(k)?.sample;
+        (ratio > f32::NEG_INFINITY).then(|| Peak { ratio: ratio.into(), mechanism, onset })
     }
 }
 

@@ -43,7 +43,6 @@ pub struct Mechanism {
 /// Mean and covariance of the state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Belief<const N: usize> {
-    /// Mean.
     pub mean: [f64; N],
     /// Covariance, symmetric.
     pub covariance: [[f64; N]; N],

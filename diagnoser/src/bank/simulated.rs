@@ -78,18 +78,18 @@ pub fn simulated<const N: usize, P: Process<N>>(
     belief.mean[moving..].copy_from_slice(machine);
     process.settle(&mut belief);
     let (mut x, quanta) = (belief.mean, process.quanta());
-    let (mut level, mut slope, mut left) = (driving.usual, 0.0, baseline);
+    let (mut level, mut slope, mut remainder) = (driving.usual, 0.0, baseline);
     let mut made = Vec::with_capacity(baseline + rows);
     for k in 0..baseline + rows {
-        if left == 0 {
+        if remainder == 0 {
             let seconds = random.random_range(HELD_S.0..HELD_S.1);
-            left = ((seconds / driving.period_s) as usize).max(1);
+            remainder = ((seconds / driving.period_s) as usize).max(1);
             let next = random.random_range(-driving.greatest..=driving.greatest);
             let ramps = random.random_range(0.0..1.0) < RAMPS;
-            slope = if ramps { (next - level) / left as f64 } else { 0.0 };
+            slope = if ramps { (next - level) / remainder as f64 } else { 0.0 };
             level = if ramps { level } else { next };
         }
-        left -= 1;
+        remainder -= 1;
         level += if k < baseline { 0.0 } else { slope };
         let effort = level + driving.jitter * normal(&mut random);
         let mut row = Row { control: effort, shown };

@@ -37,6 +37,5 @@ pub struct BankDesign {
     /// Limits without the current, where it was among them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits_without_current: Option<Limits>,
-    /// Noise.
     pub noise: LearnedNoise,
 }

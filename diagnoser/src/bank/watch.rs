@@ -58,7 +58,6 @@ pub struct Alarm {
 pub enum Event {
     /// Something changed.
     Alarm(Alarm),
-    /// What it was.
     Judged(Judgement),
     /// What was unknown, or a stuck sensor, is over; the last sample of it.
     Ended(usize),

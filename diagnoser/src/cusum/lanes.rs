@@ -36,13 +36,13 @@ impl<const N: usize> CusumLanes<N> {
 
     /// Takes r - y_e of the next sample, output unit.
     #[inline(always)]
-    pub fn step(&mut self, left: &[f64; N]) -> CusumStep<N> {
+    pub fn step(&mut self, remainder: &[f64; N]) -> CusumStep<N> {
         let whitening = &self.cusum.whitening;
         let past = dot(&whitening.a, self.past.window());
         let (mut centred, mut innovation, mut exceeds) = ([0.0; N], [0.0; N], [0; N]);
         let scale = 1.0 / whitening.deviation;
         for l in 0..N {
-            centred[l] = left[l] - whitening.mean;
+            centred[l] = remainder[l] - whitening.mean;
             let e = (centred[l] + past[l]) * scale;
             let most = MOST * self.threshold[l];
             let up = self.up[l] + e - self.kappa[l];

@@ -33,17 +33,17 @@ impl Whitening {
                 pairs.map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>() / n
             })
             .collect();
-        let (mut a, mut left) = (Vec::with_capacity(order), covariance[0]);
+        let (mut a, mut remainder) = (Vec::with_capacity(order), covariance[0]);
         for p in 1..=order {
             let ahead: f64 = a.iter().zip(covariance[..p].iter().rev()).map(|(a, c)| a * c).sum();
-            let reflection = -(covariance[p] + ahead) / left;
+            let reflection = -(covariance[p] + ahead) / remainder;
             let before: Vec<f64> = a.clone();
-            let turned = before.iter().rev();
-            a.iter_mut().zip(turned).for_each(|(a, other)| *a += reflection * other);
+            let reversed = before.iter().rev();
+            a.iter_mut().zip(reversed).for_each(|(a, other)| *a += reflection * other);
             a.push(reflection);
-            left *= 1.0 - reflection * reflection;
+            remainder *= 1.0 - reflection * reflection;
         }
-        let deviation = left.sqrt();
+        let deviation = remainder.sqrt();
         let usable = deviation.is_finite() && deviation > 0.0 && a.iter().all(|a| a.is_finite());
         usable.then_some(Self { mean, a, deviation })
     }

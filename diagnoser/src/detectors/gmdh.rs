@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::law::{Elsewhere, Info, ResidualDetector};
 use crate::detector::DetectorError;
-use crate::diagnoser::Diagnoser;
 use crate::flaw::Flaw;
 use crate::gmdh::{GmdhBands, RobustGmdh};
 use crate::model::{Model, ModelRun};
+use crate::parts::Parts;
 use crate::threshold::Confidence;
 
 /// The adaptive threshold (19) about the network's own residual; no significance level enters.
@@ -23,15 +23,15 @@ impl ResidualDetector for Gmdh {
     type Held = RobustGmdh;
     type Run = GmdhBands;
 
-    fn held(diagnoser: &Diagnoser) -> Option<&RobustGmdh> {
-        diagnoser.gmdh.as_ref()
+    fn held<'a>(parts: &Parts<'a>, _: Option<&'a Elsewhere>) -> Option<&'a RobustGmdh> {
+        parts.gmdh
     }
 
     fn start(held: &RobustGmdh, _: Confidence) -> Result<GmdhBands, DetectorError> {
         held.bands().map_err(|_| DetectorError::DamagedBounds)
     }
 
-    fn process(held: &RobustGmdh, _: &Diagnoser) -> ModelRun {
+    fn process(held: &RobustGmdh, _: &Parts<'_>) -> ModelRun {
         ModelRun::Gmdh(held.network.run())
     }
 

@@ -9,10 +9,10 @@ use thiserror::Error;
 use super::running::ResidualTest;
 use crate::data::{Data, DataError};
 use crate::detector::DetectorError;
-use crate::diagnoser::Diagnoser;
 use crate::flaw::Flaw;
 use crate::memory::Memory;
 use crate::model::ModelRun;
+use crate::parts::Parts;
 use crate::threshold::Confidence;
 
 /// What a person and the lists of the program need to know of a detector.
@@ -26,7 +26,8 @@ pub struct Info {
     pub about: &'static str,
     /// What a diagnoser holds for it.
     pub part: &'static str,
-    /// What its tables show in the place of a significance level; none where its level is beta.
+    /// A word that its tables show in the place of a significance level; none where its level is beta.
+    /// Its numbers are those of its design, which [`ResidualDetector::designed`] says.
     pub instead_of_level: Option<&'static str>,
     /// Whether a decision rests on the residuals before it, so that one exceedance declares a fault;
     /// else as many in a row as the diagnoser says.
@@ -65,8 +66,9 @@ pub trait ResidualDetector {
         Ok(None)
     }
 
-    /// What it rests on; nothing if the diagnoser was made without.
-    fn held(diagnoser: &Diagnoser) -> Option<&Self::Held>;
+    /// What it rests on: what the diagnoser file holds of it, or a part that has a key of its own
+    /// there; nothing if the diagnoser was made without.
+    fn held<'a>(parts: &Parts<'a>, stored: Option<&'a Self::Stored>) -> Option<&'a Self::Held>;
 
     /// The detector at its start.
     ///
@@ -75,8 +77,8 @@ pub trait ResidualDetector {
     fn start(held: &Self::Held, confidence: Confidence) -> Result<Self::Run, DetectorError>;
 
     /// The model whose residual it watches, at its start.
-    fn process(_held: &Self::Held, diagnoser: &Diagnoser) -> ModelRun {
-        diagnoser.model.run()
+    fn process(_held: &Self::Held, parts: &Parts<'_>) -> ModelRun {
+        parts.model.run()
     }
 
     /// Samples that its models need to settle.
@@ -85,7 +87,7 @@ pub trait ResidualDetector {
     }
 
     /// Why it is not to be used, though it is there.
-    fn refusal(_held: &Self::Held, _diagnoser: &Diagnoser) -> Option<Refusal> {
+    fn refusal(_held: &Self::Held, _parts: &Parts<'_>) -> Option<Refusal> {
         None
     }
 

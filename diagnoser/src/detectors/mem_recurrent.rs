@@ -1,12 +1,13 @@
 //! Model error modelling, (6) and (7), with a recurrent network as error model.
 
 use super::law::{Elsewhere, Info, Refusal, ResidualDetector};
-use super::mem::ModelError;
+use super::mem::refusal;
 use crate::detector::DetectorError;
-use crate::diagnoser::Diagnoser;
 use crate::flaw::Flaw;
 use crate::model::ModelRun;
 use crate::model_error::ErrorBands;
+use crate::parts::Parts;
+use crate::stored_error::ModelError;
 use crate::threshold::Confidence;
 
 /// Bands about what a recurrent error model expects of the residual.
@@ -22,8 +23,8 @@ impl ResidualDetector for MemRecurrent {
     type Held = ModelError;
     type Run = ErrorBands<ModelRun>;
 
-    fn held(diagnoser: &Diagnoser) -> Option<&ModelError> {
-        diagnoser.recurrent_error.as_ref()
+    fn held<'a>(parts: &Parts<'a>, _: Option<&'a Elsewhere>) -> Option<&'a ModelError> {
+        parts.recurrent_error
     }
 
     fn start(held: &ModelError, confidence: Confidence) -> Result<Self::Run, DetectorError> {
@@ -34,8 +35,8 @@ impl ResidualDetector for MemRecurrent {
         held.settles()
     }
 
-    fn refusal(held: &ModelError, diagnoser: &Diagnoser) -> Option<Refusal> {
-        held.refusal(diagnoser)
+    fn refusal(held: &ModelError, parts: &Parts<'_>) -> Option<Refusal> {
+        refusal(held, parts)
     }
 
     fn check(held: &ModelError, inputs: usize) -> Result<(), Flaw> {

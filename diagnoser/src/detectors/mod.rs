@@ -12,8 +12,6 @@ mod mem_recurrent;
 mod registry;
 mod running;
 
-pub use constant::ConstantThreshold;
 pub use law::{Elsewhere, Info, Refusal, ResidualDetector};
-pub use mem::ModelError;
 pub use registry::{DetectorKind, DetectorRun, Stored};
 pub use running::{Judged, ResidualTest};

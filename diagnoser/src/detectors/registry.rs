@@ -7,52 +7,32 @@ use super::law::{Info, Refusal, ResidualDetector};
 use super::running::{Judged, ResidualTest};
 use crate::data::{Data, DataError};
 use crate::detector::DetectorError;
-use crate::diagnoser::Diagnoser;
 use crate::flaw::Flaw;
 use crate::memory::{Memory, MemoryError, Walk};
 use crate::model::ModelRun;
+use crate::parts::Parts;
 use crate::threshold::{Band, Confidence};
 
 /// A registered detector, as the lists of the program see it.
 struct Entry {
     info: &'static Info,
-    start: fn(&Diagnoser, Confidence) -> Option<Started>,
-    settles: fn(&Diagnoser) -> usize,
-    refusal: fn(&Diagnoser) -> Option<Refusal>,
-    is_held: fn(&Diagnoser) -> bool,
-    check: fn(&Diagnoser) -> Result<(), Flaw>,
-    designed: fn(&Diagnoser) -> Option<String>,
+    start: fn(&Parts<'_>, &Stored, Confidence) -> Option<Started>,
+    settles: fn(&Parts<'_>, &Stored) -> usize,
+    refusal: fn(&Parts<'_>, &Stored) -> Option<Refusal>,
+    is_held: fn(&Parts<'_>, &Stored) -> bool,
+    check: fn(&Parts<'_>, &Stored) -> Result<(), Flaw>,
+    designed: fn(&Parts<'_>, &Stored) -> Option<String>,
 }
 
 /// The model whose residual is watched, and the test of it.
 type Started = Result<(ModelRun, DetectorRun), DetectorError>;
-
-impl Entry {
-    /// What the lists need of a detector; `run` makes it one of those at work.
-    const fn of<D: ResidualDetector>(start: fn(&Diagnoser, Confidence) -> Option<Started>) -> Self {
-        Self {
-            info: const { &D::INFO },
-            start,
-            settles: |diagnoser| D::held(diagnoser).map_or(0, D::settles),
-            refusal: |diagnoser| D::refusal(D::held(diagnoser)?, diagnoser),
-            is_held: |diagnoser| D::held(diagnoser).is_some(),
-            check: |diagnoser| {
-                let inputs = diagnoser.interface.inputs.len();
-                D::held(diagnoser).map_or(Ok(()), |held| D::check(held, inputs))
-            },
-            designed: |diagnoser| {
-                D::designed(D::held(diagnoser)?, &diagnoser.interface.output.unit)
-            },
-        }
-    }
-}
 
 macro_rules! registry {
     ($($detector:ident in $module:ident),+ $(,)?) => {
         /// Which detector of the residual.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum DetectorKind {
-            $(#[allow(missing_docs)] $detector,)+
+            $($detector,)+
         }
 
         impl DetectorKind {
@@ -60,15 +40,36 @@ macro_rules! registry {
             pub const ALL: [Self; [$(stringify!($module)),+].len()] = [$(Self::$detector),+];
 
             const fn entry(self) -> &'static Entry {
-                const ENTRIES: &[Entry] = &[$(Entry::of::<super::$module::$detector>(
-                    |diagnoser, confidence| {
-                        type Of = super::$module::$detector;
-                        let held = Of::held(diagnoser)?;
-                        Some(Of::start(held, confidence).map(|run| {
-                            (Of::process(held, diagnoser), DetectorRun::$detector(run))
-                        }))
-                    },
-                )),+];
+                const ENTRIES: &[Entry] = &[$({
+                    type Of = super::$module::$detector;
+
+                    fn held<'a>(
+                        parts: &Parts<'a>,
+                        stored: &'a Stored,
+                    ) -> Option<&'a <Of as ResidualDetector>::Held> {
+                        Of::held(parts, stored.$module.as_ref())
+                    }
+
+                    Entry {
+                        info: &Of::INFO,
+                        start: |parts, stored, confidence| {
+                            let held = held(parts, stored)?;
+                            Some(Of::start(held, confidence).map(|run| {
+                                (Of::process(held, parts), DetectorRun::$detector(run))
+                            }))
+                        },
+                        settles: |parts, stored| held(parts, stored).map_or(0, Of::settles),
+                        refusal: |parts, stored| Of::refusal(held(parts, stored)?, parts),
+                        is_held: |parts, stored| held(parts, stored).is_some(),
+                        check: |parts, stored| {
+                            let inputs = parts.interface.inputs.len();
+                            held(parts, stored).map_or(Ok(()), |held| Of::check(held, inputs))
+                        },
+                        designed: |parts, stored| {
+                            Of::designed(held(parts, stored)?, &parts.interface.output.unit)
+                        },
+                    }
+                }),+];
                 &ENTRIES[self as usize]
             }
         }
@@ -105,7 +106,6 @@ macro_rules! registry {
         #[derive(Debug, Clone)]
         pub enum DetectorRun {
             $(
-                #[allow(missing_docs)]
                 $detector(<super::$module::$detector as ResidualDetector>::Run),
             )+
         }
@@ -171,35 +171,40 @@ impl DetectorKind {
         Self::ALL.into_iter().find(|kind| kind.id() == id)
     }
 
-    /// Whether a diagnoser holds what it rests on.
-    pub fn is_held(self, diagnoser: &Diagnoser) -> bool {
-        (self.entry().is_held)(diagnoser)
+    /// Whether a diagnoser of these parts holds what it rests on.
+    pub(crate) fn is_held(self, parts: &Parts<'_>, stored: &Stored) -> bool {
+        (self.entry().is_held)(parts, stored)
     }
 
     /// What was designed, in a line for people; nothing if that is told elsewhere.
-    pub fn designed(self, diagnoser: &Diagnoser) -> Option<String> {
-        (self.entry().designed)(diagnoser)
+    pub(crate) fn designed(self, parts: &Parts<'_>, stored: &Stored) -> Option<String> {
+        (self.entry().designed)(parts, stored)
     }
 
     /// Samples that its models need to settle.
-    pub(crate) fn settles(self, diagnoser: &Diagnoser) -> usize {
-        (self.entry().settles)(diagnoser)
+    pub(crate) fn settles(self, parts: &Parts<'_>, stored: &Stored) -> usize {
+        (self.entry().settles)(parts, stored)
     }
 
     /// Why it is not to be used, though it is there.
-    pub(crate) fn refusal(self, diagnoser: &Diagnoser) -> Option<Refusal> {
-        (self.entry().refusal)(diagnoser)
+    pub(crate) fn refusal(self, parts: &Parts<'_>, stored: &Stored) -> Option<Refusal> {
+        (self.entry().refusal)(parts, stored)
     }
 
     /// Refuses what cannot run.
-    pub(crate) fn check(self, diagnoser: &Diagnoser) -> Result<(), Flaw> {
-        (self.entry().check)(diagnoser)
+    pub(crate) fn check(self, parts: &Parts<'_>, stored: &Stored) -> Result<(), Flaw> {
+        (self.entry().check)(parts, stored)
     }
 
     /// The model whose residual it watches, and the test of it, at their start.
-    pub(crate) fn start(self, diagnoser: &Diagnoser, confidence: Confidence) -> Started {
+    pub(crate) fn start(
+        self,
+        parts: &Parts<'_>,
+        stored: &Stored,
+        confidence: Confidence,
+    ) -> Started {
         let missing = DetectorError::Missing { part: self.info().part };
-        (self.entry().start)(diagnoser, confidence).unwrap_or(Err(missing))
+        (self.entry().start)(parts, stored, confidence).unwrap_or(Err(missing))
     }
 }
 

@@ -10,14 +10,17 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::bank::BankDesign;
+use crate::constant_threshold::ConstantThreshold;
 use crate::decision::Trace;
 use crate::detector::{Detector, DetectorError};
-use crate::detectors::{ConstantThreshold, DetectorKind, DetectorRun, ModelError, Refusal, Stored};
+use crate::detectors::{DetectorKind, DetectorRun, Refusal, Stored};
 use crate::gmdh::RobustGmdh;
 use crate::interface::{Interface, InterfaceError};
 use crate::isolation::KnownFaults;
 use crate::model::{Model, ModelRun};
+use crate::parts::Parts;
 use crate::range::OperatingRange;
+use crate::stored_error::ModelError;
 use crate::threshold::Confidence;
 use crate::windows::Windows;
 
@@ -77,10 +80,32 @@ pub enum DiagnosisError {
 }
 
 impl Diagnoser {
+    /// What detectors look at.
+    pub(crate) fn parts(&self) -> Parts<'_> {
+        Parts {
+            interface: &self.interface,
+            model: &self.model,
+            constant: &self.constant,
+            model_error: &self.model_error,
+            recurrent_error: self.recurrent_error.as_ref(),
+            gmdh: self.gmdh.as_ref(),
+        }
+    }
+
+    /// Whether it holds what a detector rests on.
+    pub fn holds(&self, kind: DetectorKind) -> bool {
+        kind.is_held(&self.parts(), &self.detectors)
+    }
+
+    /// What was designed of a detector, in a line for people; nothing if that is told elsewhere.
+    pub fn designed(&self, kind: DetectorKind) -> Option<String> {
+        kind.designed(&self.parts(), &self.detectors)
+    }
+
     /// Why a detector is not to be used, though it is there: an error model that explains nothing of
     /// the residual, or settles more slowly than could be judged.
     pub fn refusal(&self, kind: DetectorKind) -> Option<Refusal> {
-        kind.refusal(self)
+        kind.refusal(&self.parts(), &self.detectors)
     }
 
     /// Whether a detector, if it is there, is to be used.
@@ -90,7 +115,7 @@ impl Diagnoser {
 
     /// Samples at the start of a run that a detector does not judge: those in which its models settle.
     pub fn run_up_of(&self, kind: DetectorKind) -> usize {
-        self.run_up.max(kind.settles(self))
+        self.run_up.max(kind.settles(&self.parts(), &self.detectors))
     }
 
     /// Exceedances in a row by which a detector declares a fault.
@@ -118,7 +143,7 @@ impl Diagnoser {
         kind: DetectorKind,
         confidence: Confidence,
     ) -> Result<Detector<ModelRun, DetectorRun>, DetectorError> {
-        let (model, test) = kind.start(self, confidence)?;
+        let (model, test) = kind.start(&self.parts(), &self.detectors, confidence)?;
         Detector::new(model, test, self.window_of(kind), self.run_up_of(kind))
     }
 

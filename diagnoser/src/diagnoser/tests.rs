@@ -144,9 +144,9 @@ fn a_one_step_prediction_would_absorb_the_fault() {
         crate::signal_model::residual(&mut diagnoser.model.run(), &data(&run), crate::Start::Rest);
     let measured = data(&run);
     let predicted = error_model.one_step(&measured.with_output("r", &residual).unwrap());
-    let left: Vec<f64> = residual.iter().zip(&predicted).map(|(r, p)| r - p).collect();
-    let (_, deviation) = crate::threshold::mean_and_deviation(&left[RUN_UP..ONSET]);
-    let outside = left[ONSET..].iter().filter(|e| e.abs() > 1.96 * deviation).count();
+    let remainder: Vec<f64> = residual.iter().zip(&predicted).map(|(r, p)| r - p).collect();
+    let (_, deviation) = crate::threshold::mean_and_deviation(&remainder[RUN_UP..ONSET]);
+    let outside = remainder[ONSET..].iter().filter(|e| e.abs() > 1.96 * deviation).count();
     let free_run = diagnosed(26, 0.05, DetectorKind::Mem);
     let r_td = free_run.exceedance_rate(ONSET..SAMPLES).unwrap();
     let absorbed = outside as f64 / (SAMPLES - ONSET) as f64;

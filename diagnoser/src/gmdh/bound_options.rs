@@ -66,7 +66,6 @@ pub enum RobustError {
     Network {
         /// Design recording, from 0.
         recording: usize,
-        /// Its inputs.
         inputs: usize,
     },
     /// The healthy data do not serve.

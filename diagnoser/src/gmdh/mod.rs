@@ -53,7 +53,6 @@ use crate::stability::step_down;
 pub enum Source {
     /// An input signal.
     Input {
-        /// Which one.
         input: usize,
         /// Samples that it is delayed by.
         delay: usize,

@@ -87,7 +87,6 @@ pub enum GmdhError {
     NoCouple {
         /// Inputs of the data.
         inputs: usize,
-        /// Delays of each.
         delays: usize,
     },
     /// No neuron of the first layer could be fitted.

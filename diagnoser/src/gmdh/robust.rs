@@ -11,7 +11,6 @@ use super::bounds::ParameterSet;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NeuronBounds {
-    /// Which one.
     pub neuron: usize,
     /// epsilon^m and epsilon^M, standardised as the output is.
     pub noise: [f64; 2],
@@ -23,7 +22,6 @@ pub struct NeuronBounds {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobustGmdh {
-    /// The network.
     pub network: Arc<Gmdh>,
     /// Uncertain neurons, in the order of the network; the output neuron is one of them.
     pub bounds: Vec<NeuronBounds>,

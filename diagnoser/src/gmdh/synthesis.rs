@@ -198,10 +198,10 @@ mod tests {
             assert!(sources.any(|source| source == Source::Neuron(n)), "neuron {n} is idle");
         }
         assert!(report.validation < report.before_retraining, "{report:?}");
-        let left = residual(&mut network.run(), &fresh, Start::Rest);
-        let (_, left) = mean_and_deviation(&left[options.run_up..]);
+        let remainder = residual(&mut network.run(), &fresh, Start::Rest);
+        let (_, remainder) = mean_and_deviation(&remainder[options.run_up..]);
         let (_, speed) = mean_and_deviation(&runs[2].speed);
-        assert!(left < 0.04 * speed, "{left} of {speed} rpm, {report:?}");
+        assert!(remainder < 0.04 * speed, "{remainder} of {speed} rpm, {report:?}");
     }
 
     #[test]
@@ -212,9 +212,9 @@ mod tests {
         let (network, report) = Gmdh::synthesise(&estimation, &validation, &options).unwrap();
         let (mut sse, mut n) = (0.0, 0.0);
         for data in &validation {
-            let left = residual(&mut network.run(), data, Start::Rest);
-            sse += left[options.run_up..].iter().map(|e| e * e).sum::<f64>();
-            n += (left.len() - options.run_up) as f64;
+            let remainder = residual(&mut network.run(), data, Start::Rest);
+            sse += remainder[options.run_up..].iter().map(|e| e * e).sum::<f64>();
+            n += (remainder.len() - options.run_up) as f64;
         }
         let rms = (sse / n).sqrt();
         assert!((report.validation / rms - 1.0).abs() < 1e-9, "{report:?} and {rms}");

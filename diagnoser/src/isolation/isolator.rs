@@ -25,7 +25,7 @@ const STREAM: u128 = 2;
 
 /// What a symptom points to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Answer {
+pub enum Isolated {
     /// A class of faults, by index.
     Class(usize),
     /// None that the classifier was trained on.
@@ -143,7 +143,7 @@ impl Isolator {
 
     /// The class with the nearest code (26), or unknown if the symptom lies where none of its
     /// faults was seen.
-    pub fn answer(&self, symptom: &[f64]) -> Result<Answer, IsolationError> {
+    pub fn answer(&self, symptom: &[f64]) -> Result<Isolated, IsolationError> {
         let found = self.scales.len();
         if symptom.len() != found || symptom.iter().any(|value| !value.is_finite()) {
             return Err(IsolationError::Symptom { found, given: symptom.to_vec() });
@@ -153,7 +153,7 @@ impl Isolator {
         let members = self.partition.classes[class].iter();
         let nearest =
             members.map(|fault| self.clouds[*fault].distance(&x)).fold(f64::MAX, f64::min);
-        Ok(if nearest <= self.gate { Answer::Class(class) } else { Answer::Unknown })
+        Ok(if nearest <= self.gate { Isolated::Class(class) } else { Isolated::Unknown })
     }
 
     /// Answers to labelled symptoms.
@@ -163,8 +163,8 @@ impl Isolator {
             let mut shares = vec![0.0; classes + 1];
             for sample in samples {
                 let column = match self.answer(sample)? {
-                    Answer::Class(class) => class,
-                    Answer::Unknown => classes,
+                    Isolated::Class(class) => class,
+                    Isolated::Unknown => classes,
                 };
                 shares[column] += 1.0 / samples.len() as f64;
             }

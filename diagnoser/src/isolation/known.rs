@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::isolator::{Answer, Isolator};
+use super::isolator::{Isolated, Isolator};
 use super::options::IsolationError;
 use crate::identification::{Size, size_groups, thresholds_off};
 use crate::memory::{Memory, MemoryError, Walk};
@@ -29,7 +29,7 @@ pub struct KnownFaults {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Named {
     /// The answer given most often; the first of several.
-    pub answer: Answer,
+    pub answer: Isolated,
     /// Symptoms answered.
     pub samples: usize,
     /// Share of every class in the answers, in the order of the classes; `unknown` last.
@@ -91,13 +91,13 @@ impl Naming {
     }
 
     /// Takes inputs and residual of the process model at a sample at which a fault stands declared.
-    pub fn step(&mut self, u: &[f64], residual: f64) -> Result<Answer, IsolationError> {
+    pub fn step(&mut self, u: &[f64], residual: f64) -> Result<Isolated, IsolationError> {
         let symptom: Vec<f64> = u.iter().copied().chain([residual]).collect();
         let answer = self.known.isolator.answer(&symptom)?;
         let unknown = self.answers.len() - 1;
         self.answers[match answer {
-            Answer::Class(class) => class,
-            Answer::Unknown => unknown,
+            Isolated::Class(class) => class,
+            Isolated::Unknown => unknown,
         }] += 1;
         self.thresholds += thresholds_off(residual, &self.threshold);
         Ok(answer)
@@ -114,7 +114,7 @@ impl Naming {
             .fold(0, |best, i| if self.answers[i] > self.answers[best] { i } else { best });
         let size = self.thresholds / samples as f64;
         Some(Named {
-            answer: if most == unknown { Answer::Unknown } else { Answer::Class(most) },
+            answer: if most == unknown { Isolated::Unknown } else { Isolated::Class(most) },
             samples,
             shares: self.answers.iter().map(|count| *count as f64 / samples as f64).collect(),
             size,

@@ -55,9 +55,7 @@ pub enum FaultsError {
         "{recording}: fault {fault} stands declared at {samples} samples, at least {LEAST} are needed: give a longer recording of it, or a larger fault"
     )]
     Unseen {
-        /// The fault.
         fault: String,
-        /// The recording.
         recording: String,
         /// Samples at which it stands declared.
         samples: usize,
@@ -65,7 +63,6 @@ pub enum FaultsError {
     /// A recording does not suit.
     #[error("{recording}: {source}")]
     Detector {
-        /// The recording.
         recording: String,
         /// Why it cannot be watched.
         source: DetectorError,
@@ -167,7 +164,7 @@ mod tests {
     use crate::file::FileError;
     use crate::identification::Size;
     use crate::interface::{Channel, Interface};
-    use crate::isolation::{Answer, Naming};
+    use crate::isolation::{Isolated, Naming};
     use crate::model::Model;
     use crate::testing::{PERIOD, Run, closed_loop};
     use crate::threshold::Confidence;
@@ -232,13 +229,13 @@ mod tests {
         assert_eq!(known.groups()[4], Size::Large);
         for (fault, class) in [(0.05, 0), (-0.05, 1), (0.1, 2), (-0.2, 3)] {
             let found = named(&diagnoser, fault, 30);
-            assert_eq!(found.answer, Answer::Class(class), "{fault}: {found:?}");
+            assert_eq!(found.answer, Isolated::Class(class), "{fault}: {found:?}");
             assert_eq!(found.group, known.groups()[known.isolator.partition.classes[class][0]]);
             assert!((found.shares.iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
         for never_shown in [0.2, -0.1] {
             let found = named(&diagnoser, never_shown, 31);
-            assert_eq!(found.answer, Answer::Unknown, "{never_shown}: {found:?}");
+            assert_eq!(found.answer, Isolated::Unknown, "{never_shown}: {found:?}");
         }
         assert_eq!(known.class(0), ["+5 %", "five"]);
         the_file_holds_them(diagnoser);

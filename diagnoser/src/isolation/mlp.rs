@@ -9,11 +9,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MlpSize {
-    /// Inputs.
     pub inputs: usize,
     /// Neurons of the two hidden layers.
     pub hidden: [usize; 2],
-    /// Outputs.
     pub outputs: usize,
 }
 
@@ -29,7 +27,6 @@ impl MlpSize {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mlp {
-    /// Its sizes.
     pub size: MlpSize,
     /// [`MlpSize::parameters`] values.
     pub weights: Vec<f64>,

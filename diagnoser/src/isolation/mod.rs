@@ -20,7 +20,7 @@ mod symptoms;
 mod testing;
 mod training;
 
-pub use self::isolator::{Answer, IsolationMatrix, IsolationReport, Isolator};
+pub use self::isolator::{Isolated, IsolationMatrix, IsolationReport, Isolator};
 pub use self::known::{KnownFaults, Named, Naming};
 pub use self::learn::{FaultsError, FaultsReport, FaultyRun};
 pub use self::mlp::{Mlp, MlpSize};

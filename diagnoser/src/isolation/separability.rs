@@ -18,7 +18,6 @@ const RIDGE: f64 = 1e-9;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cloud {
-    /// Mean.
     pub mean: Vec<f64>,
     /// Inverse of the covariance's lower Cholesky factor, row by row.
     pub whitening: Vec<Vec<f64>>,

@@ -53,7 +53,6 @@ pub enum SymptomError {
     Constant {
         /// Which signal, from 0.
         signal: usize,
-        /// Its value.
         value: f64,
     },
     /// The samples asked for are not in the run.

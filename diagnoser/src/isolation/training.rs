@@ -44,7 +44,7 @@ impl Residuals for OutputErrors<'_> {
             sample.add_gradient(self.size, &mut gathered.gradient);
             blocks.push(&sample);
         }
-        gathered.hessian = blocks.finish();
+        gathered.normal_matrix = blocks.finish();
         gathered
     }
 }
@@ -243,10 +243,10 @@ impl Blocks {
         let at_2 = |j: usize, b: usize| from_2 + j * h_1 + b;
         let at_3 = |o: usize, g: usize| from_3 + o * h_2 + g;
         let total = self.size.parameters();
-        let mut hessian = DMatrix::zeros(total, total);
+        let mut normal_matrix = DMatrix::zeros(total, total);
         let mut put = |row: usize, column: usize, value: f64| {
-            hessian[(row, column)] = value;
-            hessian[(column, row)] = value;
+            normal_matrix[(row, column)] = value;
+            normal_matrix[(column, row)] = value;
         };
         let [s_11, s_12, s_22, s_13, s_23, s_33] = self.products.map(|product| product.sum);
         for (row, (i, other)) in pairs(first).enumerate() {
@@ -279,7 +279,7 @@ impl Blocks {
                 put(at_3(o, g), at_3(o, other), s_33[(o, column)]);
             }
         }
-        hessian
+        normal_matrix
     }
 }
 
@@ -318,9 +318,14 @@ mod tests {
             .collect();
         let jacobian = DMatrix::from_columns(&columns);
         let errors = DVector::from_vec(outputs(&weights)) - DVector::from_vec(wanted.clone());
-        let (hessian, gradient) = (jacobian.transpose() * &jacobian, jacobian.transpose() * errors);
+        let (normal_matrix, gradient) =
+            (jacobian.transpose() * &jacobian, jacobian.transpose() * errors);
         // Central differences: 1e-12 of curvature, 1e-10 of rounding, over 300 errors.
-        assert!((&at.hessian - &hessian).amax() < 1e-7, "{}", (&at.hessian - &hessian).amax());
+        assert!(
+            (&at.normal_matrix - &normal_matrix).amax() < 1e-7,
+            "{}",
+            (&at.normal_matrix - &normal_matrix).amax()
+        );
         assert!((&at.gradient - &gradient).amax() < 1e-7);
     }
 }

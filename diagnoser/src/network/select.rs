@@ -69,8 +69,8 @@ pub(crate) fn select_structure(
     classes.sort_by_key(|class| (class.parameters(), class.v1, class.v2, class.order));
     classes.dedup();
     let deviation = |trained: &Trained| {
-        let left = residual(&mut trained.network.run(), healthy, training.start);
-        mean_and_deviation(&healthy.judged(&left, run_up)).1
+        let remainder = residual(&mut trained.network.run(), healthy, training.start);
+        mean_and_deviation(&healthy.judged(&remainder, run_up)).1
     };
     let mut trained: Vec<(Structure, Trained, f64)> = Vec::new();
     for structure in classes {

@@ -307,8 +307,8 @@ mod tests {
             theta.simulate(&inputs).iter().zip(&measured).map(|(y, m)| y - m).collect();
         let mut whole = Linearisation::new(theta.values.len());
         whole.add(&jacobian, &residuals[2 * run_up..]);
-        let scale = whole.hessian.norm();
-        assert!((&gathered.hessian - &whole.hessian).norm() < 1e-12 * scale);
+        let scale = whole.normal_matrix.norm();
+        assert!((&gathered.normal_matrix - &whole.normal_matrix).norm() < 1e-12 * scale);
         assert!((&gathered.gradient - &whole.gradient).norm() < 1e-12 * whole.gradient.norm());
         assert!((gathered.sse / whole.sse - 1.0).abs() < 1e-12);
         let plain = sse(structure, &theta.values, rows);

@@ -214,7 +214,7 @@ impl Residuals for FreeRunError<'_> {
         let both = |all: Linearisation, one: Linearisation| Linearisation {
             sse: all.sse + one.sse,
             gradient: all.gradient + one.gradient,
-            hessian: all.hessian + one.hessian,
+            normal_matrix: all.normal_matrix + one.normal_matrix,
         };
         each.reduce(both).unwrap_or_else(|| Linearisation::new(values.len()))
     }
@@ -243,8 +243,8 @@ pub fn train(
     let soon = of(soon, training)?;
     let longest = of(structure, &Training { run_up, ..*training })?;
     let error = |trained: &Trained| {
-        let left = residual(&mut trained.network.run(), validation, training.start);
-        mean_and_deviation(&validation.judged(&left, run_up)).1
+        let remainder = residual(&mut trained.network.run(), validation, training.start);
+        mean_and_deviation(&validation.judged(&remainder, run_up)).1
     };
     Ok(if error(&soon) > (1.0 + WORTH) * error(&longest) { longest } else { soon })
 }
@@ -363,11 +363,11 @@ mod tests {
             (multisine(1000, 1), multisine(1000, 2), multisine(1000, 3));
         let trained =
             train(Structure::PAPER, &data(&estimation), &data(&validation), &quick(LM, 4)).unwrap();
-        let left = residual(&mut trained.network.run(), &data(&fresh), Start::Rest);
-        let (_, left) = mean_and_deviation(&left[RUN_UP..]);
+        let remainder = residual(&mut trained.network.run(), &data(&fresh), Start::Rest);
+        let (_, remainder) = mean_and_deviation(&remainder[RUN_UP..]);
         let (_, speed) = mean_and_deviation(&fresh.speed);
         // Tachometer noise and load torque alone are 6 rpm; a linear model leaves 3 %.
-        assert!(left < 0.02 * speed, "{left} of {speed} rpm");
+        assert!(remainder < 0.02 * speed, "{remainder} of {speed} rpm");
         let row = trained.starts[trained.best];
         assert!(trained.starts.iter().all(|other| other.validation >= row.validation));
     }
@@ -399,11 +399,11 @@ mod tests {
         let parted = data(&joined).in_segments(vec![0..400, 400..700]);
         let structure = Structure { v1: 2, v2: 2, order: 2, ..Structure::PAPER };
         let trained = train(structure, &parted, &parted, &quick(LM, 1)).unwrap();
-        let left = residual(&mut trained.network.run(), &parted, Start::Rest);
+        let remainder = residual(&mut trained.network.run(), &parted, Start::Rest);
         let of_second = residual(&mut trained.network.run(), &data(&second), Start::Rest);
-        assert_eq!(left[400..], of_second);
+        assert_eq!(remainder[400..], of_second);
         let scale = trained.network.output_scales[0].deviation;
-        let sse: f64 = parted.judged(&left, RUN_UP).iter().map(|r| (r / scale).powi(2)).sum();
+        let sse: f64 = parted.judged(&remainder, RUN_UP).iter().map(|r| (r / scale).powi(2)).sum();
         assert!((sse / trained.sse - 1.0).abs() < 1e-9, "{sse} against {}", trained.sse);
     }
 
@@ -435,9 +435,10 @@ mod tests {
             let is_slow = pole > 0.95;
             let wanted = if is_slow { 200 } else { 20 };
             assert_eq!(trained.theta.structure.memory, Some(wanted), "{pole} {from}");
-            let left = residual(&mut trained.network.run(), &validation, Start::Steady);
-            let (_, left) = mean_and_deviation(&left[if is_slow { 1000 } else { RUN_UP }..]);
-            assert!(left < 0.6, "{pole} {from}: {left}");
+            let remainder = residual(&mut trained.network.run(), &validation, Start::Steady);
+            let (_, remainder) =
+                mean_and_deviation(&remainder[if is_slow { 1000 } else { RUN_UP }..]);
+            assert!(remainder < 0.6, "{pole} {from}: {remainder}");
         }
         // Half of it is not left: all of it counts.
         let (u, y) = lag(0.9, 0.0, 3);

@@ -26,7 +26,8 @@ const WORTH: f64 = 0.02;
 #[serde(deny_unknown_fields)]
 pub struct Lag {
     /// Share of the output that is left after a sample.
-    pub left: f64,
+    #[serde(rename = "left")]
+    pub pole: f64,
     /// c, output unit.
     pub constant: f64,
     /// k of each input, output unit an input unit.
@@ -41,17 +42,17 @@ fn beyond(u: f64, zone: f64) -> f64 {
 
 /// Share of the way to its input that a lag goes with the sample of that number: at first that of a
 /// mean.
-fn share(left: f64, sample: usize) -> f64 {
-    (1.0 - left).max(1.0 / (sample + 1) as f64)
+fn share(pole: f64, sample: usize) -> f64 {
+    (1.0 - pole).max(1.0 / (sample + 1) as f64)
 }
 
 /// A signal behind the lag; each segment begins in the steady state.
-fn lagged(data: &Data, values: &[f64], zone: f64, left: f64) -> Vec<f64> {
+fn lagged(data: &Data, values: &[f64], zone: f64, pole: f64) -> Vec<f64> {
     let mut made = Vec::with_capacity(values.len());
     for segment in data.segments() {
         let mut y = 0.0;
         for (k, u) in values[segment.clone()].iter().enumerate() {
-            y += share(left, k) * (beyond(*u, zone) - y);
+            y += share(pole, k) * (beyond(*u, zone) - y);
             made.push(y);
         }
     }
@@ -74,11 +75,11 @@ impl Lag {
             let zones: Vec<f64> = greatest.iter().map(|most| share * most).collect();
             for lag in 0..LAGS {
                 let ratio = lag as f64 / (LAGS - 1) as f64;
-                let left = (-1.0 / (SHORTEST * (longest.max(1.0) / SHORTEST).powf(ratio))).exp();
-                let Some((error, gains, constant)) = fitted(data, &zones, left) else { continue };
+                let pole = (-1.0 / (SHORTEST * (longest.max(1.0) / SHORTEST).powf(ratio))).exp();
+                let Some((error, gains, constant)) = fitted(data, &zones, pole) else { continue };
                 let error = if zone == 0 { (1.0 + WORTH) * error } else { error };
                 if best.as_ref().is_none_or(|(least, _)| error < *least) {
-                    best = Some((error, Self { left, constant, gains, zones: zones.clone() }));
+                    best = Some((error, Self { pole, constant, gains, zones: zones.clone() }));
                 }
             }
         }
@@ -113,7 +114,7 @@ impl Lag {
 }
 
 /// Error, gains and constant of least squares with those dead zones and that lag.
-fn fitted(data: &[&Data], zones: &[f64], left: f64) -> Option<(f64, Vec<f64>, f64)> {
+fn fitted(data: &[&Data], zones: &[f64], pole: f64) -> Option<(f64, Vec<f64>, f64)> {
     let with_constant = zones.iter().all(|zone| *zone == 0.0);
     let mut regression = Regression::new(zones.len() + usize::from(with_constant));
     for data in data {
@@ -121,7 +122,7 @@ fn fitted(data: &[&Data], zones: &[f64], left: f64) -> Option<(f64, Vec<f64>, f6
             .inputs()
             .iter()
             .zip(zones)
-            .map(|(column, zone)| lagged(data, column.values, *zone, left))
+            .map(|(column, zone)| lagged(data, column.values, *zone, pole))
             .collect();
         for (k, y) in data.output().values.iter().enumerate() {
             let one = with_constant.then_some(1.0);
@@ -159,10 +160,10 @@ impl LagRun {
 
     /// The output under the inputs of the next sample.
     pub fn step(&mut self, u: &[f64]) -> f64 {
-        let Lag { left, constant, gains, zones } = &self.model;
+        let Lag { pole, constant, gains, zones } = &self.model;
         let terms = u.iter().zip(gains).zip(zones);
         let driven: f64 = terms.map(|((u, gain), zone)| gain * beyond(*u, *zone)).sum();
-        self.y += share(*left, self.sample) * (driven - self.y);
+        self.y += share(*pole, self.sample) * (driven - self.y);
         self.sample += 1;
         self.y + constant
     }

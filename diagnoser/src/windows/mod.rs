@@ -22,10 +22,10 @@ use crate::data::Data;
 use crate::memory::{Memory, MemoryError, Walk};
 
 mod lag;
-mod rest;
+mod standstill;
 
 pub use lag::{Lag, LagRun};
-pub use rest::Rest;
+pub use standstill::Standstill;
 
 /// Time of a window and of a baseline, s.
 pub(crate) const WINDOW_S: f64 = 2.0;
@@ -122,7 +122,7 @@ impl Windows {
                     |values: &[f64]| values[first.clone()].iter().sum::<f64>() / first.len() as f64;
                 // A run that begins at rest is no example of how one goes on from its begin.
                 if !model.is_at_rest(data.inputs().iter().map(|column| mean(column.values))) {
-                    let mut rest = Rest::default();
+                    let mut rest = Standstill::default();
                     let sample = |k: usize| {
                         let u = data.inputs().iter().map(|it| it.values[k]);
                         (residual[k], rest.step(&model, u, data.output().values[k], samples))
@@ -297,7 +297,7 @@ mod tests {
     use crate::testing::noise;
 
     fn design() -> Windows {
-        let model = Lag { left: 0.9, constant: 0.0, gains: vec![2.0], zones: vec![0.5] };
+        let model = Lag { pole: 0.9, constant: 0.0, gains: vec![2.0], zones: vec![0.5] };
         Windows {
             samples: 100,
             baseline: 200,
@@ -347,7 +347,7 @@ mod tests {
     #[test]
     fn the_model_finds_gain_lag_and_dead_zone() {
         let u: Vec<f64> = (0..3000).map(|k| 3.0 * (0.01 * k as f64).sin()).collect();
-        let exact = Lag { left: 0.95, constant: 0.0, gains: vec![4.0], zones: vec![0.6] };
+        let exact = Lag { pole: 0.95, constant: 0.0, gains: vec![4.0], zones: vec![0.6] };
         let mut run = LagRun::new(exact.clone());
         let e = noise(u.len(), 3);
         let y: Vec<f64> = u.iter().zip(e).map(|(u, e)| run.step(&[*u]) + 0.1 * e).collect();

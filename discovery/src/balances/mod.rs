@@ -64,7 +64,6 @@ impl From<[Option<Unexplained>; 2]> for BothUnexplained {
 /// A drive at the values that the balances give.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Begun {
-    /// The drive.
     pub drive: Drive,
     /// The parameters that the recordings tell.
     pub identified: Vec<Identified>,
@@ -73,7 +72,6 @@ pub struct Begun {
 /// A parameter that the balances tell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Identified {
-    /// Its name.
     pub name: String,
     /// Standard error of its value, SI, for errors of the balance that are correlated in time.
     pub std_error: f64,

@@ -108,15 +108,15 @@ pub(super) fn unexplained(windows: &Windows, drive: &Drive) -> [f64; 3] {
 
 /// Root mean square of the torque that the drive leaves unexplained, averaged over that time, s.
 pub(super) fn slowly_missing(windows: &Windows, drive: &Drive, time_s: f64) -> f64 {
-    let left: Vec<f64> = missing(windows, drive).map(|it| it[0]).collect();
-    let samples = ((time_s / windows.period_s).ceil() as usize).clamp(1, left.len().max(1));
-    let means = left.chunks(samples).map(|some| some.iter().sum::<f64>() / some.len() as f64);
+    let remainder: Vec<f64> = missing(windows, drive).map(|it| it[0]).collect();
+    let samples = ((time_s / windows.period_s).ceil() as usize).clamp(1, remainder.len().max(1));
+    let means = remainder.chunks(samples).map(|some| some.iter().sum::<f64>() / some.len() as f64);
     let (sum, n) = means.fold((0.0, 0.0), |(sum, n), mean| (sum + mean * mean, n + 1.0));
     (sum / f64::max(n, 1.0)).sqrt()
 }
 
 /// By how much a standard error is larger than of independent windows.
 pub(super) fn factor(windows: &Windows, drive: &Drive) -> f64 {
-    let left: Vec<f64> = missing(windows, drive).map(|it| it[0]).collect();
-    (1.0 + 2.0 * correlation_samples(&left, windows.period_s)).sqrt()
+    let remainder: Vec<f64> = missing(windows, drive).map(|it| it[0]).collect();
+    (1.0 + 2.0 * correlation_samples(&remainder, windows.period_s)).sqrt()
 }

@@ -167,6 +167,6 @@ pub(super) fn unexplained(windows: &VoltageWindows, drive: &Drive) -> [f64; 3] {
 
 /// By how much a standard error is larger than of independent windows.
 pub(super) fn factor(windows: &VoltageWindows, drive: &Drive) -> f64 {
-    let left: Vec<f64> = missing(windows, drive).iter().map(|it| it[0]).collect();
-    (1.0 + 2.0 * correlation_samples(&left, windows.period_s)).sqrt()
+    let remainder: Vec<f64> = missing(windows, drive).iter().map(|it| it[0]).collect();
+    (1.0 + 2.0 * correlation_samples(&remainder, windows.period_s)).sqrt()
 }

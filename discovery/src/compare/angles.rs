@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::Builder;
-use super::path::quantile;
+use super::drive_motion::quantile;
 use super::score::{basis, outside};
 use super::whitening::Whitening;
 use crate::measured::Output;
@@ -52,8 +52,8 @@ pub(super) fn wave_numbers<'a>(
     let grid = grid(builder);
     let rows = builder.layout.rows();
     let base: Vec<&[f64]> = base.collect();
-    let left = outside(&basis(base.iter().copied(), rows), residual);
-    let filter = Whitening::fit(left.as_slice(), builder.layout);
+    let remainder = outside(&basis(base.iter().copied(), rows), residual);
+    let filter = Whitening::fit(remainder.as_slice(), builder.layout);
     let white: Vec<Vec<f64>> = base.iter().map(|it| filter.apply(it, builder.layout)).collect();
     let known = basis(white.iter().map(Vec::as_slice), rows);
     let e = outside(&known, &filter.apply(residual, builder.layout));

@@ -1,7 +1,7 @@
 //! Columns: what the outputs would do to each unknown, gathered by the [`Layout`].
 
+use super::drive_motion::{DriveMotion, Scales};
 use super::layout::Layout;
-use super::path::{Path, Scales};
 use super::series::Series;
 use super::shape::Shape;
 use crate::case::Case;
@@ -55,7 +55,7 @@ pub(super) struct Builder<'a> {
     pub(super) cases: &'a [Case<'a>],
     /// Each of them linearised along its recording, where that fits into memory.
     pub(super) linearised: &'a [Option<Linearised>],
-    pub(super) paths: &'a [Path],
+    pub(super) paths: &'a [DriveMotion],
     pub(super) scales: &'a Scales,
     pub(super) layout: &'a Layout,
     pub(super) limit: Option<f64>,
@@ -66,7 +66,7 @@ impl Builder<'_> {
     pub(super) fn shapes(&self, shapes: &[Shape]) -> Vec<Vec<Vec<f64>>> {
         let wanted: Vec<(Shape, usize)> =
             shapes.iter().flat_map(|it| (0..it.columns()).map(|j| (*it, j))).collect();
-        let make = |number: usize, path: &Path| {
+        let make = |number: usize, path: &DriveMotion| {
             wanted[number].0.series(wanted[number].1, path, self.scales, self.limit)
         };
         let mut flat = self.columns(wanted.len(), &make).into_iter();
@@ -77,7 +77,7 @@ impl Builder<'_> {
     pub(super) fn columns(
         &self,
         count: usize,
-        make: &dyn Fn(usize, &Path) -> Series,
+        make: &dyn Fn(usize, &DriveMotion) -> Series,
     ) -> Vec<Vec<f64>> {
         let mut columns = vec![vec![0.0; self.layout.rows()]; count];
         for path in self.paths {

@@ -8,7 +8,7 @@
 //! the test.
 
 use drivescope_plant::drive::Motion;
-use drivescope_plant::effects::info::{Place, Variable};
+use drivescope_plant::effects::info::{ActsOn, Variable};
 use drivescope_plant::units::for_motion;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::{RngExt, SeedableRng};
@@ -16,7 +16,7 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::columns::Builder;
-use super::path::Path;
+use super::drive_motion::DriveMotion;
 use super::score::outside;
 use super::series::{Series, hat};
 use super::shape::CURRENT_KNOTS;
@@ -98,7 +98,13 @@ impl Plan {
         if (x < 0.0) == negative && x != 0.0 { hat(knots, j, x.abs()) } else { 0.0 }
     }
 
-    fn series(self, column: usize, path: &Path, builder: &Builder<'_>, samples: f64) -> Series {
+    fn series(
+        self,
+        column: usize,
+        path: &DriveMotion,
+        builder: &Builder<'_>,
+        samples: f64,
+    ) -> Series {
         let scales = builder.scales;
         let each = |f: &dyn Fn(usize) -> f64| (0..path.len()).map(f).collect::<Vec<f64>>();
         match self {
@@ -160,24 +166,24 @@ impl Plan {
         }
     }
 
-    fn about(self) -> (Variable, Place, &'static str) {
+    fn about(self) -> (Variable, ActsOn, &'static str) {
         match self {
-            Self::Speed => (Variable::Omega, Place::Torque, "torque missing over the speed"),
+            Self::Speed => (Variable::Omega, ActsOn::Torque, "torque missing over the speed"),
             Self::CurrentTorque => {
-                (Variable::Current, Place::Torque, "torque missing over the current")
+                (Variable::Current, ActsOn::Torque, "torque missing over the current")
             }
             Self::CurrentVoltage => {
-                (Variable::Current, Place::Voltage, "voltage missing over the current")
+                (Variable::Current, ActsOn::Voltage, "voltage missing over the current")
             }
             Self::Angle(_) => {
-                (Variable::Theta, Place::Torque, "torque missing over a period of the angle")
+                (Variable::Theta, ActsOn::Torque, "torque missing over a period of the angle")
             }
             Self::Acceleration => {
-                (Variable::Acceleration, Place::Torque, "torque missing over the acceleration")
+                (Variable::Acceleration, ActsOn::Torque, "torque missing over the acceleration")
             }
-            Self::Time => (Variable::Time, Place::Torque, "dry friction missing over the time"),
+            Self::Time => (Variable::Time, ActsOn::Torque, "dry friction missing over the time"),
             Self::Heat => {
-                (Variable::Temperature, Place::Voltage, "resistance missing over the losses")
+                (Variable::Temperature, ActsOn::Voltage, "resistance missing over the losses")
             }
         }
     }
@@ -203,25 +209,25 @@ pub(super) fn curves(builder: &Builder<'_>, evidence: &Evidence<'_>, wave: f64) 
 }
 
 fn curve(plan: Plan, builder: &Builder<'_>, evidence: &Evidence<'_>) -> Curve {
-    let samples = builder.paths.iter().map(Path::len).max().unwrap_or(1) as f64;
+    let samples = builder.paths.iter().map(DriveMotion::len).max().unwrap_or(1) as f64;
     let columns = builder
         .columns(plan.columns(), &|column, path| plan.series(column, path, builder, samples));
-    let left: Vec<DVector<f64>> =
+    let remainder: Vec<DVector<f64>> =
         columns.iter().map(|column| outside(evidence.known, column)).collect();
-    let left = DMatrix::from_columns(&left);
+    let remainder = DMatrix::from_columns(&remainder);
     let e = outside(evidence.known, evidence.residual);
-    let inverse = pseudo_inverse(left.tr_mul(&left));
-    let coefficients = &inverse * left.tr_mul(&e);
-    let remains = &e - &left * &coefficients;
-    let mut scores = DMatrix::<f64>::zeros(left.ncols(), evidence.blocks.1);
+    let inverse = pseudo_inverse(remainder.tr_mul(&remainder));
+    let coefficients = &inverse * remainder.tr_mul(&e);
+    let remains = &e - &remainder * &coefficients;
+    let mut scores = DMatrix::<f64>::zeros(remainder.ncols(), evidence.blocks.1);
     for (row, block) in evidence.blocks.0.iter().enumerate() {
-        for j in 0..left.ncols() {
-            scores[(j, *block)] += left[(row, j)] * remains[row];
+        for j in 0..remainder.ncols() {
+            scores[(j, *block)] += remainder[(row, j)] * remains[row];
         }
     }
     let moved = inverse * scores;
     let mut random = Pcg64::seed_from_u64(evidence.seed);
-    let mut draws: Vec<Vec<f64>> = vec![Vec::with_capacity(DRAWS); left.ncols()];
+    let mut draws: Vec<Vec<f64>> = vec![Vec::with_capacity(DRAWS); remainder.ncols()];
     for _ in 0..DRAWS {
         let signs =
             DVector::from_fn(

@@ -82,18 +82,18 @@ impl Data<'_> {
         let mut added: Vec<usize> = Vec::new();
         let mut findings: Vec<Found> = Vec::new();
         let floor = self.floor * self.layout.values();
-        let excess = (self.left(&added).norm_squared() - floor).max(WORTH * floor);
+        let excess = (self.remainder(&added).norm_squared() - floor).max(WORTH * floor);
         let known = |added: &[usize], variable: Variable| {
             added.iter().any(|number| self.shapes[*number].variable() == variable)
         };
         // A second shape over a variable that is known already is taken, not told again.
         while added.len() < 2 * MOST && findings.len() < MOST {
             let Some((number, p_value)) = self.next(&added) else { break };
-            let before = self.left(&added).norm_squared();
+            let before = self.remainder(&added).norm_squared();
             let variable = self.shapes[number].variable();
             let again = known(&added, variable);
             added.push(number);
-            let share = ((before - self.left(&added).norm_squared()) / excess).clamp(0.0, 1.0);
+            let share = ((before - self.remainder(&added).norm_squared()) / excess).clamp(0.0, 1.0);
             match findings.iter_mut().find(|it| again && it.shape.variable() == variable) {
                 Some(first) => first.share = (first.share + share).min(1.0),
                 None => findings.push(Found { shape: self.shapes[number], p_value, share }),
@@ -114,7 +114,7 @@ impl Data<'_> {
         };
         let clearly = plain.iter().take(TESTED).filter(|it| it.worth > 0.0);
         clearly.map(|it| it.number).find_map(judge).or_else(|| {
-            let filter = Whitening::fit(self.left(added).as_slice(), self.layout);
+            let filter = Whitening::fit(self.remainder(added).as_slice(), self.layout);
             let white = |column: &[f64]| filter.apply(column, self.layout);
             let mut ranked = self.ranked(added, &white, &self.white_blocks);
             let p_value = |it: &Ranked| it.score.p_value * self.hypotheses[it.number];
@@ -131,7 +131,7 @@ impl Data<'_> {
     }
 
     /// The residual after the base and these shapes are fitted to it.
-    pub(super) fn left(&self, added: &[usize]) -> DVector<f64> {
+    pub(super) fn remainder(&self, added: &[usize]) -> DVector<f64> {
         let known = basis(self.known(added), self.layout.rows());
         outside(&known, &self.residual)
     }
@@ -167,7 +167,7 @@ impl Data<'_> {
     /// Probability of a shape with the residual made white after its removal.
     fn confirmed(&self, added: &[usize], number: usize) -> Option<f64> {
         let with: Vec<usize> = added.iter().copied().chain([number]).collect();
-        let whitening = Whitening::fit(self.left(&with).as_slice(), self.layout);
+        let whitening = Whitening::fit(self.remainder(&with).as_slice(), self.layout);
         let filter = |column: &[f64]| whitening.apply(column, self.layout);
         let known = self.filtered(added, &filter);
         let columns: Vec<Vec<f64>> =

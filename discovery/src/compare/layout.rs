@@ -12,7 +12,6 @@ const MOST_GROUPS: usize = 32_768;
 /// Which samples a row holds: row = group * outputs + output.
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
-    /// Outputs.
     pub(super) outputs: usize,
     /// Samples in a group.
     pub(super) stride: usize,

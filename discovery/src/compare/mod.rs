@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  drive, recordings ─> starts (estimated) ─> cases ─> residual r in units of the noise
-//!  path ─> shape ─> series ─> columns: what each possible law would do to the outputs, exactly
+//!  motion ─> shape ─> series ─> columns: what each possible law would do to the outputs, exactly
 //!  residual, base columns, shapes ─> finding: which variables it depends on (score, whitening)
 //!                                ─> curve: what is missing over each variable, with bands
 //!                                ─> residual: is it white, does it know the input
@@ -16,9 +16,9 @@
 mod angles;
 mod columns;
 mod curve;
+mod drive_motion;
 mod finding;
 mod layout;
-mod path;
 mod residual;
 mod score;
 mod seen;
@@ -29,6 +29,7 @@ mod whitening;
 
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::effects::info::Variable;
+use drivescope_recording::rounded;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -42,9 +43,9 @@ use crate::estimate::{Evidence, at_its_balances, evaluate, with_own};
 use crate::measured::Output;
 use crate::response::Linearised;
 use columns::Builder;
+use drive_motion::{DriveMotion, Scales};
 use finding::{Data, Found, hypotheses};
 use layout::Layout;
-use path::{Path, Scales};
 use score::{basis, outside};
 use seen::Seen;
 use shape::Shape;
@@ -131,7 +132,6 @@ pub struct Comparison {
     pub tested: usize,
     /// Length of the tests' blocks, s.
     pub block_s: f64,
-    /// Each recording.
     pub recordings: Vec<RecordingComparison>,
     /// What is missing over each variable.
     pub curves: Vec<Curve>,
@@ -178,7 +178,8 @@ pub fn compare(
         })
         .collect();
     let layout = Layout::new(&cases);
-    let paths: Vec<Path> = cases.iter().enumerate().map(|(k, case)| Path::new(case, k)).collect();
+    let paths: Vec<DriveMotion> =
+        cases.iter().enumerate().map(|(k, case)| DriveMotion::new(case, k)).collect();
     let scales = Scales::new(&paths, drive.motor.j);
     let limit = drive.amplifier.as_ref().and_then(|it| it.limit);
     let linearised: Vec<Option<Linearised>> = cases.iter().map(Linearised::of).collect();
@@ -199,10 +200,10 @@ pub fn compare(
         .partition(|name| !drive.per_recording.contains(name));
     let (residual, base) = columns::base(&cases, &layout, &shared, &own);
     let known = basis(base.iter().map(Vec::as_slice), layout.rows());
-    let left = outside(&known, &residual);
+    let remainder = outside(&known, &residual);
     let memory_s = (0..layout.outputs)
         .map(|j| {
-            let of: Vec<f64> = left.iter().skip(j).step_by(layout.outputs).copied().collect();
+            let of: Vec<f64> = remainder.iter().skip(j).step_by(layout.outputs).copied().collect();
             residual::memory_s(&of, layout.group_s)
         })
         .fold(0.0, f64::max);
@@ -225,7 +226,7 @@ pub fn compare(
     };
     let found = data.search();
     let excess = |sum: f64| (sum - floor * layout.values()).max(0.0);
-    let (now, after) = (data.residual.iter().map(|e| e * e).sum::<f64>(), left.norm_squared());
+    let (now, after) = (data.residual.iter().map(|e| e * e).sum::<f64>(), remainder.norm_squared());
     let by_parameters = if excess(now) > 0.0 { 1.0 - excess(after) / excess(now) } else { 0.0 };
     let curves = if options.curves {
         let wave = found.iter().find_map(|it| it.shape.wave_number()).unwrap_or_else(|| {
@@ -266,7 +267,7 @@ fn alike(evidence: &Evidence) -> Result<(), CompareError> {
     let says = |k: usize| {
         let one = &evidence.recordings[k];
         let names: Vec<&str> = one.outputs.iter().map(|it| it.name).collect();
-        format!("{} every {} s", names.join(", "), one.period_s)
+        format!("{} every {} s", names.join(", "), rounded(one.period_s))
     };
     for k in 1..evidence.recordings.len() {
         let close = (evidence.recordings[k].period_s / evidence.recordings[0].period_s - 1.0).abs();
@@ -329,7 +330,7 @@ fn finding(found: &Found) -> Finding {
         variable: variable.name(),
         p_value: found.p_value,
         share: found.share,
-        balance: found.shape.place().name(),
+        balance: found.shape.acts_on().name(),
         words: found.shape.words().to_owned(),
         period,
     }

@@ -37,18 +37,18 @@ pub(super) struct Score {
 pub(super) fn basis<'a>(columns: impl Iterator<Item = &'a [f64]>, rows: usize) -> DMatrix<f64> {
     let mut kept: Vec<DVector<f64>> = Vec::new();
     for column in columns {
-        let mut left = DVector::from_column_slice(column);
-        let size = left.norm();
+        let mut remainder = DVector::from_column_slice(column);
+        let size = remainder.norm();
         // Twice is enough (Kahan and Parlett).
         for _ in 0..2 {
             for q in &kept {
-                let along = q.dot(&left);
-                left.axpy(-along, q, 1.0);
+                let along = q.dot(&remainder);
+                remainder.axpy(-along, q, 1.0);
             }
         }
-        let new = left.norm();
+        let new = remainder.norm();
         if new > NEW * size {
-            kept.push(left / new);
+            kept.push(remainder / new);
         }
     }
     if kept.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&kept) }
@@ -74,11 +74,11 @@ pub(super) fn own_basis(base: &DMatrix<f64>, columns: &[Vec<f64>]) -> Option<DMa
     }
     let sized = DMatrix::from_columns(&sized);
     let along = base.transpose() * &sized;
-    let left = sized - base * along;
-    let eigen = SymmetricEigen::new(left.transpose() * &left);
+    let remainder = sized - base * along;
+    let eigen = SymmetricEigen::new(remainder.transpose() * &remainder);
     let kept: Vec<DVector<f64>> = (0..eigen.eigenvalues.len())
         .filter(|k| eigen.eigenvalues[*k] > OUTSIDE)
-        .map(|k| &left * eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt())
+        .map(|k| &remainder * eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt())
         .collect();
     if kept.is_empty() { None } else { Some(DMatrix::from_columns(&kept)) }
 }
@@ -87,13 +87,13 @@ pub(super) fn own_basis(base: &DMatrix<f64>, columns: &[Vec<f64>]) -> Option<DMa
 pub(super) fn score(own: &DMatrix<f64>, e: &DVector<f64>, blocks: (&[usize], usize)) -> Score {
     let k = own.ncols();
     let beta = own.tr_mul(e);
-    let left = e - own * &beta;
+    let remainder = e - own * &beta;
     let mut scores = DMatrix::<f64>::zeros(k, blocks.1);
     let mut shares = vec![DMatrix::<f64>::zeros(k, k); blocks.1];
     for (row, block) in blocks.0.iter().enumerate() {
         let share = &mut shares[*block];
         for j in 0..k {
-            scores[(j, *block)] += own[(row, j)] * left[row];
+            scores[(j, *block)] += own[(row, j)] * remainder[row];
             for l in 0..k {
                 share[(j, l)] += own[(row, j)] * own[(row, l)];
             }

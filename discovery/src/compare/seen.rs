@@ -12,9 +12,7 @@ use crate::estimate::fit_percent;
 /// An output of a recording against the model's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutputComparison {
-    /// Its name.
     pub name: &'static str,
-    /// Its unit.
     pub unit: String,
     /// Standard deviation of its noise.
     pub noise: f64,
@@ -48,7 +46,6 @@ pub struct RecordingComparison {
     pub name: String,
     /// Root of the mean squared error, in units of the noise.
     pub error: f64,
-    /// Each output.
     pub outputs: Vec<OutputComparison>,
     /// When it fails.
     pub spans: Vec<Span>,

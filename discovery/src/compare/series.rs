@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::path::{Path, Scales};
+use super::drive_motion::{DriveMotion, Scales};
 use super::shape::{
     BENT_S, CURRENT_KNOTS, FLUX_SPEED_KNOTS, HEAT_S, RESONANCES_HZ, REST_SHARES, SPEED_KNOTS,
     Shape, TIME_KNOTS,
@@ -55,7 +55,7 @@ impl Shape {
     pub(super) fn series(
         self,
         column: usize,
-        path: &Path,
+        path: &DriveMotion,
         scales: &Scales,
         limit: Option<f64>,
     ) -> Series {
@@ -147,7 +147,7 @@ impl Shape {
 }
 
 /// -i times the losses, smoothed over that time: the voltage at a resistance that follows them.
-fn heated(path: &Path, scales: &Scales, time_s: f64) -> Vec<f64> {
+fn heated(path: &DriveMotion, scales: &Scales, time_s: f64) -> Vec<f64> {
     let stay = (-path.period_s / time_s).exp();
     let mut heat = 0.0;
     let mut lost = |i: &f64| {
@@ -158,7 +158,7 @@ fn heated(path: &Path, scales: &Scales, time_s: f64) -> Vec<f64> {
 }
 
 /// Torque of a small mass on a spring (even columns) and damper (odd ones) that the shaft carries.
-fn swinging(path: &Path, scales: &Scales, column: usize) -> Vec<f64> {
+fn swinging(path: &DriveMotion, scales: &Scales, column: usize) -> Vec<f64> {
     let rate = TAU * RESONANCES_HZ[column / 2];
     // A spring cannot swing faster than samples follow: then it is stiff and nothing is missing.
     let h = path.period_s.min(1.0 / rate);

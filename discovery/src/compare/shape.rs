@@ -6,7 +6,7 @@
 //! apart: over the speed a torque is odd (friction of any form), over its sign even (a direction
 //! that differs). A torque that merely varies in time is no shape: a random load is one.
 
-use drivescope_plant::effects::info::{Place, Variable};
+use drivescope_plant::effects::info::{ActsOn, Variable};
 
 /// Share of the usual top speed at which a torque over the speed has its knots: dense near zero.
 pub(super) const SPEED_KNOTS: [f64; 7] = [0.0, 0.015, 0.045, 0.12, 0.3, 0.6, 1.0];
@@ -68,7 +68,6 @@ pub(super) enum Shape {
     Resonances,
     /// An input that comes late.
     LateInput,
-    /// A speed that is shown late.
     SpeedShownLate,
     /// A voltage that is not reached at the limit.
     AtLimit,
@@ -100,16 +99,16 @@ impl Shape {
     }
 
     /// Where it acts; a flux acts in both balances, and counts as the torque's.
-    pub(super) fn place(self) -> Place {
+    pub(super) fn acts_on(self) -> ActsOn {
         match self {
             Self::VoltageOverCurrent
             | Self::ResistanceOverHeat
             | Self::LateInput
-            | Self::AtLimit => Place::Voltage,
+            | Self::AtLimit => ActsOn::Voltage,
             Self::CurrentOffset | Self::SpeedShownOverAngle(_) | Self::SpeedShownLate => {
-                Place::Sensor
+                ActsOn::Sensor
             }
-            _ => Place::Torque,
+            _ => ActsOn::Torque,
         }
     }
 

@@ -9,7 +9,7 @@ use drivescope_recording::Clock;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::path::{Path, Scales, quantile};
+use super::drive_motion::{DriveMotion, Scales, quantile};
 
 /// Length of the smoothing, s.
 const WINDOW_S: f64 = 0.05;
@@ -51,7 +51,7 @@ pub struct Span {
 
 /// What a recording looks like to [`spans`].
 pub(super) struct View<'a> {
-    pub(super) path: &'a Path,
+    pub(super) path: &'a DriveMotion,
     pub(super) scales: &'a Scales,
     /// Squared error of each sample over its outputs, in units of the noise, and how many values
     /// it is of.
@@ -176,10 +176,10 @@ impl View<'_> {
         let path = self.path;
         let turns = |k: &usize| path.direction[*k] * path.direction[k.saturating_sub(1)] < 0.0;
         let stands = |k: usize| path.direction[k] == 0.0;
-        let begins = |k: &usize| *k > 0 && stands(*k) != stands(k - 1);
+        let is_start = |k: &usize| *k > 0 && stands(*k) != stands(k - 1);
         let mut said = Vec::new();
         match (from..to).filter(turns).count() {
-            0 if (from..to).any(|k| begins(&k)) => {
+            0 if (from..to).any(|k| is_start(&k)) => {
                 let moved = |range: &mut dyn Iterator<Item = usize>| {
                     range.map(|k| path.direction[k]).find(|direction| *direction != 0.0)
                 };
@@ -248,12 +248,12 @@ fn short(value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn path(samples: usize) -> Path {
+    fn path(samples: usize) -> DriveMotion {
         // A speed that crosses zero once, at half the time.
         let omega: Vec<f64> =
             (0..samples).map(|k| 100.0 - 200.0 * k as f64 / samples as f64).collect();
         let direction = omega.iter().map(|w: &f64| w.signum()).collect();
-        Path {
+        DriveMotion {
             i: vec![1.0; samples],
             theta: vec![0.0; samples],
             direction,

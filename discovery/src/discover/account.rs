@@ -8,7 +8,7 @@ use super::form::{Instead, Refused};
 use super::judged::Judged;
 use super::needless::Added;
 use super::refit::Model;
-use super::report::{Discovery, Rung, Step, Verdict, Watch};
+use super::report::{Discovery, LadderStep, Step, Verdict, Watch};
 use super::round::{Outcome, Round};
 use super::typed;
 use crate::balances::unexplained;
@@ -60,13 +60,13 @@ impl Discovery {
     }
 
     /// Tells of an effect no more, nor of the last one, which is told without it.
-    pub(super) fn take_back(&mut self, kind: &str, left: &[Added]) {
+    pub(super) fn take_back(&mut self, kind: &str, remaining: &[Added]) {
         self.ladder.pop();
-        let place = self.ladder.iter().rposition(|rung| rung.added.as_deref() == Some(kind));
+        let place = self.ladder.iter().rposition(|step| step.added.as_deref() == Some(kind));
         place.map(|place| self.ladder.remove(place));
-        self.unname(left);
+        self.unname(remaining);
         let beside = self.named.join(" and ");
-        self.refuse(kind, left, &format!("not needed beside {beside}"));
+        self.refuse(kind, remaining, &format!("not needed beside {beside}"));
     }
 
     /// Tells of formulas in the place of a law or, where that is of the right kind, of what is left as
@@ -112,16 +112,16 @@ impl Discovery {
     }
 
     /// Names what is left alone.
-    fn unname(&mut self, left: &[Added]) {
-        self.named.retain(|name| left.iter().any(|it| it.kind == *name));
+    fn unname(&mut self, remaining: &[Added]) {
+        self.named.retain(|name| remaining.iter().any(|it| it.kind == *name));
         // One that refined what was named stands for it now.
-        let of_last = left.last().map(|it| &it.kind).filter(|it| !self.named.contains(it));
+        let of_last = remaining.last().map(|it| &it.kind).filter(|it| !self.named.contains(it));
         self.named.extend(of_last.cloned());
     }
 
     /// Says why an effect is not named of which nothing is left.
-    fn refuse(&mut self, kind: &str, left: &[Added], why: &str) {
-        if left.iter().any(|it| it.kind == kind) {
+    fn refuse(&mut self, kind: &str, remaining: &[Added], why: &str) {
+        if remaining.iter().any(|it| it.kind == kind) {
             return;
         }
         for one in self.ranking.iter_mut().filter(|it| it.effect == kind && it.refused.is_none()) {
@@ -138,7 +138,7 @@ impl Discovery {
     ) {
         let drive = &model.fitted.drive;
         let (setting, validated) = (&model.setting, &model.validation.recordings);
-        let rung = Rung {
+        let step = LadderStep {
             fit_percent: output_fits(drive, estimation, setting, &model.fitted.recordings),
             validation_fit_percent: output_fits(drive, validation, setting, validated),
             added,
@@ -147,8 +147,8 @@ impl Discovery {
             error: model.fitted.squares.error(),
             validation_error: model.validation.squares.error(),
         };
-        watch.step(&Step::Rung(&rung));
-        self.ladder.push(rung);
+        watch.step(&Step::Ladder(&step));
+        self.ladder.push(step);
         self.parameters = model.fitted.parameters.clone();
     }
 }

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::columns::{At, Columns};
+use super::columns::{Columns, FittedDrive};
 use super::ground::Ground;
 use super::judged::Judged;
 use super::projection::beside;
@@ -56,14 +56,14 @@ impl Round<'_> {
         let Some(variant) = it.variants.first() else { return 0.0 };
         let drive = it.added(&self.model.fitted.drive, variant);
         let setting = finer(&self.model.setting, &drive);
-        let at = At { drive: &drive, setting: &setting, ..self.model.at(self.estimation) };
+        let at = FittedDrive { drive: &drive, setting: &setting, ..self.model.at(self.estimation) };
         let own = it.coefficients.iter().map(|name| format!("{}.{name}", it.id));
         let names: Vec<String> = self.model.names().into_iter().chain(own).collect();
         let columns = Columns::base(&at, &names);
         let squares = |values: &[f64]| values.iter().map(|it| it * it).sum::<f64>();
         let was = squares(&columns.residual);
-        let left = squares(&beside(&columns.columns, &columns.residual));
+        let remainder = squares(&beside(&columns.columns, &columns.residual));
         let excess = was - self.floor(self.estimation);
-        if excess > 0.0 && left.is_finite() { (was - left) / excess } else { 0.0 }
+        if excess > 0.0 && remainder.is_finite() { (was - remainder) / excess } else { 0.0 }
     }
 }

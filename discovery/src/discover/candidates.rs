@@ -16,7 +16,6 @@ use crate::measured::{Measured, Output};
 /// An effect that is not judged, and why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NotJudged {
-    /// The effect.
     pub effect: String,
     /// Why, for a person.
     pub reason: String,
@@ -35,8 +34,8 @@ pub(crate) fn candidates(
     typed: &[EffectData],
 ) -> (Vec<Candidate>, Vec<NotJudged>) {
     let is_in = |one: &EffectData| drive.effects.iter().any(|effect| effect.id == one.id);
-    let left = typed.iter().filter(|one| !is_in(one));
-    let (mut found, mut not) = (left.map(typed::candidate).collect::<Vec<_>>(), Vec::new());
+    let remainder = typed.iter().filter(|one| !is_in(one));
+    let (mut found, mut not) = (remainder.map(typed::candidate).collect::<Vec<_>>(), Vec::new());
     for entry in REGISTRY {
         let own = |reason: String, worth_saying| NotJudged {
             effect: entry.info.id.to_owned(),

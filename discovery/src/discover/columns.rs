@@ -13,10 +13,8 @@ use crate::sensitivity::{Direction, Rows};
 
 /// Where a value was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
-    /// Recording.
+pub(crate) struct Measurement {
     pub(crate) recording: usize,
-    /// Sample in it.
     pub(crate) sample: usize,
     /// Output: 0 current, 1 speed, 2 position.
     pub(crate) output: usize,
@@ -24,8 +22,7 @@ pub(crate) struct Place {
 
 /// A drive, fitted, at the recordings.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct At<'a> {
-    /// The drive.
+pub(crate) struct FittedDrive<'a> {
     pub(crate) drive: &'a Drive,
     /// What belongs to each recording.
     pub(crate) fits: &'a [Fit],
@@ -35,7 +32,7 @@ pub(crate) struct At<'a> {
     pub(crate) setting: &'a Setting,
 }
 
-impl<'a> At<'a> {
+impl<'a> FittedDrive<'a> {
     /// Rows of every recording for those directions.
     fn rows(&self, directions: impl Fn(usize) -> Vec<Owned>) -> Vec<Rows> {
         let of = |recording: usize| {
@@ -75,7 +72,7 @@ impl Owned {
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
     /// Where each value was measured.
-    pub(crate) places: Vec<Place>,
+    pub(crate) places: Vec<Measurement>,
     /// (y - y_model) / sd.
     pub(crate) residual: Vec<f64>,
     /// One row a direction, one column a value.
@@ -98,13 +95,13 @@ impl Columns {
     }
 
     /// The residuals alone.
-    pub(crate) fn residuals(at: &At<'_>) -> Self {
+    pub(crate) fn residuals(at: &FittedDrive<'_>) -> Self {
         let rows = at.rows(|_| Vec::new());
         Self::shared(at.evidence, &rows)
     }
 
     /// The base of a fit: its parameters, and what belongs to each recording.
-    pub(crate) fn base(at: &At<'_>, shared: &[String]) -> Self {
+    pub(crate) fn base(at: &FittedDrive<'_>, shared: &[String]) -> Self {
         let own = |recording: usize| -> Vec<Owned> {
             let fit = &at.fits[recording];
             let names = fit.own.iter().map(|it| Owned::Parameter(it.name.clone()));
@@ -138,8 +135,8 @@ impl Columns {
     }
 }
 
-fn push(places: &mut Vec<Place>, recording: usize, rows: &Rows, measured: &Measured) {
-    let of = |(sample, output): (&usize, &usize)| Place {
+fn push(places: &mut Vec<Measurement>, recording: usize, rows: &Rows, measured: &Measured) {
+    let of = |(sample, output): (&usize, &usize)| Measurement {
         recording,
         sample: *sample,
         output: measured.outputs[*output].output as usize,

@@ -11,7 +11,7 @@ use drivescope_plant::effects::grid::Spans;
 use drivescope_recording::{Clock, NoiseGain};
 use serde::Serialize;
 
-use super::columns::{At, Columns};
+use super::columns::{Columns, FittedDrive};
 use super::projection::beside;
 use super::refit::Model;
 use crate::case::Setting;
@@ -116,7 +116,7 @@ fn worst_pair(
         let drive: &Drive = &model.fitted.drive;
         // Nothing is measured, so nothing can correct the run.
         let setting = Setting { observer: Observer::NONE, ..model.setting };
-        let at = At { drive, fits: &fits, evidence: &evidence, setting: &setting };
+        let at = FittedDrive { drive, fits: &fits, evidence: &evidence, setting: &setting };
         Columns::base(&at, names)
     };
     let plain = outputs(base, &base.names());

@@ -74,9 +74,9 @@ impl Round<'_> {
         let base = &self.model.fitted;
         // No inverse is told of what has a mass behind teeth: of the torque that the base leaves
         // unexplained it has as much as of the error.
-        let left = unexplained(&base.drive, estimation)[0].map_or(0.0, |it| it.rms);
+        let remainder = unexplained(&base.drive, estimation)[0].map_or(0.0, |it| it.rms);
         let kept = model.fitted.squares.sum / base.squares.sum;
-        let size = left * (1.0 - kept).max(0.0).sqrt() / ground.references.torque;
+        let size = remainder * (1.0 - kept).max(0.0).sqrt() / ground.references.torque;
         let [own, others] = self.ln_probabilities(&model);
         // A filter knows less of each reversal than a free run, and nothing of what stands beside the
         // motor: the base is the better of both where they speak of the same. Its evidence holds the

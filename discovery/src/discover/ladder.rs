@@ -115,15 +115,17 @@ pub fn discover_by(
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
             if formulas_fail || missing {
-                let mut left = model.clone();
-                while let Some(it) = (Round { model: &left, ..turn }).formulas_instead(&added) {
+                let mut remainder = model.clone();
+                while let Some(it) = (Round { model: &remainder, ..turn }).formulas_instead(&added)
+                {
                     let of_kind = it.refused.is_none();
-                    left = found.put(it, &mut added, left, (estimation, validation), watch);
+                    remainder =
+                        found.put(it, &mut added, remainder, (estimation, validation), watch);
                     if of_kind {
                         break;
                     }
                 }
-                model = left;
+                model = remainder;
             }
             break;
         };
@@ -276,7 +278,7 @@ pub fn bic_of(
     Ok(evidence().unwrap_or(0.0))
 }
 
-/// The base, fitted, with the first rung of its ladder.
+/// The base, fitted, with the first step of its ladder.
 fn begin(
     drive: &Drive,
     estimation: &Evidence,

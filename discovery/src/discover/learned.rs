@@ -69,16 +69,23 @@ impl LearnedCurve {
     }
 }
 
+/// As what the effect `learned` knows it, if it does: an acceleration is what comes of the balance, and
+/// no variable of it.
+fn variable(over: Over) -> Option<Variable> {
+    Some(match over {
+        Over::Speed => Variable::Speed,
+        Over::SpeedMagnitude => Variable::SpeedMagnitude,
+        Over::Current => Variable::Current,
+        Over::CurrentMagnitude => Variable::CurrentMagnitude,
+        Over::Position => Variable::Position,
+        Over::Time => Variable::Time,
+        Over::Acceleration => return None,
+    })
+}
+
 fn name(over: Over) -> &'static str {
-    match over {
-        Over::Speed => "omega",
-        Over::SpeedMagnitude => "abs(omega)",
-        Over::Current => "i",
-        Over::CurrentMagnitude => "abs(i)",
-        Over::Position => "theta",
-        Over::Time => "time",
-        Over::Acceleration => "acceleration",
-    }
+    let of_effect = Variable::ALL.iter().find(|(_, it)| Some(*it) == variable(over));
+    of_effect.map_or("acceleration", |(name, _)| name)
 }
 
 fn unit(over: Over, drive: &Drive) -> String {
@@ -104,19 +111,9 @@ fn balance_unit(balance: Balance, drive: &Drive) -> String {
 }
 
 impl Curve {
-    /// Over what the effect `learned` holds the curve, if it can: an acceleration is what comes of
-    /// the balance, and no variable of it.
+    /// Over what the effect `learned` holds the curve, if it can.
     fn as_effect(&self) -> Option<(Variable, Option<Times>)> {
-        let over = match self.over {
-            Over::Speed => Variable::Speed,
-            Over::SpeedMagnitude => Variable::SpeedMagnitude,
-            Over::Current => Variable::Current,
-            Over::CurrentMagnitude => Variable::CurrentMagnitude,
-            Over::Position => Variable::Position,
-            Over::Time => Variable::Time,
-            Over::Acceleration => return None,
-        };
-        Some((over, times(self.factor)))
+        Some((variable(self.over)?, times(self.factor)))
     }
 
     /// Whether the effect `learned` can hold it.
@@ -179,9 +176,9 @@ fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
     };
     let known: Vec<usize> = (0..values.len()).filter(|k| visited[*k]).collect();
     let rows = DMatrix::from_fn(2, known.len(), |row, k| of_base[row](curve.knots[known[k]]));
-    let left = beside(&rows, &known.iter().map(|k| values[*k]).collect::<Vec<_>>());
+    let remainder = beside(&rows, &known.iter().map(|k| values[*k]).collect::<Vec<_>>());
     let nearest = |k: usize| (0..known.len()).min_by_key(|place| known[*place].abs_diff(k));
-    (0..values.len()).map(|k| nearest(k).map_or(0.0, |place| left[place])).collect()
+    (0..values.len()).map(|k| nearest(k).map_or(0.0, |place| remainder[place])).collect()
 }
 
 fn sign(z: f64) -> f64 {

@@ -45,7 +45,8 @@ pub use experiment::NextExperiment;
 pub use ladder::{add, bic_of, discover, discover_by};
 pub use learned::LearnedCurve;
 pub use report::{
-    Coefficient, Discovery, Oscillation, RandomLoad, Ranked, Rung, Step, Unwatched, Verdict, Watch,
+    Coefficient, Discovery, LadderStep, Oscillation, RandomLoad, Ranked, Step, Unwatched, Verdict,
+    Watch,
 };
 
 pub(crate) use candidate::Candidate;

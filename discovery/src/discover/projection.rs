@@ -46,13 +46,13 @@ mod tests {
         let ramp = |k: usize| k as f64 / n as f64;
         let columns = DMatrix::from_fn(4, n, |row, k| [1.0, ramp(k), 1.0 + ramp(k), 0.0][row]);
         let values: Vec<f64> = (0..n).map(|k| 30.0 - 7.0 * ramp(k) + noise[k]).collect();
-        let left = beside(&columns, &values);
+        let remainder = beside(&columns, &values);
         for row in 0..4 {
-            let dot: f64 = columns.row(row).iter().zip(&left).map(|(a, b)| a * b).sum();
+            let dot: f64 = columns.row(row).iter().zip(&remainder).map(|(a, b)| a * b).sum();
             assert!(dot.abs() < 1e-6, "column {row}: {dot}");
         }
         let power = |values: &[f64]| values.iter().map(|it| it * it).sum::<f64>();
-        let (kept, whole) = (power(&left), power(&noise));
+        let (kept, whole) = (power(&remainder), power(&noise));
         assert!(kept <= whole && kept > 0.98 * whole, "{kept} of {whole}");
         assert_eq!(beside(&DMatrix::zeros(0, n), &values), values);
     }

@@ -4,7 +4,7 @@ use drivescope_plant::drive::{Drive, EffectData};
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::columns::At;
+use super::columns::FittedDrive;
 use crate::case::Setting;
 use crate::error::Error;
 use crate::estimate::{Evaluated, Evidence, Fitted, Options, Seen, evaluate, fit_seen};
@@ -47,15 +47,15 @@ impl Model {
     }
 
     /// At the recordings it was fitted to.
-    pub(crate) fn at<'a>(&'a self, estimation: &'a Evidence) -> At<'a> {
+    pub(crate) fn at<'a>(&'a self, estimation: &'a Evidence) -> FittedDrive<'a> {
         let (drive, fits) = (&self.fitted.drive, &self.fitted.recordings);
-        At { drive, fits, evidence: estimation, setting: &self.setting }
+        FittedDrive { drive, fits, evidence: estimation, setting: &self.setting }
     }
 
     /// At the validation recordings.
-    pub(crate) fn at_others<'a>(&'a self, validation: &'a Evidence) -> At<'a> {
+    pub(crate) fn at_others<'a>(&'a self, validation: &'a Evidence) -> FittedDrive<'a> {
         let (drive, fits) = (&self.fitted.drive, &self.validation.recordings);
-        At { drive, fits, evidence: validation, setting: &self.setting }
+        FittedDrive { drive, fits, evidence: validation, setting: &self.setting }
     }
 
     /// Its parameters that were estimated.

@@ -19,8 +19,8 @@ use crate::signals::SignalFinding;
 /// What the loop says while it runs.
 #[derive(Debug, Clone)]
 pub enum Step<'a> {
-    /// A rung of the ladder: what was added (nothing first), and the errors.
-    Rung(&'a Rung),
+    /// A step of the ladder: what was added (nothing first), and the errors.
+    Ladder(&'a LadderStep),
     /// What is being done.
     Doing(&'static str),
     /// The error that a step of a fit came to, in units of the noise.
@@ -55,9 +55,9 @@ pub struct Unwatched;
 
 impl Watch for Unwatched {}
 
-/// A rung of the ladder of errors.
+/// A step of the ladder of errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Rung {
+pub struct LadderStep {
     /// What was added: nothing first.
     pub added: Option<String>,
     /// Error on the estimation data, in units of the noise.
@@ -88,7 +88,6 @@ pub struct Coefficient {
 /// A candidate that was refitted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ranked {
-    /// The effect.
     pub effect: String,
     /// What these recordings do not tell from it.
     pub confusion_set: Vec<String>,
@@ -161,7 +160,7 @@ pub struct Discovery {
     /// Its parameters with their standard errors.
     pub parameters: Vec<Estimate>,
     /// Errors of the base and after each addition.
-    pub ladder: Vec<Rung>,
+    pub ladder: Vec<LadderStep>,
     /// The answer.
     pub verdict: Verdict,
     /// The effects that were named.
@@ -189,7 +188,6 @@ pub struct Discovery {
     pub signals: Vec<SignalFinding>,
     /// Doubts about the recordings that only the fit raises.
     pub doubts: Vec<Doubt>,
-    /// The observer.
     pub observer: Observer,
 }
 

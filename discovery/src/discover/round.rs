@@ -124,7 +124,7 @@ impl Round<'_> {
         let untold = (0..self.all.len()).filter(|it| !ground.tells(&self.all[*it])).collect();
         let load = Some(ground.load());
         let randomness = ground.randomness();
-        let left = weights.left_by_formulas + self.rule.curve_odds.ln();
+        let remainder = weights.left_by_formulas + self.rule.curve_odds.ln();
         Outcome {
             judged,
             imitated,
@@ -134,7 +134,7 @@ impl Round<'_> {
             randomness,
             unknown,
             proposed,
-            formulas_fail: left > self.rule.evidence,
+            formulas_fail: remainder > self.rule.evidence,
         }
     }
 

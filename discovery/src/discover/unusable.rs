@@ -61,13 +61,13 @@ mod tests {
             Evidence { recordings: vec![measured], noise: vec![vec![0.02, 0.5]] }
         };
         let noise = evidence(&|omega| omega.copy_from_slice(&gaussian(4000, 9)));
-        let turned = evidence(&|omega| omega.iter_mut().for_each(|it| *it = -*it));
+        let negated = evidence(&|omega| omega.iter_mut().for_each(|it| *it = -*it));
         let right = evidence(&|_| {});
         // Whether what is wrong is fitted to or judged by.
         for (estimation, validation, what) in [
             (&noise, &right, What::NoAnswer),
             (&right, &noise, What::NoAnswer),
-            (&right, &turned, What::Sign),
+            (&right, &negated, What::Sign),
         ] {
             let found = discover(&drive, estimation, validation, &Unwatched).expect("an answer");
             assert_eq!((found.verdict, found.remaining), (Verdict::NotJudged, Verdict::NotJudged));

@@ -8,7 +8,7 @@
 
 use drivescope_numerics::Regression;
 
-use super::columns::Place;
+use super::columns::Measurement;
 use crate::measured::OUTPUTS;
 
 /// Time constants of the averages, samples: 1, 2, 4 ... up to this.
@@ -39,25 +39,26 @@ impl Past {
 }
 
 /// Visits the values of each sample together.
-fn samples(places: &[Place], mut visit: impl FnMut(std::ops::Range<usize>, bool)) {
+fn samples(places: &[Measurement], mut visit: impl FnMut(std::ops::Range<usize>, bool)) {
     let mut from = 0;
     while from < places.len() {
         let first = places[from];
-        let same =
-            |place: &Place| place.recording == first.recording && place.sample == first.sample;
+        let same = |place: &Measurement| {
+            place.recording == first.recording && place.sample == first.sample
+        };
         let to = from + places[from..].iter().take_while(|place| same(place)).count();
-        let begins = from == 0 || {
+        let is_first = from == 0 || {
             let before = places[from - 1];
             before.recording != first.recording || before.sample + LONGEST < first.sample
         };
-        visit(from..to, begins);
+        visit(from..to, is_first);
         from = to;
     }
 }
 
 impl Whitener {
     /// The filter of this residual; the identity, scaled, where it is too short.
-    pub(crate) fn of(places: &[Place], residual: &[f64]) -> Self {
+    pub(crate) fn of(places: &[Measurement], residual: &[f64]) -> Self {
         let seen: Vec<usize> = (0..OUTPUTS)
             .filter(|output| places.iter().any(|place| place.output == *output))
             .collect();
@@ -67,8 +68,8 @@ impl Whitener {
         let columns: Vec<usize> =
             seen.iter().flat_map(|output| output * AVERAGES..(output + 1) * AVERAGES).collect();
         let mut past = Past::NONE;
-        samples(places, |range, begins| {
-            if begins {
+        samples(places, |range, is_first| {
+            if is_first {
                 past = Past::NONE;
             }
             for k in range.clone() {
@@ -99,27 +100,27 @@ impl Whitener {
                 });
                 sum / count
             };
-            let left = power(&innovations);
-            if left > 0.0 {
-                filter.sd[output] = left.sqrt();
+            let remainder = power(&innovations);
+            if remainder > 0.0 {
+                filter.sd[output] = remainder.sqrt();
             }
         }
         filter
     }
 
     /// ln of the probability of a residual, without its constant.
-    pub(crate) fn ln_probability(&self, places: &[Place], residual: &[f64]) -> f64 {
+    pub(crate) fn ln_probability(&self, places: &[Measurement], residual: &[f64]) -> f64 {
         let innovations = self.applied(places, residual);
         let each = places.iter().zip(innovations);
         each.map(|(place, value)| -0.5 * value * value - self.sd[place.output].ln()).sum()
     }
 
     /// The innovations of a residual.
-    fn applied(&self, places: &[Place], residual: &[f64]) -> Vec<f64> {
+    fn applied(&self, places: &[Measurement], residual: &[f64]) -> Vec<f64> {
         let mut innovations = residual.to_vec();
         let mut past = Past::NONE;
-        samples(places, |range, begins| {
-            if begins {
+        samples(places, |range, is_first| {
+            if is_first {
                 past = Past::NONE;
             }
             for k in range.clone() {
@@ -143,8 +144,8 @@ mod tests {
 
     const SAMPLES: usize = 8000;
 
-    fn places() -> Vec<Place> {
-        let of = |k| [0, 1].map(|output| Place { recording: 0, sample: k, output });
+    fn places() -> Vec<Measurement> {
+        let of = |k| [0, 1].map(|output| Measurement { recording: 0, sample: k, output });
         (0..SAMPLES).flat_map(of).collect()
     }
 

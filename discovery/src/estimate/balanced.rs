@@ -33,8 +33,8 @@ pub(super) fn balanced(
         return Ok(fitted);
     }
     let by_balances = at_balances(&fitted, begun, base, evidence, setting)?;
-    let left = |fitted: &Fitted| unexplained(&fitted.drive, evidence);
-    let mut pairs = left(&fitted).into_iter().zip(left(&by_balances));
+    let remainder = |fitted: &Fitted| unexplained(&fitted.drive, evidence);
+    let mut pairs = remainder(&fitted).into_iter().zip(remainder(&by_balances));
     let worse = |(by_fit, by_balances): (Option<Unexplained>, Option<Unexplained>)| {
         by_fit.zip(by_balances).is_some_and(|(fit, least)| fit.rms > AS_WELL * least.rms)
     };

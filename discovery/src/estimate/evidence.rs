@@ -5,7 +5,6 @@ use crate::measured::{Channel, Measured};
 /// Recordings of one machine with what is known of their noise.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Evidence {
-    /// The recordings.
     pub recordings: Vec<Measured>,
     /// Standard deviation of the noise of each one's outputs, in their units.
     pub noise: Vec<Vec<f64>>,

@@ -12,7 +12,6 @@ use crate::start::Start;
 /// An estimated parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Its name.
     pub name: String,
     /// Its value, SI.
     pub value: f64,
@@ -20,7 +19,6 @@ pub struct Estimate {
     pub std_error: f64,
     /// The value it had in the drive file; NaN where that has no such parameter.
     pub before: f64,
-    /// Its unit.
     pub unit: String,
     /// Whether the search ended at the limit of what is possible.
     pub at_bound: bool,
@@ -40,7 +38,6 @@ pub struct Fit {
 /// A drive on recordings it was not fitted to, or as it was before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluated {
-    /// Each recording.
     pub recordings: Vec<Fit>,
     /// Squared errors over all of them.
     pub squares: Squares,
@@ -57,7 +54,6 @@ pub struct Fitted {
     pub correlation: DMatrix<f64>,
     /// What the recordings do not tell.
     pub not_identifiable: Vec<NotIdentifiable>,
-    /// Each recording.
     pub recordings: Vec<Fit>,
     /// Squared errors over all of them.
     pub squares: Squares,

@@ -57,13 +57,13 @@ pub(super) fn marginal(information: &DMatrix<f64>, parameters: usize) -> Option<
 /// The combinations that are not known. `information` is on parameters each in units of its size;
 /// where several could be kept, the earliest in `preference` is.
 pub(super) fn unknown(information: &DMatrix<f64>, preference: &[usize]) -> Vec<Combination> {
-    let mut left: Vec<usize> = (0..information.nrows()).collect();
+    let mut remainder: Vec<usize> = (0..information.nrows()).collect();
     let mut found = Vec::new();
-    while !left.is_empty() {
-        let some = information.select_rows(&left).select_columns(&left);
+    while !remainder.is_empty() {
+        let some = information.select_rows(&remainder).select_columns(&remainder);
         let eigen = some.symmetric_eigen();
         let weak = |k: &usize| eigen.eigenvalues[*k] <= 1.0 / (UNKNOWN * UNKNOWN);
-        let weak: Vec<usize> = (0..left.len()).filter(weak).collect();
+        let weak: Vec<usize> = (0..remainder.len()).filter(weak).collect();
         if weak.is_empty() {
             break;
         }
@@ -71,13 +71,14 @@ pub(super) fn unknown(information: &DMatrix<f64>, preference: &[usize]) -> Vec<C
         let basis = eigen.eigenvectors.select_columns(&weak);
         let onto = &basis * basis.transpose();
         let largest = onto.diagonal().max();
-        let substantial = (0..left.len()).filter(|k| onto[(*k, *k)] >= SUBSTANTIAL * largest);
-        let rank = |k: &usize| preference.iter().position(|wanted| *wanted == left[*k]);
+        let substantial = (0..remainder.len()).filter(|k| onto[(*k, *k)] >= SUBSTANTIAL * largest);
+        let rank = |k: &usize| preference.iter().position(|wanted| *wanted == remainder[*k]);
         let Some(kept) = substantial.min_by_key(rank) else { break };
         let part = |k: &usize| onto[(*k, kept)].abs() >= TAKES_PART * onto[(kept, kept)];
-        let with = (0..left.len()).filter(|k| *k != kept && part(k)).map(|k| left[k]).collect();
-        found.push(Combination { kept: left[kept], with });
-        left.remove(kept);
+        let with =
+            (0..remainder.len()).filter(|k| *k != kept && part(k)).map(|k| remainder[k]).collect();
+        found.push(Combination { kept: remainder[kept], with });
+        remainder.remove(kept);
     }
     found
 }
@@ -118,7 +119,7 @@ mod tests {
         });
         let mut all = &columns * columns.transpose();
         all[(2, 2)] += 1e-9;
-        let left = marginal(&all, 2).expect("it has a factor");
-        assert!(left[(0, 0)] < 1e-6 && left[(1, 1)] > 20.0, "{left}");
+        let remainder = marginal(&all, 2).expect("it has a factor");
+        assert!(remainder[(0, 0)] < 1e-6 && remainder[(1, 1)] > 20.0, "{remainder}");
     }
 }

@@ -200,11 +200,12 @@ fn not_identifiable(problem: &Problem<'_>, found: &Found, base: &Drive) -> Vec<N
     let sizes: Vec<f64> = (0..shared)
         .map(|k| match problem.unknowns.scales[k].is_sizeless(problem.unknowns.guess[k]) {
             // What moves the outputs by as much as they move at all.
-            true if at.hessian[(k, k)] > 0.0 => (power / at.hessian[(k, k)]).sqrt(),
+            true if at.normal_matrix[(k, k)] > 0.0 => (power / at.normal_matrix[(k, k)]).sqrt(),
             _ => 1.0,
         })
         .collect();
-    let Some(mut information) = identifiable::marginal(&(&at.hessian / variance), shared) else {
+    let Some(mut information) = identifiable::marginal(&(&at.normal_matrix / variance), shared)
+    else {
         return Vec::new();
     };
     for j in 0..shared {

@@ -99,23 +99,23 @@ impl Problem<'_> {
                 for (row, sample) in rows.sample.iter().enumerate() {
                     let block = before + sample / samples;
                     while scores.len() <= block {
-                        let (gradient, hessian) =
+                        let (gradient, normal_matrix) =
                             (DVector::zeros(unknowns), DMatrix::zeros(unknowns, unknowns));
-                        scores.push(BlockScore { gradient, hessian });
+                        scores.push(BlockScore { gradient, normal_matrix });
                     }
                     let score = &mut scores[block];
                     let column = rows.columns.column(row);
                     for (a, &j) in numbers.iter().enumerate() {
                         score.gradient[j] += column[a] * rows.residual[row];
                         for (b, &k) in numbers.iter().enumerate().take(a + 1) {
-                            score.hessian[(j, k)] += column[a] * column[b];
+                            score.normal_matrix[(j, k)] += column[a] * column[b];
                         }
                     }
                 }
             });
         }
         for score in &mut scores {
-            score.hessian.fill_upper_triangle_with_lower_triangle();
+            score.normal_matrix.fill_upper_triangle_with_lower_triangle();
         }
         scores
     }
@@ -144,7 +144,7 @@ impl Residuals for Problem<'_> {
                 // The residual falls as the model's output rises.
                 all.gradient[j] -= one.gradient[a];
                 for (b, &k) in self.unknowns.of_recording(number).iter().enumerate() {
-                    all.hessian[(j, k)] += one.hessian[(a, b)];
+                    all.normal_matrix[(j, k)] += one.normal_matrix[(a, b)];
                 }
             }
         }
@@ -152,9 +152,9 @@ impl Residuals for Problem<'_> {
         for k in 0..unknowns {
             let weight = self.unknowns.weights[k].powi(2);
             all.gradient[k] += weight * (coordinates[k] - self.unknowns.guess[k]);
-            all.hessian[(k, k)] += weight;
+            all.normal_matrix[(k, k)] += weight;
         }
-        let finite = all.sse.is_finite() && all.hessian.iter().all(|value| value.is_finite());
+        let finite = all.sse.is_finite() && all.normal_matrix.iter().all(|value| value.is_finite());
         Linearisation { sse: if finite { all.sse } else { f64::INFINITY }, ..all }
     }
 }

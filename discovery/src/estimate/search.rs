@@ -49,7 +49,7 @@ pub(crate) fn minimise_within(
             break Stop::NoDescent;
         }
         for (k, scale) in scale.iter_mut().enumerate() {
-            *scale = scale.max(at.hessian[(k, k)]);
+            *scale = scale.max(at.normal_matrix[(k, k)]);
         }
         let free = free(&p, &at, reaches);
         if free.is_empty() {
@@ -112,34 +112,34 @@ fn step(
         let damped = DMatrix::from_fn(free.len(), free.len(), |a, b| {
             let (j, k) = (free[a], free[b]);
             let diagonal = if j == k { damping * scale[k].max(smallest) } else { 0.0 };
-            at.hessian[(j, k)] + diagonal
+            at.normal_matrix[(j, k)] + diagonal
         });
         let moved =
             DVector::from_fn(p.len(), |k, _| if free.contains(&k) { 0.0 } else { trial[k] - p[k] });
-        let gradient = (&at.gradient + &at.hessian * moved).select_rows(&free);
+        let gradient = (&at.gradient + &at.normal_matrix * moved).select_rows(&free);
         let solved = damped.cholesky()?.solve(&gradient);
-        let (mut left, mut outside) = (Vec::new(), false);
+        let (mut remainder, mut outside) = (Vec::new(), false);
         for (a, &k) in free.iter().enumerate() {
             let Reach { low, high, longest } = reaches[k];
             let wanted = p[k] - solved[a].clamp(-longest, longest);
             trial[k] = wanted.clamp(low, high);
             if trial[k] == wanted {
-                left.push(k);
+                remainder.push(k);
             } else {
                 outside = true;
             }
         }
-        if !outside || left.is_empty() {
+        if !outside || remainder.is_empty() {
             return trial.iter().all(|value| value.is_finite()).then_some(trial);
         }
-        free = left;
+        free = remainder;
     }
 }
 
 /// Decrease that the quadratic model predicts, -2 g.d - d.H.d.
 fn decrease(from: &[f64], to: &[f64], at: &Linearisation) -> f64 {
     let d = DVector::from_iterator(from.len(), to.iter().zip(from).map(|(a, b)| a - b));
-    -2.0 * at.gradient.dot(&d) - d.dot(&(&at.hessian * &d))
+    -2.0 * at.gradient.dot(&d) - d.dot(&(&at.normal_matrix * &d))
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ impl<'a> Solved<'a> {
         let variance = found.at.sse / freedom;
         let (block_s, squares) = problem.block_s(&found.coordinates);
         let scores = problem.scores(&found.coordinates, block_s);
-        let covariance = uncertainty::covariance(&found.at.hessian, variance, &scores)
+        let covariance = uncertainty::covariance(&found.at.normal_matrix, variance, &scores)
             .unwrap_or_else(|| DMatrix::from_element(unknowns, unknowns, f64::INFINITY));
         Self { problem, found, covariance, block_s, squares }
     }

@@ -1,8 +1,8 @@
 //! How far a state in which a piece begins may be from its guess.
 
-use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::drive::{Drive, EffectData, Input};
 use drivescope_plant::effects::info::Beside;
-use drivescope_plant::effects::registry::REGISTRY;
+use drivescope_plant::effects::registry::Entry;
 
 use crate::measured::{Measured, Output};
 use crate::start::{OWN_STATES, STARTS};
@@ -50,17 +50,20 @@ fn speed(measured: &Measured) -> f64 {
 
 /// rad (m): what the motor's largest torque does to the spring.
 fn twist(base: &Drive, measured: &Measured) -> f64 {
-    let twists = |kind: &str| {
-        let entry = REGISTRY.iter().find(|entry| entry.info.id == kind);
-        entry.is_some_and(|it| it.states.iter().any(|s| s.beside == Some(Beside::LoadPosition)))
+    /// By which the registry tells the stiffness of a spring behind the shaft.
+    const STIFFNESS: &str = "N m/rad";
+    let stiffness_of = |effect: &EffectData| {
+        let entry = Entry::find(&effect.kind)?;
+        entry.states.iter().find(|it| it.beside == Some(Beside::LoadPosition))?;
+        let stiffness = entry.parameters.iter().find(|it| it.unit == STIFFNESS)?;
+        effect.parameters.iter().find_map(|(name, k)| (name == stiffness.name).then_some(*k))
     };
-    let coupling = base.effects.iter().find(|effect| twists(&effect.kind));
-    let stiffness = coupling.and_then(|it| it.parameters.iter().find(|(name, _)| name == "k"));
+    let stiffness = base.effects.iter().find_map(stiffness_of);
     let torque = match base.motor.input {
         Input::Voltage => base.motor.k_m * current(base, measured),
         Input::Force => base.motor.k_m * largest(&measured.u),
     };
-    stiffness.map_or(0.0, |(_, k)| torque.abs() / k)
+    stiffness.map_or(0.0, |k| torque.abs() / k)
 }
 
 /// K.

@@ -25,7 +25,7 @@ pub(crate) struct BlockScore {
     /// C r of the block.
     pub(crate) gradient: DVector<f64>,
     /// C C^T of the block.
-    pub(crate) hessian: DMatrix<f64>,
+    pub(crate) normal_matrix: DMatrix<f64>,
 }
 
 /// Length of a block, s, for residuals (one list an output and recording, NaN left out): several
@@ -74,7 +74,8 @@ pub(super) fn covariance(
     let inverse = factor.inverse();
     let classical = &inverse * variance;
     let unknowns = information.nrows();
-    let used: Vec<&BlockScore> = blocks.iter().filter(|it| it.hessian.trace() > 0.0).collect();
+    let used: Vec<&BlockScore> =
+        blocks.iter().filter(|it| it.normal_matrix.trace() > 0.0).collect();
     if used.len() < BLOCKS_AN_UNKNOWN * unknowns {
         return Some(classical);
     }
@@ -96,7 +97,7 @@ fn corrected(block: &BlockScore, lower: &DMatrix<f64>) -> Option<DVector<f64>> {
     if lower.is_empty() {
         return None;
     }
-    let half = lower.solve_lower_triangular(&block.hessian)?;
+    let half = lower.solve_lower_triangular(&block.normal_matrix)?;
     let mut share = lower.solve_lower_triangular(&half.transpose())?;
     share = (&share + share.transpose()) * 0.5;
     let eigen = share.symmetric_eigen();
@@ -133,12 +134,14 @@ mod tests {
             let noise = noise(seed);
             let blocks = |residual: &[f64]| -> Vec<BlockScore> {
                 let block = |b: usize| {
-                    let mut score =
-                        BlockScore { gradient: DVector::zeros(2), hessian: DMatrix::zeros(2, 2) };
+                    let mut score = BlockScore {
+                        gradient: DVector::zeros(2),
+                        normal_matrix: DMatrix::zeros(2, 2),
+                    };
                     for k in b * BLOCK..(b + 1) * BLOCK {
                         let c = DVector::from_column_slice(&column(k));
                         score.gradient += &c * residual[k];
-                        score.hessian.ger(1.0, &c, &c, 1.0);
+                        score.normal_matrix.ger(1.0, &c, &c, 1.0);
                     }
                     score
                 };

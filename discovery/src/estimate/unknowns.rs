@@ -20,16 +20,13 @@ pub(crate) enum Unknown {
     Shared(String),
     /// A parameter that may differ from recording to recording.
     Own {
-        /// Which recording.
         recording: usize,
         /// The parameter.
         name: String,
     },
     /// A state at the beginning of a piece.
     Start {
-        /// Which recording.
         recording: usize,
-        /// Which piece of it.
         piece: usize,
         /// Its number in [`Start::values`].
         state: usize,

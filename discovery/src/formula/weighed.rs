@@ -219,8 +219,8 @@ impl Space {
             (0..count).for_each(|column| own[(row, column)] = values[column]);
         }
         let base = base.qr().q();
-        let left = &own - &base * base.tr_mul(&own);
-        Self { target: form.target, directions: left.qr().q() }
+        let remainder = &own - &base * base.tr_mul(&own);
+        Self { target: form.target, directions: remainder.qr().q() }
     }
 
     /// Whether none of the functions of one is nearly one of the other.

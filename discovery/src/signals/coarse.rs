@@ -1,6 +1,7 @@
 //! An output of which few levels are seen.
 
 use drivescope_plant::drive::Drive;
+use drivescope_recording::rounded_to;
 
 use super::finding::{Consequence, SignalFinding, Size, What};
 use crate::estimate::Evidence;
@@ -30,7 +31,7 @@ fn of(measured: &Measured, channel: &Channel) -> Option<SignalFinding> {
     let range = seen.iter().copied().fold(f64::MIN, f64::max)
         - seen.iter().copied().fold(f64::MAX, f64::min);
     let step = range / levels.saturating_sub(1).max(1) as f64;
-    let (name, unit) = (channel.name, &channel.unit);
+    let (name, unit, apart) = (channel.name, &channel.unit, rounded_to(4, step));
     // One level is a shaft at rest.
     (levels > 1).then(|| SignalFinding {
         recording: measured.name.clone(),
@@ -40,7 +41,7 @@ fn of(measured: &Measured, channel: &Channel) -> Option<SignalFinding> {
         size: Size { value: levels as f64, of: "levels" },
         consequence: Consequence::Limits,
         sentence: format!(
-            "{name} takes {levels} levels only, {step:.4} {unit} apart: what is smaller than a \
+            "{name} takes {levels} levels only, {apart} {unit} apart: what is smaller than a \
              level hardly shows"
         ),
         next: format!("record {name} with more digits or a finer sensor, or over a larger range"),

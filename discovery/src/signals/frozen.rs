@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use drivescope_recording::{Recording, Signal};
+use drivescope_recording::{Recording, Signal, rounded_to};
 
 use super::finding::{Consequence, SignalFinding, Size, Stretch, What};
 
@@ -63,9 +63,11 @@ pub(super) fn repair(recording: &mut Recording) -> Vec<SignalFinding> {
             size: Size { value: samples as f64, of: "samples" },
             consequence: Consequence::Repaired,
             sentence: format!(
-                "{name} keeps the value {value:.6} {unit} from {:.4} s to {:.4} s while the others \
-                 move ({samples} samples so in all), set to missing",
-                at.from_s, at.to_s
+                "{name} keeps the value {} {unit} from {:.4} s to {:.4} s while the others move \
+                 ({samples} samples so in all), set to missing",
+                rounded_to(6, value),
+                at.from_s,
+                at.to_s
             ),
             next: "check the sensor's bus or the logger".to_owned(),
         });

@@ -4,6 +4,9 @@
 use std::ops::Range;
 
 use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::{constant_load, coulomb};
+use drivescope_plant::units::for_motion;
+use drivescope_recording::rounded_to;
 
 use super::averaged::Averaged;
 use super::finding::{Consequence, SignalFinding, Size, What};
@@ -116,10 +119,12 @@ impl Several<'_> {
                 What::OneSpeed,
                 Size { value: share, of: "share of the speed by which it changes" },
                 format!(
-                    "the speed hardly changes ({:.1} % about {mean:.4}): inertia and what grows with \
+                    "the speed hardly changes ({:.1} % about {} {}): inertia and what grows with \
                      the speed are not told from what does not{}",
                     100.0 * share,
-                    self.of_base(&["J", "B_m", "coulomb.T_c"])
+                    rounded_to(3, mean),
+                    for_motion(self.drive.motion, "rad/s"),
+                    self.of_base(&["J", "B_m", coulomb::LEVEL])
                 ),
                 "record steps to several speeds as well",
             )
@@ -140,7 +145,7 @@ impl Several<'_> {
                 format!(
                     "the shaft turns one way only: dry friction is not told from a constant load, \
                      and nothing that depends on the direction shows{}",
-                    self.of_base(&["coulomb.T_c", "constant_load.T_0"])
+                    self.of_base(&[coulomb::LEVEL, constant_load::OFFSET])
                 ),
                 "record both directions",
             )

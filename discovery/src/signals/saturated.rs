@@ -1,7 +1,7 @@
 //! An output that its sensor or converter cuts off.
 
 use drivescope_plant::drive::Drive;
-use drivescope_recording::limits;
+use drivescope_recording::{limits, rounded_to};
 
 use super::finding::{Consequence, SignalFinding, Size, Stretch, What};
 use crate::estimate::Evidence;
@@ -31,9 +31,9 @@ fn of(measured: &Measured, channel: &Channel) -> Vec<SignalFinding> {
             size: Size { value: it.share, of: "share of the samples" },
             consequence: Consequence::Limits,
             sentence: format!(
-                "{name} sits at {:.6} {} for {:.1} % of the samples: the sensor is at its limit, and \
+                "{name} sits at {} {} for {:.1} % of the samples: the sensor is at its limit, and \
                  the machine beyond it",
-                it.value,
+                rounded_to(6, it.value),
                 channel.unit,
                 100.0 * it.share
             ),

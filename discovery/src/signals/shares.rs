@@ -89,9 +89,9 @@ fn beside(others: &[Vec<f64>], mut column: Vec<f64>) -> Option<Vec<f64>> {
         let share = dot(other, &column);
         column.iter_mut().zip(other).for_each(|(value, other)| *value -= share * other);
     }
-    let left = dot(&column, &column);
-    (left > INDEPENDENT * whole).then(|| {
-        let length = left.sqrt();
+    let remainder = dot(&column, &column);
+    (remainder > INDEPENDENT * whole).then(|| {
+        let length = remainder.sqrt();
         column.iter_mut().for_each(|value| *value /= length);
         column
     })

@@ -61,7 +61,6 @@ const HOLDS: f64 = 0.3;
 /// How a motion stands to what drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Standing {
-    /// It follows.
     Follows,
     /// With a reversed sign, which explains this share.
     Reversed(f64),
@@ -80,7 +79,6 @@ struct Look {
     here: Explained,
     /// The most of what signed columns add within the response.
     signed_here: f64,
-    /// At once.
     at_once: Explained,
     /// Whether what is lost in friction and back-EMF has the reversed sign.
     gains: bool,
@@ -232,7 +230,7 @@ impl Look {
 
     /// Of a relation that is plain with one sign and shift.
     fn stands(&self) -> Standing {
-        let left = 1.0 - self.at_once.right_whole();
+        let remainder = 1.0 - self.at_once.right_whole();
         let reversed = self.at_once.reversed_whole();
         let far = self.far.as_ref().map(|far| (far.best.right_whole(), far));
         let late = far.filter(|(whole, far)| {
@@ -241,7 +239,7 @@ impl Look {
             here < SURE && *whole >= PLAIN && clear
         });
         let is_reversed = reversed >= PLAIN
-            && 1.0 - reversed <= CLEARLY * left
+            && 1.0 - reversed <= CLEARLY * remainder
             && self.at_once.reversed >= SIGNED
             && self.gains;
         match late {

@@ -8,6 +8,8 @@
 use std::f64::consts::{PI, TAU};
 
 use drivescope_plant::drive::{Drive, Input, Motion};
+use drivescope_plant::effects::coulomb;
+use drivescope_recording::rounded_to;
 use rayon::prelude::*;
 
 use super::finding::{Consequence, SignalFinding, Size, What};
@@ -89,7 +91,8 @@ fn of(drive: &Drive, measured: &Measured, sds: &[f64]) -> Option<SignalFinding> 
         consequence: Consequence::NotJudged,
         sentence: format!(
             "{channel} looks {words}: {agree} parameters are off from the drive file's as they \
-             would be if {channel} were {factor:.4} times too large"
+             would be if {channel} were {} times too large",
+            rounded_to(4, factor)
         ),
         next: format!(
             "name the unit by --columns {channel}=COLUMN:UNIT, or correct the drive file if the \
@@ -137,7 +140,7 @@ fn hypotheses(drive: &Drive, measured: &Measured) -> Vec<Hypothesis> {
     let powers = |r: f64, k: f64, torque: f64, speed: f64| {
         let over = torque - speed;
         let (r, k) = ([("R", r), ("L", r)], [("K_e", k)]);
-        let torques = [("coulomb.T_c", torque), ("J", over), ("B_m", over)];
+        let torques = [(coulomb::LEVEL, torque), ("J", over), ("B_m", over)];
         r.into_iter().chain(k).chain(torques).collect::<Vec<_>>()
     };
     let shown = [Output::Speed, Output::Position].into_iter().find_map(|it| measured.output(it));

@@ -27,14 +27,14 @@ const STEP: f64 = 1.0;
 #[derive(Clone, Copy, PartialEq)]
 enum Known {
     Time,
-    Place(usize),
+    Variable(usize),
 }
 
 impl Known {
     fn reference(self) -> u32 {
         match self {
             Self::Time => TIME,
-            Self::Place(place) => reference(place),
+            Self::Variable(place) => reference(place),
         }
     }
 }
@@ -51,9 +51,9 @@ pub(crate) fn structure(unit: &Unit) -> Structure {
     let states = places(&|v| v.continuous && v.role == Role::Local && v.start.is_some());
     let parameters = places(&|v| v.role == Role::Parameter);
     let running: Vec<Known> =
-        inputs.iter().chain(&states).map(|k| Known::Place(*k)).chain([Known::Time]).collect();
+        inputs.iter().chain(&states).map(|k| Known::Variable(*k)).chain([Known::Time]).collect();
     let initial: Vec<Known> =
-        running.iter().copied().chain(parameters.iter().map(|k| Known::Place(*k))).collect();
+        running.iter().copied().chain(parameters.iter().map(|k| Known::Variable(*k))).collect();
 
     let fine = without_quanta(unit);
     let indicators = unit.indicator_references();
@@ -133,7 +133,7 @@ fn at_point(
 
 /// The unit with one known changed, in several ways; a value that the unit refuses is passed over.
 fn changed(base: &Unit, known: Known) -> Vec<Unit> {
-    let Known::Place(place) = known else {
+    let Known::Variable(place) = known else {
         // Another start, so that the same one sample is due.
         return SHARES
             .map(|time| {

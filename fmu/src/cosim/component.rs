@@ -29,9 +29,7 @@ pub struct Port {
 /// The inputs and outputs of a component.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ports {
-    /// Inputs.
     pub inputs: Vec<Port>,
-    /// Outputs.
     pub outputs: Vec<Port>,
     /// Inputs and outputs that are no scalar numbers, each with what it is: nothing connects them.
     pub others: Vec<(String, String)>,

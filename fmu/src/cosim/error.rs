@@ -15,7 +15,6 @@ pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
 /// An error of a system.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Error {
     /// A name that is taken.
     #[error("component `{name}` exists twice; names must be unique")]
@@ -125,11 +124,7 @@ pub enum Error {
     Read { path: PathBuf, source: std::io::Error },
     /// A system description that is wrong at one place.
     #[error("{}:{}:{}: {}", path.display(), problem.position.line, problem.position.column, problem.text)]
-    Document {
-        path: PathBuf,
-        /// Where and what.
-        problem: DocumentProblem,
-    },
+    Document { path: PathBuf, problem: DocumentProblem },
     /// An FMU of the system cannot be used.
     #[error("component `{component}`: {source}")]
     Fmu { component: String, source: Box<import::Error> },

@@ -16,14 +16,12 @@ pub enum End {
     Stop,
     /// A component asked to end the simulation.
     Terminated {
-        /// The component.
         component: String,
         /// When, s.
         time: f64,
     },
     /// A component could not complete a step; the recording ends where the step began.
     Discarded {
-        /// The component.
         component: String,
         /// Start of the step, s.
         time: f64,

@@ -10,7 +10,6 @@ use crate::vocabulary::go_together;
 
 /// A model description that the standard does not allow.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum DescriptionError {
     /// The identifier names a file and a C prefix.
     #[error("model identifier `{0}` is not a C identifier (letters, digits, `_`)")]
@@ -89,7 +88,6 @@ pub enum DescriptionError {
     /// A list of the model structure is not the set that the standard demands.
     #[error("model structure: {list} must be {expected:?} and is {found:?}")]
     Structure {
-        /// Which list.
         list: &'static str,
         /// Names that the standard demands.
         expected: Vec<String>,

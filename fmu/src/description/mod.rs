@@ -70,7 +70,6 @@ pub struct Structure {
     pub outputs: Vec<Unknown>,
     /// Derivatives of the continuous states.
     pub derivatives: Vec<Unknown>,
-    /// Event indicators.
     pub event_indicators: Vec<Unknown>,
     /// What initialization computes: outputs, states and derivatives whose initial is not exact,
     /// and calculated parameters.

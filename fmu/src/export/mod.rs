@@ -180,7 +180,7 @@ pub struct DiscreteUpdate {
 macro_rules! export_model {
     ($model:ty) => {
         // `no_mangle` is an unsafe attribute: nothing else may define these symbols.
-        #[allow(unsafe_code, missing_docs, non_snake_case, clippy::too_many_arguments)]
+        #[allow(unsafe_code, non_snake_case, clippy::too_many_arguments)]
         #[doc(hidden)]
         pub mod fmi_functions {
             use super::*;

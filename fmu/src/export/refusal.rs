@@ -22,7 +22,6 @@ pub enum Status {
 
 /// A call that is not answered with OK.
 #[derive(Debug, thiserror::Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Refusal {
     /// An argument that must not be NULL is.
     #[error("a pointer argument is NULL where {0} value(s) are expected")]

@@ -56,7 +56,7 @@ fn unpack_into(
     fmu: &str,
     limits: Limits,
 ) -> Result<(), Error> {
-    let mut left = limits.bytes;
+    let mut remaining = limits.bytes;
     let mut seen = HashSet::new();
     for index in 0..archive.len() {
         let damaged = |entry: String, source| Error::Entry { fmu: fmu.to_owned(), entry, source };
@@ -88,7 +88,7 @@ fn unpack_into(
         }
         let mut out = fs::File::create(&target).map_err(write)?;
         // The sizes in the archive's directory can lie: what is written is what counts.
-        left = copy_up_to(left, &mut entry, &mut out).map_err(|error| match error {
+        remaining = copy_up_to(remaining, &mut entry, &mut out).map_err(|error| match error {
             Copy::Full => too_large(limits.bytes, "bytes"),
             Copy::Read(source) => damaged(name.clone(), ZipError::Io(source)),
             Copy::Write(source) => write(source),
@@ -104,13 +104,17 @@ enum Copy {
 }
 
 /// Copies all of `from`, at most `left` bytes; how many bytes are left after it.
-fn copy_up_to(mut left: u64, from: &mut impl Read, to: &mut impl io::Write) -> Result<u64, Copy> {
+fn copy_up_to(
+    mut remaining: u64,
+    from: &mut impl Read,
+    to: &mut impl io::Write,
+) -> Result<u64, Copy> {
     let mut buffer = [0; 64 << 10];
     loop {
         match from.read(&mut buffer) {
-            Ok(0) => return Ok(left),
+            Ok(0) => return Ok(remaining),
             Ok(n) => {
-                left = left.checked_sub(n as u64).ok_or(Copy::Full)?;
+                remaining = remaining.checked_sub(n as u64).ok_or(Copy::Full)?;
                 to.write_all(&buffer[..n]).map_err(Copy::Write)?;
             }
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}

@@ -109,7 +109,6 @@ pub struct Unknown {
 /// Which variables are outputs, states and unknowns of the initialisation.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Structure {
-    /// Outputs.
     pub outputs: Vec<Unknown>,
     /// Derivatives of the continuous states, in the order of the state vector.
     pub derivatives: Vec<Unknown>,
@@ -126,7 +125,6 @@ pub struct Description {
     pub fmi: Version,
     /// The version as written (`2.0`, `3.0`).
     pub fmi_version: String,
-    /// Name of the model.
     pub model_name: String,
     /// The token that must match the binary (FMI 2.0: the GUID).
     pub token: String,
@@ -146,9 +144,7 @@ pub struct Description {
     pub co_simulation: Option<Capabilities>,
     /// Model Exchange, if offered.
     pub model_exchange: Option<Capabilities>,
-    /// Log categories.
     pub log_categories: Vec<String>,
-    /// Units.
     pub units: Vec<Unit>,
     /// Type definitions.
     pub types: Vec<TypeDefinition>,

@@ -15,7 +15,6 @@ use crate::position::DocumentProblem;
 /// An error while an FMU is opened, instantiated or run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Error {
     /// The file could not be opened.
     #[error("{fmu}: cannot open the file ({source}); check the path and its permissions")]
@@ -81,7 +80,6 @@ pub enum Error {
     Description {
         /// The FMU's file name.
         fmu: String,
-        /// Where and what.
         place: Box<DocumentProblem>,
     },
     /// An FMI version other than 2.0 and 3.x.

@@ -15,7 +15,6 @@ pub struct Message {
     pub status: Status,
     /// One of the FMU's log categories.
     pub category: String,
-    /// The text.
     pub text: String,
 }
 

@@ -25,7 +25,6 @@ pub enum UnsafeEntry {
 
 /// Why a variable cannot be used as asked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum VariableProblem {
     /// An array, where a scalar is needed.
     #[error("is an array of {0} elements; only scalars can be connected or stepped")]

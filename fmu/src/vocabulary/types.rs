@@ -4,7 +4,6 @@ use super::Version;
 
 /// The type of a variable's value. FMI 2.0's `Real` is `Float64` and its `Integer` is `Int32`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names are the standard's and say all.
 pub enum Type {
     Float64,
     Float32,

@@ -28,7 +28,6 @@ pub enum DesignError {
     /// There are no limits.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// Nothing drives.
     #[error("the healthy recordings show nothing that drives: record C_m or u")]
     NothingDrives,
 }

@@ -38,16 +38,11 @@ const AT_FIRST: f64 = 10.0;
 pub enum ProcessError {
     /// u is held back.
     #[error("the bank has no filter for a drive with a delay: take `delay` out of {drive}")]
-    Delay {
-        /// The drive.
-        drive: String,
-    },
+    Delay { drive: String },
     /// The process was made for another number of states or lanes.
     #[error("{drive} has {states} states and needs {lanes} lanes")]
     Size {
-        /// The drive.
         drive: String,
-        /// Its states.
         states: usize,
         /// Lanes that it needs.
         lanes: usize,

@@ -18,7 +18,6 @@ pub enum RowsError {
     Unit {
         /// The signal.
         name: String,
-        /// Its unit.
         unit: String,
         /// What it is taken in.
         takes: &'static str,

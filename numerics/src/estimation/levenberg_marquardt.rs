@@ -26,7 +26,7 @@ pub struct Linearisation {
     /// J^T r, one entry a parameter.
     pub gradient: DVector<f64>,
     /// J^T J.
-    pub hessian: DMatrix<f64>,
+    pub normal_matrix: DMatrix<f64>,
 }
 
 impl Linearisation {
@@ -35,7 +35,7 @@ impl Linearisation {
         Self {
             sse: 0.0,
             gradient: DVector::zeros(parameters),
-            hessian: DMatrix::zeros(parameters, parameters),
+            normal_matrix: DMatrix::zeros(parameters, parameters),
         }
     }
 
@@ -45,7 +45,7 @@ impl Linearisation {
         self.sse += r.norm_squared();
         self.gradient.gemv(1.0, sensitivities, &r, 1.0);
         // The product with the transpose made first: the fast path of the matrix product.
-        self.hessian.gemm(1.0, sensitivities, &sensitivities.transpose(), 1.0);
+        self.normal_matrix.gemm(1.0, sensitivities, &sensitivities.transpose(), 1.0);
     }
 }
 
@@ -101,7 +101,7 @@ pub struct Minimum {
 pub fn minimise(problem: &impl Residuals, start: &[f64], limits: Limits) -> Minimum {
     let mut p = DVector::from_column_slice(start);
     let mut at = problem.linearise(start);
-    let mut scale = at.hessian.diagonal();
+    let mut scale = at.normal_matrix.diagonal();
     let mut damping = FIRST_DAMPING;
     let mut growth = 2.0;
     let mut steps = 0;
@@ -112,13 +112,13 @@ pub fn minimise(problem: &impl Residuals, start: &[f64], limits: Limits) -> Mini
         if steps == limits.steps {
             break Stop::StepLimit;
         }
-        scale.zip_apply(&at.hessian.diagonal(), |s, h| *s = if h > *s { h } else { *s });
+        scale.zip_apply(&at.normal_matrix.diagonal(), |s, h| *s = if h > *s { h } else { *s });
         let smallest = SMALLEST_SCALE * scale.max();
         if smallest == 0.0 {
             break Stop::Converged;
         }
         steps += 1;
-        let mut damped = at.hessian.clone();
+        let mut damped = at.normal_matrix.clone();
         for k in 0..p.len() {
             damped[(k, k)] += damping * scale[k].max(smallest);
         }
@@ -129,7 +129,7 @@ pub fn minimise(problem: &impl Residuals, start: &[f64], limits: Limits) -> Mini
         };
         let step = -factor.solve(&at.gradient);
         // Decrease of the quadratic model: -2 g.dp - dp.H.dp, positive by construction.
-        let predicted = -2.0 * at.gradient.dot(&step) - step.dot(&(&at.hessian * &step));
+        let predicted = -2.0 * at.gradient.dot(&step) - step.dot(&(&at.normal_matrix * &step));
         if predicted <= limits.relative_decrease * at.sse {
             break Stop::Converged;
         }

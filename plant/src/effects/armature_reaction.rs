@@ -3,7 +3,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Flux 1 - c |i| of the nominal flux, in both balances.
 pub struct ArmatureReaction;
@@ -12,7 +12,7 @@ impl Effect<1, 0> for ArmatureReaction {
     const INFO: Info = Info {
         kinked: true,
         fails_over: &[Variable::Current],
-        acts_on: &[Place::Torque, Place::Voltage],
+        acts_on: &[ActsOn::Torque, ActsOn::Voltage],
         aliases: &["saturation"],
         excludes: &["armature_reaction"],
         nulls: &[("c", 0.0)],

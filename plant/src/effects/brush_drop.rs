@@ -4,7 +4,7 @@
 use drivescope_numerics::Real;
 
 use super::grid::rounded;
-use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Voltage V_b tanh(i / i_b) lost at the brushes.
 pub struct BrushDrop;
@@ -13,7 +13,7 @@ impl Effect<2, 0> for BrushDrop {
     const INFO: Info = Info {
         electrical: true,
         fails_over: &[Variable::Current],
-        acts_on: &[Place::Voltage],
+        acts_on: &[ActsOn::Voltage],
         aliases: &["dead_time"],
         nulls: &[("V_b", 0.0)],
         grid: |spans| rounded("i_b", spans),

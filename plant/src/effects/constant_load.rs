@@ -6,6 +6,9 @@ use drivescope_numerics::Real;
 
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
+/// T_0 as a parameter of a drive, for those who ask for an offset in particular.
+pub const OFFSET: &str = "constant_load.T_0";
+
 /// Torque T_0 against positive motion, whatever the drive does.
 pub struct ConstantLoad;
 

@@ -4,6 +4,9 @@ use drivescope_numerics::Real;
 
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
+/// The level as a parameter of a drive, for those who ask for dry friction in particular.
+pub const LEVEL: &str = "coulomb.T_c";
+
 /// Dry friction of a constant level.
 pub struct Coulomb;
 

@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, Outputs, OwnState, Parameter, Place, Variable, View};
+use super::law::{ActsOn, Effect, Info, Outputs, OwnState, Parameter, Variable, View};
 
 /// Shown current i + i_0; the armature itself is untouched.
 pub struct CurrentOffset;
@@ -11,7 +11,7 @@ impl Effect<1, 0> for CurrentOffset {
     const INFO: Info = Info {
         electrical: true,
         fails_over: &[Variable::Current, Variable::OmegaSign],
-        acts_on: &[Place::Sensor],
+        acts_on: &[ActsOn::Sensor],
         distorts: Some(Variable::Current),
         aliases: &["constant_load"],
         nulls: &[("i_0", 0.0)],

@@ -8,7 +8,7 @@
 use drivescope_numerics::Real;
 
 use super::grid::rounded;
-use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Voltage V_d sgn(i), rounded over i_d, that the bridge keeps back.
 pub struct DeadTime;
@@ -17,7 +17,7 @@ impl Effect<2, 0> for DeadTime {
     const INFO: Info = Info {
         electrical: true,
         fails_over: &[Variable::Current],
-        acts_on: &[Place::Voltage],
+        acts_on: &[ActsOn::Voltage],
         aliases: &["brush_drop"],
         nulls: &[("V_d", 0.0)],
         grid: |spans| rounded("i_d", spans),

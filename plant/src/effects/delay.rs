@@ -5,7 +5,7 @@
 //! over which it is held, so that a fraction of a sample is exact. Outputs that lag by tau all
 //! together are the same thing, but for the time axis.
 
-use super::law::{Effect, Info, OwnState, Parameter, Place, Variable};
+use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Variable};
 
 /// The delay of u.
 pub struct Delay;
@@ -13,7 +13,7 @@ pub struct Delay;
 impl Effect<1, 0> for Delay {
     const INFO: Info = Info {
         fails_over: &[Variable::Acceleration],
-        acts_on: &[Place::Torque, Place::Voltage],
+        acts_on: &[ActsOn::Torque, ActsOn::Voltage],
         aliases: &["speed_sensor_lag"],
         excludes: &["delay"],
         nulls: &[("tau", 0.0)],

@@ -100,7 +100,7 @@ impl Variable {
 
 /// Where a law stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum ActsOn {
     /// In the balance of torques (forces) on the shaft.
     Torque,
     /// In the balance of voltages of the armature circuit.
@@ -109,7 +109,7 @@ pub enum Place {
     Sensor,
 }
 
-impl Place {
+impl ActsOn {
     /// Its name in results.
     pub const fn name(self) -> &'static str {
         match self {
@@ -133,7 +133,7 @@ pub struct Info {
     /// The variables over which a model without the effect fails, most telling first.
     pub fails_over: &'static [Variable],
     /// Where the law stands.
-    pub acts_on: &'static [Place],
+    pub acts_on: &'static [ActsOn],
     /// What is equal to it by algebra, at least on some recordings: effects of the library and
     /// parameters of the motor.
     pub aliases: &'static [&'static str],
@@ -186,7 +186,7 @@ impl Info {
             law,
             fingerprint,
             fails_over: &[],
-            acts_on: &[Place::Torque],
+            acts_on: &[ActsOn::Torque],
             aliases: &[],
             excludes: &[],
             nulls: &[],
@@ -211,7 +211,7 @@ impl Info {
     pub const fn senses(&self) -> bool {
         let mut k = 0;
         while k < self.acts_on.len() {
-            if matches!(self.acts_on[k], Place::Sensor) {
+            if matches!(self.acts_on[k], ActsOn::Sensor) {
                 return true;
             }
             k += 1;

@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-pub use super::info::{Beside, Info, OwnState, Parameter, Place, Variable};
+pub use super::info::{ActsOn, Beside, Info, OwnState, Parameter, Variable};
 use crate::lanes::lanes;
 use crate::model::Motors;
 
@@ -47,9 +47,7 @@ pub struct Views<'a, R, const N: usize> {
     pub direction: &'a [f64; N],
     /// Voltages (commanded signals).
     pub u: &'a [R; N],
-    /// Loads.
     pub load: &'a [R; N],
-    /// Time.
     pub time: f64,
 }
 

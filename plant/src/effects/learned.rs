@@ -84,7 +84,6 @@ pub enum KnotError {
         number: usize,
         /// The knot.
         value: f64,
-        /// The one before it.
         before: f64,
     },
     /// Knots over more than the revolution after which the curve repeats.

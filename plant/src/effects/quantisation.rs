@@ -6,7 +6,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, Outputs, OwnState, Parameter, Place, Variable, View};
+use super::law::{ActsOn, Effect, Info, Outputs, OwnState, Parameter, Variable, View};
 
 /// Adding and taking away 1.5 x 2^52 rounds to a whole number, in any instruction set.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
@@ -28,7 +28,7 @@ fn quantised<R: Real>(y: R, step: R) -> R {
 impl Effect<3, 0> for Quantisation {
     const INFO: Info = Info {
         fails_over: &[Variable::Omega],
-        acts_on: &[Place::Sensor],
+        acts_on: &[ActsOn::Sensor],
         excludes: &["quantisation"],
         nulls: &[("q_omega", 0.0), ("q_i", 0.0), ("q_theta", 0.0)],
         unweighed: Some(

@@ -29,7 +29,6 @@ pub struct Entry {
     pub kind: Kind,
     /// What a person and the discovery need to know.
     pub info: &'static Info,
-    /// Its parameters.
     pub parameters: &'static [Parameter],
     /// Its own states.
     pub states: &'static [OwnState],
@@ -40,7 +39,7 @@ macro_rules! registry {
         /// Which law; `Custom` is one of the drive file, by its number in the drive.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Kind {
-            $(#[allow(missing_docs)] $effect,)+
+            $($effect,)+
             /// A typed law or a learned curve: its number among the laws of the drive file.
             Custom(usize),
         }

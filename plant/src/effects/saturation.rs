@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Flux 1 / (1 + c i^2) of the nominal flux, in both balances.
 pub struct Saturation;
@@ -10,7 +10,7 @@ pub struct Saturation;
 impl Effect<1, 0> for Saturation {
     const INFO: Info = Info {
         fails_over: &[Variable::Current],
-        acts_on: &[Place::Torque, Place::Voltage],
+        acts_on: &[ActsOn::Torque, ActsOn::Voltage],
         aliases: &["armature_reaction"],
         excludes: &["saturation"],
         nulls: &[("c", 0.0)],

@@ -6,7 +6,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, Outputs, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{ActsOn, Effect, Info, Outputs, OwnState, Parameter, Sum, Variable, View};
 
 /// The filter is never faster than this, s: a thousandth of a usual sample; it keeps the
 /// quotient finite where tau vanishes, whose derivative is that of a lag all the same.
@@ -27,7 +27,7 @@ impl Effect<1, 1> for SpeedSensorLag {
     const INFO: Info = Info {
         stiff: true,
         fails_over: &[Variable::Acceleration],
-        acts_on: &[Place::Sensor],
+        acts_on: &[ActsOn::Sensor],
         distorts: Some(Variable::Omega),
         aliases: &["delay"],
         excludes: &["speed_sensor_lag"],

@@ -6,7 +6,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Voltage s u^2 i that the supply does not give.
 pub struct SupplySag;
@@ -15,7 +15,7 @@ impl Effect<1, 0> for SupplySag {
     const INFO: Info = Info {
         electrical: true,
         fails_over: &[Variable::Limits, Variable::Current, Variable::Acceleration],
-        acts_on: &[Place::Voltage],
+        acts_on: &[ActsOn::Voltage],
         aliases: &["R"],
         nulls: &[("s", 0.0)],
         ..Info::new(

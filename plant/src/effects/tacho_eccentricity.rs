@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, Outputs, OwnState, Parameter, Place, Variable, View};
+use super::law::{ActsOn, Effect, Info, Outputs, OwnState, Parameter, Variable, View};
 
 /// Shown speed omega (1 + a cos theta + b sin theta); the shaft itself is untouched.
 pub struct TachoEccentricity;
@@ -11,7 +11,7 @@ impl Effect<2, 0> for TachoEccentricity {
     const INFO: Info = Info {
         rotary: true,
         fails_over: &[Variable::Theta, Variable::Omega],
-        acts_on: &[Place::Sensor],
+        acts_on: &[ActsOn::Sensor],
         distorts: Some(Variable::Omega),
         nulls: &[("a", 0.0), ("b", 0.0)],
         ..Info::new(

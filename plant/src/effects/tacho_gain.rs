@@ -5,7 +5,7 @@
 
 use drivescope_numerics::Real;
 
-use super::law::{Effect, Info, Outputs, OwnState, Parameter, Place, Variable, View};
+use super::law::{ActsOn, Effect, Info, Outputs, OwnState, Parameter, Variable, View};
 
 /// Shown speed omega (1 + g); the shaft itself is untouched.
 pub struct TachoGain;
@@ -13,7 +13,7 @@ pub struct TachoGain;
 impl Effect<1, 0> for TachoGain {
     const INFO: Info = Info {
         fails_over: &[Variable::Omega],
-        acts_on: &[Place::Sensor],
+        acts_on: &[ActsOn::Sensor],
         distorts: Some(Variable::Omega),
         aliases: &["K_e", "K_m", "J", "B_m"],
         nulls: &[("g", 0.0)],

@@ -6,7 +6,7 @@
 use drivescope_numerics::Real;
 
 use super::grid::periods;
-use super::law::{Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Flux 1 + a cos(N theta) + b sin(N theta) of the nominal flux.
 pub struct TorqueRipple;
@@ -14,7 +14,7 @@ pub struct TorqueRipple;
 impl Effect<3, 0> for TorqueRipple {
     const INFO: Info = Info {
         fails_over: &[Variable::Theta, Variable::Current],
-        acts_on: &[Place::Torque, Place::Voltage],
+        acts_on: &[ActsOn::Torque, ActsOn::Voltage],
         aliases: &["cogging"],
         nulls: &[("a", 0.0), ("b", 0.0)],
         counts: &["N"],

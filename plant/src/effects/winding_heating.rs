@@ -6,7 +6,7 @@
 use drivescope_numerics::Real;
 
 use super::grid::{Shape, Spans, slow_times};
-use super::law::{Beside, Effect, Info, OwnState, Parameter, Place, Sum, Variable, View};
+use super::law::{ActsOn, Beside, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Temperature of a winding that keeps all heat of a recording, K: it only scales alpha, which is
 /// then near that of copper where the resistance rises by a third.
@@ -26,7 +26,7 @@ impl Effect<3, 1> for WindingHeating {
     const INFO: Info = Info {
         electrical: true,
         fails_over: &[Variable::Temperature, Variable::Time, Variable::Current],
-        acts_on: &[Place::Voltage],
+        acts_on: &[ActsOn::Voltage],
         excludes: &["winding_heating"],
         nulls: &[("alpha", 0.0)],
         grid,

@@ -133,7 +133,7 @@ impl<'de> Deserializer<'de> for Table<'_, '_> {
     type Error = Trouble;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Trouble> {
-        visitor.visit_map(Entries { left: self.entries, value: None, context: self.context })
+        visitor.visit_map(Entries { remaining: self.entries, value: None, context: self.context })
     }
 
     forward_to_deserialize_any! {
@@ -142,7 +142,7 @@ impl<'de> Deserializer<'de> for Table<'_, '_> {
     }
 }
 struct Entries<'d, 'c> {
-    left: std::vec::IntoIter<Entry<'d>>,
+    remaining: std::vec::IntoIter<Entry<'d>>,
     value: Option<(&'d str, &'d Spanned<DeValue<'d>>)>,
     context: &'c Context<'c>,
 }
@@ -154,7 +154,7 @@ impl<'de> de::MapAccess<'de> for Entries<'_, '_> {
         &mut self,
         seed: K,
     ) -> Result<Option<K::Value>, Trouble> {
-        let Some((key, span, value)) = self.left.next() else { return Ok(None) };
+        let Some((key, span, value)) = self.remaining.next() else { return Ok(None) };
         self.value = Some((key, value));
         let read = seed.deserialize(IntoDeserializer::<Trouble>::into_deserializer(key));
         read.map(Some)

@@ -13,7 +13,6 @@ use crate::parameters::meant;
 
 /// Why a drive file was not read or written.
 #[derive(Debug, Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum DriveFileError {
     /// The file cannot be read.
     #[error("{file}: cannot be read ({source}): give the path of a drive file in UTF-8")]
@@ -62,7 +61,6 @@ impl fmt::Display for Location {
 
 /// What is wrong with the content of a drive file. Keys are given with their table.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum Problem {
     /// The text is not TOML.
     #[error("not TOML: {reason}")]
@@ -195,7 +193,6 @@ pub enum Problem {
     #[error("`{key}`: the drive has no parameter `{name}`{}; it has {known}", meant(.nearest))]
     UnknownParameter {
         key: String,
-        /// The name in it.
         name: String,
         /// A parameter that is spelt alike.
         nearest: Option<String>,

@@ -8,7 +8,6 @@ use crate::drive::{Drive, fields};
 
 /// Why a value cannot be set.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum SetError {
     /// The drive has no parameter of that name.
     #[error("the drive has no parameter `{name}`{}; it has {known}", meant(.nearest))]

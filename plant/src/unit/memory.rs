@@ -22,7 +22,6 @@ pub enum MemoryError {
     Value {
         /// Which number.
         place: usize,
-        /// Its value.
         value: f64,
     },
 }

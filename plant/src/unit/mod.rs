@@ -27,7 +27,6 @@ pub use variables::{Role, Variable};
 
 /// What cannot be done with a unit.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[allow(missing_docs)] // A field is named for what its message says of it.
 pub enum UnitError {
     /// No variable has that reference.
     #[error("the drive has no variable number {reference}")]

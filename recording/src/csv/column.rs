@@ -89,7 +89,7 @@ impl Column {
         self.values.reserve_exact(more);
     }
 
-    /// The number in a cell as far as it is one at first sight.
+    /// The number in a cell as far as it is one before more is known of it.
     pub(super) fn quick(&self, cell: &[u8]) -> Option<f64> {
         let cell = self.bare(cell);
         match self.kind {

@@ -35,10 +35,10 @@ pub(super) fn kinds(
         Kind::Number(mark) if *mark != Mark::Unknown => Some(*mark),
         _ => None,
     };
-    let told = kinds.iter().find_map(mark);
-    let agree = kinds.iter().filter_map(mark).all(|other| Some(other) == told);
+    let stated = kinds.iter().find_map(mark);
+    let agree = kinds.iter().filter_map(mark).all(|other| Some(other) == stated);
     for kind in &mut kinds {
-        if let (Kind::Number(Mark::Unknown), Some(mark), true) = (*kind, told, agree) {
+        if let (Kind::Number(Mark::Unknown), Some(mark), true) = (*kind, stated, agree) {
             *kind = Kind::Number(mark);
         }
     }
@@ -78,8 +78,8 @@ fn kind(header: &str, cells: &[Vec<u8>], maps: &[Mapping]) -> Kind {
 
 /// What the rows that were looked at say of the decimals of column `k`.
 fn mark_of<'a>(cells: impl Iterator<Item = &'a [u8]>) -> Mark {
-    let told = cells.map(Mark::told_by).find(|mark| *mark != Mark::Unknown);
-    told.unwrap_or_default()
+    let stated = cells.map(Mark::told_by).find(|mark| *mark != Mark::Unknown);
+    stated.unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_line_is_a_row_or_names_or_units_or_none_of_them() {
-        let told = |text: &str, delimiter: u8| {
+        let stated = |text: &str, delimiter: u8| {
             let line = Line::of(text.as_bytes(), delimiter);
             (line.row, line.names(), line.units())
         };
@@ -119,7 +119,7 @@ mod tests {
             ("----;----", false, false, false),
             ("Title", false, true, false),
         ] {
-            assert_eq!(told(text, b';'), (row, names, units), "{text}");
+            assert_eq!(stated(text, b';'), (row, names, units), "{text}");
         }
         assert!(uncommented(b"; note", b',').is_some() && uncommented(b";1", b';').is_none());
     }

@@ -26,16 +26,16 @@ impl Mark {
         if !grouped && let Some(value) = plain(field) {
             return Some(value);
         }
-        let (value, told) = written(field, *self)?;
+        let (value, stated) = written(field, *self)?;
         if *self == Mark::Unknown {
-            *self = told;
+            *self = stated;
         }
         Some(value)
     }
 
     /// What one field tells of the mark.
     pub(super) fn told_by(field: &[u8]) -> Mark {
-        written(field, Mark::Unknown).map_or(Mark::Unknown, |(_, told)| told)
+        written(field, Mark::Unknown).map_or(Mark::Unknown, |(_, stated)| stated)
     }
 }
 
@@ -93,17 +93,17 @@ fn written(field: &[u8], mark: Mark) -> Option<(f64, Mark)> {
     };
     let (points, commas) = (mantissa.matches('.').count(), mantissa.matches(',').count());
     let one = |mark: char| grouped(&mantissa, mark).is_some();
-    let (digits, told) = match (points, commas) {
+    let (digits, stated) = match (points, commas) {
         (0, 0) => (mantissa, Mark::Unknown),
         (0, 1) if mark == Mark::Point && one(',') => (ungrouped(&mantissa, ',')?, Mark::Point),
         (1, 0) if mark == Mark::Comma && one('.') => (ungrouped(&mantissa, '.')?, Mark::Comma),
         (0, 1) => {
-            let told = if one(',') { Mark::Unknown } else { Mark::Comma };
-            (mantissa.replace(',', "."), told)
+            let stated = if one(',') { Mark::Unknown } else { Mark::Comma };
+            (mantissa.replace(',', "."), stated)
         }
         (1, 0) => {
-            let told = if one('.') { Mark::Unknown } else { Mark::Point };
-            (mantissa, told)
+            let stated = if one('.') { Mark::Unknown } else { Mark::Point };
+            (mantissa, stated)
         }
         (0, _) => (ungrouped(&mantissa, ',')?, Mark::Point),
         (_, 0) => (ungrouped(&mantissa, '.')?, Mark::Comma),
@@ -121,7 +121,7 @@ fn written(field: &[u8], mark: Mark) -> Option<(f64, Mark)> {
     if !digits.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
         return None;
     }
-    Some((format!("{sign}{digits}{exponent}").parse().ok()?, told))
+    Some((format!("{sign}{digits}{exponent}").parse().ok()?, stated))
 }
 
 /// Whether `mark` parts an integer (perhaps with decimals of another mark) into thousands.

@@ -84,7 +84,7 @@ pub(super) fn counts_a_revolution(settings: &[Setting]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn told(text: &str) -> Vec<Setting> {
+    fn stated(text: &str) -> Vec<Setting> {
         settings(&[(1, text.as_bytes().to_vec())])
     }
 
@@ -99,18 +99,18 @@ mod tests {
             "dt = 1ms",
             "sampling time,0.001,s",
         ] {
-            assert_eq!(period_s(&told(text)), Some(0.001), "{text}");
+            assert_eq!(period_s(&stated(text)), Some(0.001), "{text}");
         }
         for text in ["Samples: 1000", "Title; of 3", "Date: 2024-05-03", "rate: 3", "Ts = 0"] {
-            assert_eq!(period_s(&told(text)), None, "{text}");
+            assert_eq!(period_s(&stated(text)), None, "{text}");
         }
     }
 
     #[test]
     fn an_encoder_is_told_too() {
         for text in ["counts per revolution: 4096", "CPR=4096", "Inkremente/Umdrehung;4096"] {
-            assert_eq!(counts_a_revolution(&told(text)), Some(4096.0), "{text}");
+            assert_eq!(counts_a_revolution(&stated(text)), Some(4096.0), "{text}");
         }
-        assert_eq!(counts_a_revolution(&told("revolutions: 7")), None);
+        assert_eq!(counts_a_revolution(&stated("revolutions: 7")), None);
     }
 }

@@ -54,7 +54,7 @@ pub(super) fn read(
             let total = (bytes as f64 / lines.bytes() as f64 * body.count as f64) as usize;
             // One in a hundred more than expected: later numbers may be written shorter.
             let more = (total + total / 100).saturating_sub(body.count);
-            body.reserve(more.min(budget.left() / body.columns.len().max(1)));
+            body.reserve(more.min(budget.remaining() / body.columns.len().max(1)));
         }
     }
     let mut notes = Vec::new();
@@ -121,8 +121,8 @@ fn table_of(
             }
             Kind::Stamp => {
                 let unit = Given::of(text).unit.is_some();
-                let (unit, told) = time_unit::stamps(&name, unit, first, &values);
-                notes.push(told);
+                let (unit, stated) = time_unit::stamps(&name, unit, first, &values);
+                notes.push(stated);
                 header.push(unit.map_or(text.clone(), |unit| format!("{name} [{unit}]")));
             }
             Kind::Number(_) if !units[k].is_empty() && Given::of(text).unit.is_none() => {

@@ -39,7 +39,6 @@ pub enum DatasetError {
 /// A column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Its name.
     pub name: String,
     /// Unit of its values; empty for words, counts and flags, `1` for fractions.
     pub unit: String,

@@ -84,23 +84,23 @@ pub(crate) fn unit_in_name(name: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    fn told(name: &str, unit: Option<&str>) -> Option<&'static str> {
+    fn stated(name: &str, unit: Option<&str>) -> Option<&'static str> {
         guess(name, unit, None).map(|guess| guess.canonical.name)
     }
 
     #[test]
     fn the_unit_tells_what_a_word_means() {
-        assert_eq!(told("Speed", None), Some("omega"));
-        assert_eq!(told("Speed", Some("mm/s")), Some("v"));
-        assert_eq!(told("position", Some("deg")), Some("theta"));
-        assert_eq!(told("Position", None), Some("x"));
-        assert_eq!(told("V", None), Some("u"));
-        assert_eq!(told("T", Some("degC")), Some("temperature"));
-        assert_eq!(told("T", Some("Nm")), Some("torque"));
-        assert_eq!(told("T", None), None);
-        assert_eq!(told("t", None), Some("time"));
-        assert_eq!(told("Speed", Some("V")), None);
-        assert_eq!(told("vibration", None), None);
+        assert_eq!(stated("Speed", None), Some("omega"));
+        assert_eq!(stated("Speed", Some("mm/s")), Some("v"));
+        assert_eq!(stated("position", Some("deg")), Some("theta"));
+        assert_eq!(stated("Position", None), Some("x"));
+        assert_eq!(stated("V", None), Some("u"));
+        assert_eq!(stated("T", Some("degC")), Some("temperature"));
+        assert_eq!(stated("T", Some("Nm")), Some("torque"));
+        assert_eq!(stated("T", None), None);
+        assert_eq!(stated("t", None), Some("time"));
+        assert_eq!(stated("Speed", Some("V")), None);
+        assert_eq!(stated("vibration", None), None);
         let rotary = guess("velocity", None, Some(true)).unwrap();
         assert_eq!(rotary.canonical.name, "omega");
     }
@@ -150,7 +150,7 @@ mod tests {
             ),
         ] {
             for name in names.split(' ').filter(|name| *name != "winding_temp_x") {
-                assert_eq!(told(name, None), Some(signal), "{name}");
+                assert_eq!(stated(name, None), Some(signal), "{name}");
             }
         }
         for name in [
@@ -169,7 +169,7 @@ mod tests {
             "deflection",
             "attribute",
         ] {
-            assert_eq!(told(name, None), None, "{name}");
+            assert_eq!(stated(name, None), None, "{name}");
         }
     }
 

@@ -49,18 +49,18 @@ mod tests {
 
     #[test]
     fn a_capital_t_alone_is_what_its_values_and_neighbours_say() {
-        let told = |texts: &[&str], looks: &[Look]| {
+        let stated = |texts: &[&str], looks: &[Look]| {
             let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
             let header = resolve("a.csv", &texts, &[], looks).unwrap();
             let column = header.columns.last().unwrap().note.clone();
             (format!("{} [{}]", column.signal, column.unit), header.notes.concat())
         };
         let warm = [Look { like_degrees: true, ..Look::default() }; 2];
-        assert_eq!(told(&["time", "T"], &warm).0, "temperature [K]");
-        let (kept, note) = told(&["time", "T"], &[]);
+        assert_eq!(stated(&["time", "T"], &warm).0, "temperature [K]");
+        let (kept, note) = stated(&["time", "T"], &[]);
         assert!(kept == "T [1]" && note.contains("--columns T=T:rpm"), "{kept}: {note}");
         // Beside a speed it is no tachometer, not even on a bench.
-        assert_eq!(told(&["time", "omega", "C_m", "T"], &[]).0, "T [1]");
+        assert_eq!(stated(&["time", "omega", "C_m", "T"], &[]).0, "T [1]");
         for (text, signal) in [
             ("T [Nm]", "torque [N m]"),
             ("T_Nm", "torque [N m]"),
@@ -68,12 +68,12 @@ mod tests {
             ("T [V]", "T [V]"),
             ("T [K]", "temperature [K]"),
         ] {
-            assert_eq!(told(&["time", text], &[]).0, signal, "{text}");
+            assert_eq!(stated(&["time", text], &[]).0, signal, "{text}");
         }
         for (text, signal) in
             [("C_m [1]", "C_m [1]"), ("C_m [%]", "C_m [%]"), ("C_m [mV]", "C_m [V]")]
         {
-            assert_eq!(told(&["time", text], &[]).0, signal, "{text}");
+            assert_eq!(stated(&["time", text], &[]).0, signal, "{text}");
         }
     }
 }

@@ -66,16 +66,16 @@ mod tests {
     }
 
     /// `column -> signal [unit]` of every column.
-    fn told(texts: &[&str], maps: &str) -> Vec<String> {
-        let told = |it: &Column| format!("{} [{}]", it.note.signal, it.note.unit);
-        header(texts, maps).unwrap().columns.iter().map(told).collect()
+    fn stated(texts: &[&str], maps: &str) -> Vec<String> {
+        let stated = |it: &Column| format!("{} [{}]", it.note.signal, it.note.unit);
+        header(texts, maps).unwrap().columns.iter().map(stated).collect()
     }
 
     #[test]
     fn four_header_forms_and_the_bare_name() {
         let texts = ["time [ms]", "u (mV)", "omega/rpm", "pos_mm", "i"];
         let read = header(&texts, "").unwrap();
-        assert_eq!(told(&texts, ""), ["time [s]", "u [V]", "omega [rad/s]", "x [m]", "i [A]"]);
+        assert_eq!(stated(&texts, ""), ["time [s]", "u [V]", "omega [rad/s]", "x [m]", "i [A]"]);
         assert_eq!(read.time, Some(0));
         assert_eq!(read.columns[0].convert(1.0), 0.001);
         assert_eq!(read.columns[3].note.taken, Taken::Guessed);
@@ -84,18 +84,18 @@ mod tests {
 
     #[test]
     fn sensors_and_inputs_keep_what_they_are_in() {
-        assert_eq!(told(&["time", "T [rpm]"], "")[1], "T [rpm]");
-        assert_eq!(told(&["time", "C_m", "T", "I_m"], "")[2], "T [rpm]");
-        assert_eq!(told(&["time", "T [degC]"], "")[1], "temperature [K]");
+        assert_eq!(stated(&["time", "T [rpm]"], "")[1], "T [rpm]");
+        assert_eq!(stated(&["time", "C_m", "T", "I_m"], "")[2], "T [rpm]");
+        assert_eq!(stated(&["time", "T [degC]"], "")[1], "temperature [K]");
         for (unit, si) in [("mA", "A"), ("kN", "N"), ("mN m", "N m"), ("V", "V")] {
-            assert_eq!(told(&["time", &format!("u [{unit}]")], "")[1], format!("u [{si}]"));
+            assert_eq!(stated(&["time", &format!("u [{unit}]")], "")[1], format!("u [{si}]"));
         }
-        assert_eq!(told(&["time", "I_m", "C_m"], "")[1..], ["I_m [A]", "C_m [V]"]);
+        assert_eq!(stated(&["time", "I_m", "C_m"], "")[1..], ["I_m [A]", "C_m [V]"]);
     }
 
     #[test]
     fn of_several_columns_for_a_signal_the_measured_one_that_moves_is_taken() {
-        let taken = |texts: &[&str]| told(texts, "");
+        let taken = |texts: &[&str]| stated(texts, "");
         let both = taken(&["t", "speed_filt [rpm]", "speed_meas [rpm]"]);
         assert_eq!(both[1..], ["speed_filt [rpm]", "omega [rad/s]"]);
         let exact = taken(&["t", "speed_meas [rpm]", "omega"]);
@@ -119,9 +119,9 @@ mod tests {
         assert_eq!(kept.columns[1].note.signal, "theta_counts");
         assert_eq!(kept.columns[2].note.unit, "cnt");
         assert!(kept.notes[0].contains("--columns theta=theta:counts/4096"), "{:?}", kept.notes);
-        let told = header(&["time", "enc"], "theta=enc:counts/4096");
-        assert_eq!(told.columns[1].note.unit, "rad");
-        assert_eq!(told.columns[1].convert(4096.0), std::f64::consts::TAU);
+        let stated = header(&["time", "enc"], "theta=enc:counts/4096");
+        assert_eq!(stated.columns[1].note.unit, "rad");
+        assert_eq!(stated.columns[1].convert(4096.0), std::f64::consts::TAU);
         let share = header(&["time", "torque [%]"], "");
         assert_eq!(share.columns[1].note.signal, "torque_share");
         assert!(share.notes[0].contains("--columns torque=torque:UNIT"), "{:?}", share.notes);
@@ -131,12 +131,15 @@ mod tests {
 
     #[test]
     fn foreign_names_give_way_to_exact_ones_and_to_mappings() {
-        assert_eq!(told(&["t", "Speed [rpm]", "omega"], "")[1..], ["Speed [rpm]", "omega [rad/s]"]);
-        let mapped = told(&["t", "Speed", "omega"], "omega=Speed:rpm,omega_2=omega");
+        assert_eq!(
+            stated(&["t", "Speed [rpm]", "omega"], "")[1..],
+            ["Speed [rpm]", "omega [rad/s]"]
+        );
+        let mapped = stated(&["t", "Speed", "omega"], "omega=Speed:rpm,omega_2=omega");
         assert_eq!(mapped[1..], ["omega [rad/s]", "omega_2 [1]"]);
-        assert_eq!(told(&["t", "vibration (g)"], "")[1], "vibration [g]");
-        assert_eq!(told(&["Timestamp", "V [m/s]", "V_ref"], "")[1..], ["v [m/s]", "V_ref [1]"]);
-        assert_eq!(told(&["t", "n"], "")[1], "omega [rad/s]");
+        assert_eq!(stated(&["t", "vibration (g)"], "")[1], "vibration [g]");
+        assert_eq!(stated(&["Timestamp", "V [m/s]", "V_ref"], "")[1..], ["v [m/s]", "V_ref [1]"]);
+        assert_eq!(stated(&["t", "n"], "")[1], "omega [rad/s]");
         assert!(header(&["t", "n"], "").unwrap().columns[1].note.converted);
     }
 
@@ -148,7 +151,7 @@ mod tests {
         assert!(error(&["time", "theta [V]"], "").contains("no unit of theta"));
         assert!(error(&["time", "u", "u"], "").contains("columns 2 and 3"));
         // One of them said to be something else, the other is no duplicate.
-        assert_eq!(told(&["time", "u", "u"], "u_unused=u#2")[1..], ["u [V]", "u_unused [1]"]);
+        assert_eq!(stated(&["time", "u", "u"], "u_unused=u#2")[1..], ["u [V]", "u_unused [1]"]);
         assert!(error(&["time", "u [V]", "u [mV]"], "").contains("columns 2 and 3"));
         assert!(error(&["time", "a", "u"], "u=a").contains("both column `a` and column `u`"));
         assert!(error(&["time", "a"], "u=b").contains("it has `time`, `a`"));

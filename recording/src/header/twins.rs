@@ -64,7 +64,7 @@ mod tests {
     use crate::mapping::Mapping;
 
     /// Names of the signals and what is said, of columns that move or not.
-    fn told(texts: &[(&str, bool)], maps: &str) -> (Vec<String>, Vec<String>) {
+    fn stated(texts: &[(&str, bool)], maps: &str) -> (Vec<String>, Vec<String>) {
         let names: Vec<String> = texts.iter().map(|it| it.0.to_owned()).collect();
         let look = |moves: &bool| Look { constant: !moves, ..Look::default() };
         let looks: Vec<Look> = texts.iter().map(|it| look(&it.1)).collect();
@@ -84,21 +84,21 @@ mod tests {
             ("i", true),
             ("Not used", false),
         ];
-        let (signals, said) = told(&export, "");
+        let (signals, said) = stated(&export, "");
         assert_eq!(signals, ["time", "u", "i"]);
         assert_eq!(said.len(), 1);
         assert!(said[0].starts_with("columns 3 to 4, column 6, called `Not used`"), "{said:?}");
         // What the user names is there.
-        let (signals, _) = told(&export, "mode=Not used#2");
+        let (signals, _) = stated(&export, "mode=Not used#2");
         assert_eq!(signals, ["time", "u", "mode", "i"]);
     }
 
     #[test]
     fn of_two_that_nobody_reads_the_first_that_moves_stays() {
-        let (signals, said) = told(&[("t", true), ("a", false), ("a", true), ("a", true)], "");
+        let (signals, said) = stated(&[("t", true), ("a", false), ("a", true), ("a", true)], "");
         assert_eq!(signals, ["time", "a"]);
         assert!(said[0].contains("--columns SIGNAL=a#1:UNIT"), "{said:?}");
-        let still = told(&[("t", true), ("u", false), ("u", true)], "").0;
+        let still = stated(&[("t", true), ("u", false), ("u", true)], "").0;
         assert_eq!(still, ["time", "u"]);
     }
 

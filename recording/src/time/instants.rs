@@ -73,7 +73,6 @@ struct Row {
     x: f64,
     /// Of the instrument.
     z: f64,
-    /// Of y.
     y: f64,
 }
 
@@ -129,11 +128,11 @@ fn slope(rows: &[Row]) -> Option<(f64, f64)> {
         return None;
     }
     let c = zy / zx;
-    let left: f64 = kept().map(|row| (row.y - c * row.x).powi(2)).sum();
+    let remainder: f64 = kept().map(|row| (row.y - c * row.x).powi(2)).sum();
     // Neighbouring second differences are correlated: 1, -2/3, 1/6 a sample apart. The sum of the
     // squares' correlations, 1 + 2 (4/9 + 1/36), bounds what that adds to the variance.
     const CORRELATED: f64 = 1.94;
-    let variance = CORRELATED * left / (kept().count().max(2) - 1) as f64 * zz / (zx * zx);
+    let variance = CORRELATED * remainder / (kept().count().max(2) - 1) as f64 * zz / (zx * zx);
     (zz > 0.0 && variance.is_finite()).then_some((c, variance + CURVED * CURVED))
 }
 
@@ -146,7 +145,7 @@ mod tests {
         ((k as f64 + 1.0) * seed).sin().fract() * 0.5
     }
 
-    fn told(stamped: bool, noisy: f64) -> Instants {
+    fn stated(stamped: bool, noisy: f64) -> Instants {
         let jitter = |k: usize| 0.3e-3 * noise(k, 12.9898);
         let time: Vec<f64> = (0..4000).map(|k| 1e-3 * k as f64 + jitter(k)).collect();
         let at = |k: usize| if stamped { time[k] } else { 1e-3 * k as f64 };
@@ -158,9 +157,9 @@ mod tests {
 
     #[test]
     fn a_fast_signal_tells_and_a_noisy_one_does_not() {
-        assert_eq!(told(true, 1e-3).sampled_at_stamps(), Some(true));
-        assert_eq!(told(false, 1e-3).sampled_at_stamps(), Some(false));
-        assert_eq!(told(true, 10.0).sampled_at_stamps(), None);
+        assert_eq!(stated(true, 1e-3).sampled_at_stamps(), Some(true));
+        assert_eq!(stated(false, 1e-3).sampled_at_stamps(), Some(false));
+        assert_eq!(stated(true, 10.0).sampled_at_stamps(), None);
     }
 
     #[test]

@@ -26,8 +26,8 @@ impl Line {
         let some = |rows: usize| (0..rows).step_by(rows.div_ceil(MOST_ROWS));
         let slope = |k: usize| (time[k + half] - time[k]) / (place(k + half) - place(k)) as f64;
         let step_s = median(some(time.len() - half).map(slope).collect());
-        let left = |k: usize| time[k] - step_s * place(k) as f64;
-        let mut line = Self { step_s, first_s: median(some(time.len()).map(left).collect()) };
+        let remainder = |k: usize| time[k] - step_s * place(k) as f64;
+        let mut line = Self { step_s, first_s: median(some(time.len()).map(remainder).collect()) };
         for _ in 0..ROUNDS {
             let near = |k: &usize| line.departure(time[*k], place(*k)).abs() <= line.step_s;
             let near: Vec<usize> = (0..time.len()).filter(near).collect();

@@ -52,10 +52,10 @@ pub(super) fn instants(
     let mut steps = steps(time, speed, position, segments);
     for _ in 0..ROUNDS {
         let [g, c] = solved(&steps)?.0;
-        let left = |it: &Step| it.y - g * it.x[0] - c * it.x[1];
-        let square = steps.iter().map(|it| left(it).powi(2)).sum::<f64>();
+        let remainder = |it: &Step| it.y - g * it.x[0] - c * it.x[1];
+        let square = steps.iter().map(|it| remainder(it).powi(2)).sum::<f64>();
         let most = CLIP * (square / steps.len() as f64).sqrt();
-        steps.retain(|it| left(it).abs() <= most);
+        steps.retain(|it| remainder(it).abs() <= most);
     }
     let ([g, c], [of_g, of_c]) = solved(&steps)?;
     if steps.len() < ENOUGH || g.abs() < SURELY * of_g {
@@ -109,8 +109,8 @@ fn solved(steps: &[Step]) -> Option<([f64; 2], [f64; 2])> {
     let inverse = [[d / by, -b / by], [-c / by, a / by]];
     let zy = [sum(&|it| it.z[0] * it.y), sum(&|it| it.z[1] * it.y)];
     let found = inverse.map(|row| row[0] * zy[0] + row[1] * zy[1]);
-    let left = sum(&|it| (it.y - found[0] * it.x[0] - found[1] * it.x[1]).powi(2));
-    let variance = CORRELATED * left / steps.len() as f64;
+    let remainder = sum(&|it| (it.y - found[0] * it.x[0] - found[1] * it.x[1]).powi(2));
+    let variance = CORRELATED * remainder / steps.len() as f64;
     let (z00, z01, z11) = (zz(0, 0), zz(0, 1), zz(1, 1));
     let error = |row: [f64; 2]| {
         let square = row[0] * row[0] * z00 + 2.0 * row[0] * row[1] * z01 + row[1] * row[1] * z11;
@@ -125,13 +125,13 @@ mod tests {
     use crate::time::testing::jitter;
 
     /// A swinging shaft behind a gear, sampled at its stamps or evenly, with a noisy speed.
-    fn told(stamped: bool, noise: f64) -> Option<Instants> {
+    fn stated(stamped: bool, noise: f64) -> Option<Instants> {
         let time: Vec<f64> = (0..4000).map(|k| 1e-2 * (k as f64 + 0.8 * jitter(k))).collect();
         let at = |k: usize| if stamped { time[k] } else { 1e-2 * k as f64 };
         let speed = |k: usize| 5.0 * (3.0 * at(k)).cos() + noise * jitter(k + 7777);
         let position = |k: usize| {
-            let turned = 0.4 * 5.0 / 3.0 * (3.0 * at(k)).sin();
-            ((turned + 1e-4 * jitter(k + 555)) / 1e-4).round() * 1e-4
+            let angle = 0.4 * 5.0 / 3.0 * (3.0 * at(k)).sin();
+            ((angle + 1e-4 * jitter(k + 555)) / 1e-4).round() * 1e-4
         };
         let slots = Slots::of(&time);
         instants(&time, speed, position, &[(0..4000, &slots)])
@@ -140,8 +140,8 @@ mod tests {
     #[test]
     fn a_speed_and_its_position_tell() {
         for noise in [0.0, 0.5, 10.0] {
-            assert_eq!(told(true, noise).unwrap().sampled_at_stamps(), Some(true), "{noise}");
-            assert_eq!(told(false, noise).unwrap().sampled_at_stamps(), Some(false), "{noise}");
+            assert_eq!(stated(true, noise).unwrap().sampled_at_stamps(), Some(true), "{noise}");
+            assert_eq!(stated(false, noise).unwrap().sampled_at_stamps(), Some(false), "{noise}");
         }
     }
 

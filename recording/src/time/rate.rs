@@ -32,7 +32,6 @@ pub(super) enum Way {
 
 /// The clock of one segment.
 pub(super) struct Clock {
-    /// Which rows.
     pub(super) rows: Range<usize>,
     /// Its sampling time, s.
     period_s: f64,
@@ -75,8 +74,8 @@ impl Clock {
     fn is_even(&self, by_stamps: Option<bool>) -> bool {
         let Some(slots) = &self.slots else { return true };
         // A grid that the stamps do not follow is none, whatever else speaks for it.
-        let told = self.coarse || by_stamps.is_some();
-        if slots.astray > if told { ASTRAY_WITH_SIGNALS } else { ASTRAY } {
+        let stated = self.coarse || by_stamps.is_some();
+        if slots.astray > if stated { ASTRAY_WITH_SIGNALS } else { ASTRAY } {
             return false;
         }
         // Most rows at their places: the others came late together.

@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     /// Starts of segments of ten samples, 1 s apart, and how often the clock ran back.
-    fn put(begins: &[(f64, bool)]) -> (Vec<f64>, usize) {
+    fn put(starts: &[(f64, bool)]) -> (Vec<f64>, usize) {
         let of = |(start_s, runs_back): &(f64, bool)| Segment {
             rows: 0..10,
             start_s: *start_s,
@@ -49,7 +49,7 @@ mod tests {
             way: Way::Places(None),
             runs_back: *runs_back,
         };
-        let mut segments: Vec<Segment> = begins.iter().map(of).collect();
+        let mut segments: Vec<Segment> = starts.iter().map(of).collect();
         let moved = one_clock(&mut segments, 1.0);
         (segments.iter().map(|it| it.start_s).collect(), moved)
     }

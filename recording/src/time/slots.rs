@@ -59,10 +59,10 @@ impl Slots {
         }
         let by_rows: f64 = (0..time.len()).map(|k| cost(&plain.line, time[k], k as f64)).sum();
         let (holes, by_places) = (places.holes() as f64, places.misfit(time));
-        let left = (by_places / time.len() as f64).max(EXACT);
+        let remainder = (by_places / time.len() as f64).max(EXACT);
         // Longer holes are gaps: so many places are no grid, and a damaged stamp asks for more yet.
         let sane = places.of_rows[time.len() - 1] < MOST_A_ROW * time.len();
-        match sane && holes > 0.0 && by_rows - by_places > WORTH * holes * left {
+        match sane && holes > 0.0 && by_rows - by_places > WORTH * holes * remainder {
             true => Self::at(time, places.line, Some(places.of_rows)),
             false => plain,
         }

@@ -19,7 +19,6 @@ const WRITTEN: &str = "reference";
 
 /// The signals that are asked.
 pub(crate) struct Witnesses<'a> {
-    /// All of them.
     signals: Vec<&'a [f64]>,
     /// Speeds, each beside the position of the same motion.
     motions: Vec<[&'a [f64]; 2]>,

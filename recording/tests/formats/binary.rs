@@ -71,9 +71,9 @@ fn objects_of_matlab_are_named_with_what_to_save_in_their_place() {
     file.extend([0, 1, b'I', b'M']);
     file.extend(element(14, &object.concat()));
     file.extend(element(14, &own.concat()));
-    let told = read_as("log.mat", &file).unwrap_err().to_string();
-    assert!(told.contains("variable `speed` is a MATLAB object"), "{told}");
-    assert!(told.contains("squeeze(x.Data)"), "{told}");
+    let stated = read_as("log.mat", &file).unwrap_err().to_string();
+    assert!(stated.contains("variable `speed` is a MATLAB object"), "{stated}");
+    assert!(stated.contains("squeeze(x.Data)"), "{stated}");
 }
 
 #[test]
@@ -88,8 +88,8 @@ fn varieties_that_are_not_read_are_named_with_the_way_out() {
         ("a.tdms", [&b"TDSm\x8e\0\0\0\x69\x12\0\0"[..], &[0xff; 40]].concat(), "DAQmx"),
     ];
     for (name, content, word) in cases {
-        let told = fails(name, &content);
-        assert!(told.contains(word) && told.contains("tools/convert_recording.py"), "{told}");
+        let stated = fails(name, &content);
+        assert!(stated.contains(word) && stated.contains("tools/convert_recording.py"), "{stated}");
     }
 }
 
@@ -99,8 +99,8 @@ fn hdf5_in_every_layout() {
         let (recording, report) = fixture(name);
         same_as_csv(&recording, &["u", "i", "omega"]);
         assert_eq!(constants(&report), [("J", 2.5e-4), ("K_m", 0.05)]);
-        let told = report.to_string();
-        assert!(told.contains("`late` has 2 values") && told.contains("`comment` is a text"));
+        let stated = report.to_string();
+        assert!(stated.contains("`late` has 2 values") && stated.contains("`comment` is a text"));
         let (recording, _) = read_with(name, "u=daq.u").unwrap();
         same_as_csv(&recording, &["u", "i", "omega"]);
     }
@@ -148,8 +148,8 @@ fn mdf_plain_packed_and_of_several_groups() {
         let expected = 20.25 + 273.15;
         assert!((temperature[10] - expected).abs() < 1e-9, "{name}: {}", temperature[10]);
         assert_eq!(report.joined.len(), 1);
-        let told = report.to_string();
-        assert!(told.contains("`temperature [degC]` of `slow` (3 samples)"), "{told}");
+        let stated = report.to_string();
+        assert!(stated.contains("`temperature [degC]` of `slow` (3 samples)"), "{stated}");
         let raw = values(&recording, "u_raw");
         assert_eq!(
             raw,
@@ -174,9 +174,9 @@ fn pyarrow_s_types_are_read() {
     let omega = values(&recording, "omega");
     assert_eq!(omega[3], 120.0 * std::f64::consts::PI / 30.0);
     assert!(omega[2].is_nan());
-    let told = report.to_string();
-    assert!(told.contains("omega: 1 samples missing or not finite, row 3"), "{told}");
-    assert!(told.contains("column `comment` is not a plain series"), "{told}");
+    let stated = report.to_string();
+    assert!(stated.contains("omega: 1 samples missing or not finite, row 3"), "{stated}");
+    assert!(stated.contains("column `comment` is not a plain series"), "{stated}");
     let error = report.require(&recording, &["omega"]).unwrap_err().to_string();
     assert!(error.contains("types.parquet, row 3"), "{error}");
 }

@@ -56,12 +56,12 @@ fn every_extension_is_refused_in_words_where_the_bytes_are_not_its_own() {
         (0..5000u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     for format in formats() {
         for extension in format.extensions {
-            let told = read_as(&format!("log.{extension}"), &noise).unwrap_err().to_string();
-            assert!(told.contains(&format!("log.{extension}")), "{told}");
+            let stated = read_as(&format!("log.{extension}"), &noise).unwrap_err().to_string();
+            assert!(stated.contains(&format!("log.{extension}")), "{stated}");
         }
     }
     let unknown = read_as("log.xyz", &noise).unwrap_err();
     assert!(matches!(unknown, Error::Format { .. }), "{unknown}");
-    let told = unknown.to_string();
-    assert!(formats().iter().all(|it| told.contains(it.name)), "{told}");
+    let stated = unknown.to_string();
+    assert!(formats().iter().all(|it| stated.contains(it.name)), "{stated}");
 }

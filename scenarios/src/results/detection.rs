@@ -8,7 +8,6 @@ use super::{ByDetector, FaultName, TorqueReading};
 /// How one detector saw one fault.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DetectionRow {
-    /// The fault.
     pub fault: FaultName,
     /// The detector.
     pub method: DetectorKind,
@@ -59,7 +58,6 @@ pub struct LevelRows {
 pub struct HealthySummary {
     /// Samples judged, run-up excluded.
     pub samples: usize,
-    /// Runs.
     pub runs: usize,
     /// Samples of each run that are not judged, from its start.
     pub run_up: usize,

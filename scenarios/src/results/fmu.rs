@@ -17,7 +17,6 @@ pub struct FmuSummary {
 /// One fmpy run against ours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FmpyRow {
-    /// The fault.
     pub fault: FaultName,
     /// Version of FMI: 2 or 3.
     pub fmi: u8,

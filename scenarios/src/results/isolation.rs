@@ -9,7 +9,6 @@ use super::FaultName;
 /// Symptoms of one fault.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SymptomPoints {
-    /// The fault.
     pub fault: FaultName,
     /// (C_m, r), V and unit of T.
     pub points: Vec<[f64; 2]>,
@@ -43,7 +42,6 @@ pub struct SeparabilitySummary {
     pub explained: f64,
     /// Our classes, by the names of their faults.
     pub classes: Vec<Vec<String>>,
-    /// The paper's.
     pub classes_paper: Vec<Vec<String>>,
     /// Pairs that share a class here and not in the paper.
     pub merged_only_here: Vec<Pair>,
@@ -78,16 +76,13 @@ impl IsolationTable {
 /// Size of a symptom (27).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct IdentificationRow {
-    /// The fault.
     pub fault: FaultName,
     /// Mean of |r| over the constant threshold while the fault acts.
     #[serde(rename = "S")]
     pub s: f64,
-    /// The paper's S.
     #[serde(rename = "S_paper")]
     pub s_paper: f64,
     /// Its group among the twelve.
     pub group: SizeGroup,
-    /// The paper's group.
     pub group_paper: SizeGroup,
 }

@@ -39,7 +39,6 @@ fn step() -> String {
 pub struct StudyResults {
     /// Seed of every random number.
     pub seed: u64,
-    /// The drive.
     pub drive: DriveSummary,
     /// Standard deviations of the noise, SI.
     pub noise: NoiseSummary,

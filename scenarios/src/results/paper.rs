@@ -47,7 +47,6 @@ impl PaperRates {
 pub struct PaperRow {
     /// The paper's label.
     pub label: String,
-    /// The method.
     pub method: DetectorKind,
     /// Share of faulty samples outside the threshold.
     pub r_td: f64,

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 /// A drive in a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DriveSummary {
-    /// Its name.
     pub name: String,
     /// Hexadecimal digest of its file.
     pub digest: String,

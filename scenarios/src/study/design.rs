@@ -9,7 +9,7 @@ use drivescope_diagnoser::{
 use drivescope_fmu::import::Fmu;
 
 use super::judge::Watch;
-use super::signals::{Signals, mean_and_deviation, values};
+use super::signals::{Signals, rms_about_mean, values};
 use super::structures::structures;
 use super::{RUN_UP, SAMPLES, StudyError};
 use crate::experiment::{Experiment, Stream};
@@ -31,7 +31,6 @@ pub(super) const WINDOW: usize = 50;
 /// A diagnoser, the runs that it was made from, and what was found on the way.
 #[derive(Debug, Clone)]
 pub struct Designed {
-    /// The diagnoser.
     pub diagnoser: Arc<Diagnoser>,
     /// How good its models are.
     pub summary: ModelSummary,
@@ -133,7 +132,7 @@ fn summary(
              Levenberg-Marquardt in free run"
         ),
         training_samples: TRAINING_SAMPLES,
-        training_sd: mean_and_deviation(&excited[recipe.training.run_up..]).1,
+        training_sd: rms_about_mean(&excited[recipe.training.run_up..]),
         residual_sd,
         residual_mean,
         n_a,

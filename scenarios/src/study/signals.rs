@@ -8,7 +8,6 @@ use drivescope_recording::Recording;
 pub struct Signals {
     /// C_m, V.
     pub c_m: Vec<f64>,
-    /// T.
     pub t: Vec<f64>,
 }
 
@@ -34,9 +33,9 @@ pub(super) fn values<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
     recording.signal(name).map_or(&[], |signal| &signal.values)
 }
 
-pub(super) fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
+/// Root mean square about the mean: what these values do, not an estimate of what others would.
+pub(super) fn rms_about_mean(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;
-    (mean, variance.sqrt())
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n).sqrt()
 }

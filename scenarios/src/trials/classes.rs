@@ -15,7 +15,6 @@ const AFTER: usize = 300;
 /// One of the twelve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClassRow {
-    /// The fault.
     pub fault: FaultName,
     /// Machines on which the bank named it, of all its mechanisms, and its size is nearest.
     pub named: Share,
@@ -32,7 +31,6 @@ pub struct ClassTable {
     pub among_twelve: Share,
     /// Answers held against the truth of the next fault: must collapse.
     pub shuffled: Share,
-    /// Each of them.
     pub rows: Vec<ClassRow>,
 }
 

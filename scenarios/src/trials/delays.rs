@@ -46,7 +46,6 @@ pub struct Delay {
 /// Delays of one fault.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DelayRow {
-    /// Mechanism.
     pub mechanism: String,
     /// Magnitude.
     pub size: f64,

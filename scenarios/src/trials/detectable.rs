@@ -35,7 +35,6 @@ const HEALTHY: usize = 15;
 /// One mechanism under one model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Detectable {
-    /// The mechanism.
     pub mechanism: String,
     /// Size from which on nine machines in ten are detected within 2 s; none if there is none up to the
     /// largest that was tried.
@@ -57,7 +56,6 @@ pub struct ModelRows {
     pub arl_0_at_least: f64,
     /// Machines that the bank learned, of all.
     pub learned: usize,
-    /// Of each mechanism.
     pub mechanisms: Vec<Detectable>,
 }
 

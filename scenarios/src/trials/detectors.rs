@@ -53,7 +53,6 @@ pub struct DetectorRow {
 /// One fault under one detector.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FaultDelays {
-    /// Mechanism.
     pub mechanism: String,
     /// Magnitude.
     pub size: f64,

@@ -14,7 +14,6 @@ const APART: usize = 400;
 /// Alarms along one course.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HealthyRow {
-    /// The course.
     pub course: Course,
     /// Healthy samples.
     pub samples: usize,
@@ -33,7 +32,6 @@ pub struct Healthy {
     pub rows: Vec<HealthyRow>,
     /// Machines that their own baselines refused, of all.
     pub refused: usize,
-    /// Machines.
     pub machines: usize,
 }
 

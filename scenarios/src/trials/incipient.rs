@@ -21,7 +21,6 @@ const MECHANISMS: [(&str, f64); 4] =
 /// One mechanism that grows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Incipient {
-    /// The mechanism.
     pub mechanism: String,
     /// Designed mean samples between false alarms.
     pub arl_0: f64,

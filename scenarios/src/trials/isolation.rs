@@ -8,7 +8,7 @@
 //! ```
 
 use drivescope_diagnoser::{
-    Answer, Discriminant, FaultSymptoms, Isolator, IsolatorOptions, Partition, Symptoms,
+    Discriminant, FaultSymptoms, Isolated, Isolator, IsolatorOptions, Partition, Symptoms,
 };
 use drivescope_plant::drive::Drive;
 use rayon::prelude::*;
@@ -60,7 +60,6 @@ pub struct ClassifierRow {
     pub samples: Spread,
     /// The same of the fault that it does worst on.
     pub worst: Spread,
-    /// That fault.
     pub worst_fault: FaultName,
     /// Runs of which most samples were answered right.
     pub runs: Share,
@@ -71,9 +70,7 @@ pub struct ClassifierRow {
 /// One design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignRow {
-    /// Its seed.
     pub seed: u64,
-    /// Its classifiers.
     pub classifiers: Vec<ClassifierRow>,
 }
 
@@ -112,8 +109,8 @@ impl Trained {
     fn class(&self, symptom: &[f64]) -> Option<usize> {
         match &self.classifier {
             Classifier::Perceptron(isolator) => match isolator.answer(symptom) {
-                Ok(Answer::Class(class)) => Some(class),
-                Ok(Answer::Unknown) | Err(_) => None,
+                Ok(Isolated::Class(class)) => Some(class),
+                Ok(Isolated::Unknown) | Err(_) => None,
             },
             Classifier::Discriminant(of) => {
                 of.answer(symptom).and_then(|fault| self.partition.class_of(fault))

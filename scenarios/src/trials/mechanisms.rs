@@ -49,7 +49,6 @@ pub struct Sizes {
 /// Some of the cases.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MechanismRow {
-    /// Which.
     pub what: String,
     /// Cases in which a fault was declared.
     pub detected: Share,

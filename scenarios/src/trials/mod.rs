@@ -98,7 +98,6 @@ pub enum TrialError {
     /// The recordings cannot be written.
     #[error("{} cannot be written to: {kind}", folder.display())]
     Unwritable {
-        /// Where to.
         folder: PathBuf,
         /// What the system says.
         kind: ErrorKind,
@@ -111,7 +110,6 @@ pub enum TrialError {
 /// What came of the trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trials {
-    /// Seed of the design.
     pub design_seed: u64,
     /// Seed of the machines that were judged.
     pub judged_seed: u64,

@@ -69,7 +69,6 @@ pub struct UnknownRow {
 /// All kinds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unknown {
-    /// All of them.
     pub unknown: Share,
     /// Something was named.
     pub named: Share,

@@ -107,13 +107,12 @@ pub(crate) enum Key {
     /// A span of time, s, and what happens there.
     Span { from: f64, to: f64, sentence: String },
     /// A place in a report, by its id.
-    Place(String),
+    Anchor(String),
 }
 
 /// A value with its name.
 #[derive(Debug)]
 pub(crate) struct Fact {
-    /// What it is.
     pub(crate) name: String,
     /// The value, with its unit.
     pub(crate) value: String,
@@ -148,7 +147,6 @@ pub(crate) struct Item {
     pub(crate) key: Option<Key>,
     /// Whether the head is typed, as a law is, rather than read.
     pub(crate) code: bool,
-    /// What it is.
     pub(crate) head: String,
     /// What to know of it.
     pub(crate) note: String,

@@ -103,7 +103,6 @@ impl Column {
 pub(crate) struct Row {
     /// What it stands for.
     pub(crate) key: Option<Key>,
-    /// Its cells.
     pub(crate) cells: Vec<Cell>,
 }
 

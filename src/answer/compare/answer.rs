@@ -27,7 +27,7 @@ struct SpanOf<'a> {
 
 /// The answer of `compare`.
 #[derive(Debug, Serialize)]
-pub(crate) struct Answer<'a> {
+pub(crate) struct CompareAnswer<'a> {
     drive: &'a str,
     /// What is wrong with the signals of the recordings.
     signals: &'a [SignalFinding],
@@ -59,7 +59,7 @@ pub(crate) struct Answer<'a> {
     setting: &'a Setting,
 }
 
-impl<'a> Answer<'a> {
+impl<'a> CompareAnswer<'a> {
     pub(crate) fn new(
         compared: &'a Comparison,
         setting: &'a Setting,

@@ -14,7 +14,7 @@ use super::block::{Block, HTML, Item, Key, PAGE, Picture, Plot};
 use super::named;
 use crate::report::words::error;
 
-pub(crate) use answer::Answer;
+pub(crate) use answer::CompareAnswer;
 pub(crate) use setting::{OfStep, Setting};
 use tables::tiles;
 pub(crate) use tables::{findings, where_it_fails};

@@ -23,7 +23,6 @@ pub(crate) struct Setting {
     pub(crate) clocks: Vec<Clock>,
     /// What makes the recordings doubtful.
     pub(crate) doubts: Vec<String>,
-    /// Seed.
     pub(crate) seed: u64,
 }
 

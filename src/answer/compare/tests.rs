@@ -114,8 +114,8 @@ fn estimation_and_validation_are_never_pooled() {
     let mut compared = comparison();
     compared.recordings[0].error = 1.5;
     let blocks = blocks(&compared, &setting(Some(step)));
-    for told in [text(&blocks), on_page(&blocks), in_report(&blocks)] {
-        assert!(told.contains("1.212") && told.contains("1.717"), "{told}");
-        assert!(!told.contains("1.616"), "{told}");
+    for stated in [text(&blocks), on_page(&blocks), in_report(&blocks)] {
+        assert!(stated.contains("1.212") && stated.contains("1.717"), "{stated}");
+        assert!(!stated.contains("1.616"), "{stated}");
     }
 }

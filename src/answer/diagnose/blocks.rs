@@ -2,11 +2,11 @@
 
 use drivescope_monitor::{Declaration, Declared, Found};
 
-use super::{Answer, BaselineAnswer, words};
+use super::{BaselineAnswer, DiagnoseAnswer, words};
 use crate::answer::block::{Align, Block, Cell, Column, Said, Table};
 use crate::report::words::percent;
 
-impl Answer {
+impl DiagnoseAnswer {
     /// The answer for a terminal: the verdict where the eye is when the program ends.
     pub(crate) fn blocks(&self) -> Vec<Block> {
         let samples = format!("{}: {} samples", self.recording, self.samples);

@@ -15,7 +15,7 @@ use crate::commands::Stream;
 
 /// What a diagnosis says.
 #[derive(Debug, Serialize)]
-pub(crate) struct Answer {
+pub(crate) struct DiagnoseAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) diagnoser: Option<PathBuf>,
     pub(crate) recording: String,
@@ -48,7 +48,6 @@ pub(crate) struct Answer {
 #[derive(Debug, Serialize)]
 pub(crate) struct BaselineAnswer {
     pub(crate) recording: String,
-    /// Samples of it.
     pub(crate) samples: usize,
     pub(crate) machine: BTreeMap<String, f64>,
 }

@@ -4,7 +4,7 @@ use drivescope_diagnoser::DetectorKind;
 use drivescope_monitor::{Declaration, Declared, Fault, Found, Method};
 use std::collections::BTreeMap;
 
-use super::{Answer, BaselineAnswer};
+use super::{BaselineAnswer, DiagnoseAnswer};
 use crate::answer::testing::{holds, in_report, on_page};
 use crate::answer::text;
 
@@ -35,13 +35,13 @@ fn found(method: Method, declarations: Vec<Declaration>) -> Found {
     }
 }
 
-fn answer() -> Answer {
+fn answer() -> DiagnoseAnswer {
     let learned = BaselineAnswer {
         recording: "calm.csv".to_owned(),
         samples: 800,
         machine: BTreeMap::from([("J".to_owned(), -0.0123)]),
     };
-    Answer {
+    DiagnoseAnswer {
         diagnoser: None,
         recording: "ill.csv".to_owned(),
         samples: 2400,
@@ -71,12 +71,12 @@ fn answer() -> Answer {
 #[test]
 fn text_and_page_tell_the_same_numbers() {
     let answer = answer();
-    let (told, shown) = (answer.blocks(), answer.with_figure(None));
+    let (stated, shown) = (answer.blocks(), answer.with_figure(None));
     let page = on_page(&shown);
     // How long the recording is stands beside it there.
-    holds(&told[1..], &page);
-    holds(&shown, &in_report(&told));
-    let said = text(&told);
+    holds(&stated[1..], &page);
+    holds(&shown, &in_report(&stated));
+    let said = text(&stated);
     let fault = "ault since 8.012 s: tacho +5.01 % (+4.10 to +5.92); it cannot be told from flux";
     assert!(said.contains(fault) && page.contains(fault), "{said}\n{page}");
     for number in ["13.69 %", "5.00 %", "8.123 s (sample 1603)", "J -1.2 %", "S = 2.35"] {
@@ -86,11 +86,12 @@ fn text_and_page_tell_the_same_numbers() {
 
 #[test]
 fn what_is_healthy_or_not_judged_is_said_with_its_reason() {
-    let none = Answer { verdict: "healthy", declarations: Vec::new(), fault: None, ..answer() };
+    let none =
+        DiagnoseAnswer { verdict: "healthy", declarations: Vec::new(), fault: None, ..answer() };
     assert!(text(&none.blocks()).contains("verdict (bank"), "{}", text(&none.blocks()));
     assert!(on_page(&none.with_figure(None)).contains("Healthy."));
     let why = Some("the recording is too short".to_owned());
-    let short = Answer { verdict: "not_judged", why, ..none };
+    let short = DiagnoseAnswer { verdict: "not_judged", why, ..none };
     assert!(text(&short.blocks()).ends_with("not judged\nthe recording is too short\n"));
     assert!(on_page(&short.with_figure(None)).contains("the recording is too short"));
 }

@@ -1,6 +1,6 @@
 //! The ladder: what was added, and how the error fell.
 
-use drivescope_discovery::{BothUnexplained, OutputFits, Rung, Unexplained};
+use drivescope_discovery::{BothUnexplained, LadderStep, OutputFits, Unexplained};
 use drivescope_plant::drive::Motion;
 
 use crate::answer::block::{
@@ -27,15 +27,15 @@ pub(crate) struct Step {
     pub(crate) depth: usize,
 }
 
-impl From<&Rung> for Step {
-    fn from(rung: &Rung) -> Self {
-        let added = rung.added.as_ref();
+impl From<&LadderStep> for Step {
+    fn from(step: &LadderStep) -> Self {
+        let added = step.added.as_ref();
         Self {
             label: added.map_or("the base, fitted".to_owned(), |it| format!("+ {it}")),
-            unexplained: rung.validation_unexplained,
-            fits: rung.validation_fit_percent.clone(),
-            error: rung.error,
-            validation_error: rung.validation_error,
+            unexplained: step.validation_unexplained,
+            fits: step.validation_fit_percent.clone(),
+            error: step.error,
+            validation_error: step.validation_error,
             depth: 0,
         }
     }
@@ -95,8 +95,8 @@ pub(crate) fn table(motion: Motion, steps: &[Step]) -> Table {
         let branch = "\u{2003}".repeat(step.depth);
         let mut cells: Vec<Cell> = vec![format!("{branch}{place}: {}", step.label).into()];
         let share = |it: &Unexplained| format!("{} %", percent(it.share, 1));
-        let left = |(_, each): &OfBalance| each[place].as_ref().map_or("-".to_owned(), share);
-        cells.extend(unexplained.iter().map(|it| left(it).into()));
+        let remainder = |(_, each): &OfBalance| each[place].as_ref().map_or("-".to_owned(), share);
+        cells.extend(unexplained.iter().map(|it| remainder(it).into()));
         let fit = |name: &&str| step.fits.get(name).copied().flatten();
         cells.extend(outputs.iter().map(|it| fit(it).map_or("-".to_owned(), fit_percent).into()));
         cells.push(error(step.error).into());

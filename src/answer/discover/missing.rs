@@ -1,7 +1,8 @@
 //! What was found to be missing: the answer of `discover` without the recordings that it rests on.
 
 use drivescope_discovery::{
-    Discovery, Formula, LearnedCurve, NextExperiment, NotJudged, RandomLoad, Ranked, Rung, Verdict,
+    Discovery, Formula, LadderStep, LearnedCurve, NextExperiment, NotJudged, RandomLoad, Ranked,
+    Verdict,
 };
 use drivescope_plant::drive::{EffectData, LawData, Motion};
 use drivescope_plant::effects::info::Variable;
@@ -26,7 +27,7 @@ pub(crate) struct Missing {
     pub(super) named: Vec<String>,
     pub(super) remaining: Verdict,
     pub(super) ranking: Vec<Ranked>,
-    pub(super) ladder: Vec<Rung>,
+    pub(super) ladder: Vec<LadderStep>,
     pub(super) not_judged: Vec<NotJudged>,
     pub(super) load: Option<RandomLoad>,
     /// The curve that describes what nobody knows.
@@ -128,13 +129,13 @@ impl Missing {
     pub(super) fn verdict_in_words(&self, about: &str) -> Block {
         let words = match self.verdict {
             Verdict::Named => {
-                let left = match self.remaining {
+                let remainder = match self.remaining {
                     Verdict::Unknown => "; something is left that no known effect explains",
                     _ => "",
                 };
                 let sets: Vec<String> = self.named.iter().map(|id| self.with_set(id)).collect();
                 let are = if self.added { "added" } else { "missing" };
-                format!("{are}: {}{left}", sets.join(", "))
+                format!("{are}: {}{remainder}", sets.join(", "))
             }
             Verdict::None => "nothing is missing that these recordings could show".to_owned(),
             Verdict::Unknown => "something is missing, and it is none of the effects that the \
@@ -178,16 +179,16 @@ impl Missing {
     /// What an error above its floor is taken for, where nothing is said to be left.
     fn left_to_a_load(&self) -> Option<String> {
         let (load, last) = self.load.zip(self.ladder.last())?;
-        let left = last.error.max(last.validation_error);
+        let remainder = last.error.max(last.validation_error);
         let said = self.remaining != Verdict::None || self.closer_than.is_some();
-        if said || !has_errors(self.motion, &[Step::from(last)]) || left < ABOVE_FLOOR {
+        if said || !has_errors(self.motion, &[Step::from(last)]) || remainder < ABOVE_FLOOR {
             return None;
         }
-        let (left, sd) = (error(left), number(load.sd));
+        let (remainder, sd) = (error(remainder), number(load.sd));
         let (time, unit) = (significant(load.time, 2), for_motion(self.motion, "N m"));
         let beside = if load.oscillation.is_some() { " beside its oscillation" } else { "" };
         Some(format!(
-            "the error that is left, {left} times its floor, is taken for a random load of {sd} \
+            "the error that is left, {remainder} times its floor, is taken for a random load of {sd} \
              {unit} rms that lasts {time} s{beside}"
         ))
     }

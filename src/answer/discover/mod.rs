@@ -12,7 +12,9 @@ use std::path::PathBuf;
 
 use drivescope_discovery::compare::Finding;
 use drivescope_discovery::signals::SignalFinding;
-use drivescope_discovery::{BothUnexplained, Discovery, NoiseSource, OutputFits, Rung, Verdict};
+use drivescope_discovery::{
+    BothUnexplained, Discovery, LadderStep, NoiseSource, OutputFits, Verdict,
+};
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
@@ -36,14 +38,14 @@ struct Errors {
 }
 
 impl Errors {
-    fn of(rung: &Rung) -> Self {
+    fn of(step: &LadderStep) -> Self {
         Self {
-            error: rung.error,
-            validation_error: rung.validation_error,
-            unexplained: rung.unexplained,
-            validation_unexplained: rung.validation_unexplained,
-            fit_percent: rung.fit_percent.clone(),
-            validation_fit_percent: rung.validation_fit_percent.clone(),
+            error: step.error,
+            validation_error: step.validation_error,
+            unexplained: step.unexplained,
+            validation_unexplained: step.validation_unexplained,
+            fit_percent: step.fit_percent.clone(),
+            validation_fit_percent: step.validation_fit_percent.clone(),
         }
     }
 }
@@ -58,7 +60,7 @@ struct NoiseOf {
 
 /// The answer of `discover` and `add`.
 #[derive(Debug, Serialize)]
-pub(crate) struct Answer {
+pub(crate) struct DiscoverAnswer {
     drive: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
@@ -81,7 +83,7 @@ pub(crate) struct Answer {
     seed: u64,
 }
 
-impl Answer {
+impl DiscoverAnswer {
     pub(crate) fn new(
         base: &Drive,
         output: Option<PathBuf>,

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use drivescope_discovery::{
-    BothUnexplained, Coefficient, LearnedCurve, Oscillation, RandomLoad, Ranked, Rung, Unexplained,
-    Verdict,
+    BothUnexplained, Coefficient, LadderStep, LearnedCurve, Oscillation, RandomLoad, Ranked,
+    Unexplained, Verdict,
 };
 use drivescope_plant::drive::Motion;
 
@@ -14,16 +14,16 @@ use crate::answer::compare::sample;
 use crate::answer::testing::{holds, in_report, on_page};
 use crate::answer::text;
 
-fn rung(added: Option<&str>, error: f64) -> Rung {
-    let left = Some(Unexplained { rms: 0.001, share: 0.0690 });
-    let left = BothUnexplained { torque: left, voltage: None };
+fn step(added: Option<&str>, error: f64) -> LadderStep {
+    let remainder = Some(Unexplained { rms: 0.001, share: 0.0690 });
+    let remainder = BothUnexplained { torque: remainder, voltage: None };
     let fits = BTreeMap::from([("omega", Some(97.345)), ("i", None)]);
-    Rung {
+    LadderStep {
         added: added.map(str::to_owned),
         error,
         validation_error: 1.3 * error,
-        unexplained: left,
-        validation_unexplained: left,
+        unexplained: remainder,
+        validation_unexplained: remainder,
         fit_percent: fits.clone(),
         validation_fit_percent: fits,
     }
@@ -52,7 +52,7 @@ fn missing() -> Missing {
         named: vec!["cogging".to_owned()],
         remaining: Verdict::None,
         ranking: vec![ranked("quadratic_drag", Some("too small")), ranked("cogging", None)],
-        ladder: vec![rung(None, 2.345_67), rung(Some("cogging"), 1.234_56)],
+        ladder: vec![step(None, 2.345_67), step(Some("cogging"), 1.234_56)],
         not_judged: Vec::new(),
         load: Some(RandomLoad { sd: 0.001_234, time: 0.056, oscillation }),
         learned: Some(LearnedCurve {
@@ -103,9 +103,9 @@ fn text_page_and_report_tell_the_same_numbers() {
 fn the_ladder_is_the_same_everywhere() {
     let blocks = ladder(Motion::Rotary, &steps());
     holds(&blocks, &in_report(&blocks));
-    for told in [text(&blocks), on_page(&blocks), in_report(&blocks)] {
+    for stated in [text(&blocks), on_page(&blocks), in_report(&blocks)] {
         for words in ["+ cogging", "2.346", "1.235", "1.605"] {
-            assert!(told.contains(words), "{words} is not in: {told}");
+            assert!(stated.contains(words), "{words} is not in: {stated}");
         }
     }
     assert!(text(&blocks).contains("6.9 %") && !on_page(&blocks).contains("6.9 %"));
@@ -115,7 +115,7 @@ fn the_ladder_is_the_same_everywhere() {
 /// for what is unexplained.
 #[test]
 fn far_from_the_noise_the_unexplained_is_told() {
-    let far: Vec<Step> = [rung(None, 2000.0)].iter().map(Step::from).collect();
+    let far: Vec<Step> = [step(None, 2000.0)].iter().map(Step::from).collect();
     let blocks: Vec<Block> = ladder(Motion::Rotary, &far);
     assert!(!text(&blocks).contains("2600") && !in_report(&blocks).contains("2600"));
     assert!(on_page(&blocks).contains("2600") && text(&blocks).contains("97.34 %"));

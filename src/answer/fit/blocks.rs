@@ -2,7 +2,7 @@
 
 use drivescope_discovery::Estimate;
 
-use super::Answer;
+use super::FitAnswer;
 use crate::answer::block::{Align, Block, Cell, Column, Fact, TERMINAL, Table};
 use crate::answer::{named, noise, not_told, parameters, run, unusable};
 use crate::report::words::{balances, error, fit_percent, in_units_of_noise, number, percent};
@@ -10,7 +10,7 @@ use crate::report::words::{balances, error, fit_percent, in_units_of_noise, numb
 /// Standard error over value from which on the recordings hardly tell a parameter.
 const HARDLY_TOLD: f64 = 0.5;
 
-impl Answer {
+impl FitAnswer {
     /// The answer in blocks.
     pub(crate) fn blocks(&self) -> Vec<Block> {
         let mut blocks = unusable(&self.signals);
@@ -57,7 +57,7 @@ impl Answer {
         let mut push = |what: String, before: String, after: String| {
             table.push([what, before, after].map(Cell::from).into());
         };
-        let mut told = false;
+        let mut stated = false;
         let it = &self.unexplained;
         let all = [it.before, it.after, it.validation_before, it.validation_after];
         let [before, after, validation_before, validation_after] =
@@ -71,7 +71,7 @@ impl Answer {
                 let share = |share: f64| format!("{} %", percent(share, 1));
                 let what = format!("unexplained {}, {data}", before.0);
                 push(what, share(was.share), share(is.share));
-                told = true;
+                stated = true;
             }
         }
         let it = &self.fit_percent;
@@ -82,7 +82,7 @@ impl Answer {
             for (name, after) in after.iter().filter_map(|(name, fit)| Some((name, (*fit)?))) {
                 let before = before.get(name).copied().flatten().unwrap_or(f64::NEG_INFINITY);
                 push(format!("fit of {name}, {data}"), fit_percent(before), fit_percent(after));
-                told = true;
+                stated = true;
             }
         }
         let was = |before: Option<f64>| before.map_or("overflow".to_owned(), error);
@@ -92,10 +92,10 @@ impl Answer {
             if let Some(after) = force.validation_after {
                 push(what("validation"), was(force.validation_before), error(after));
             }
-            told = true;
+            stated = true;
         }
         let in_reach = in_units_of_noise(self.error) && in_units_of_noise(self.validation_error);
-        if !told || in_reach {
+        if !stated || in_reach {
             let what = |of: &str| format!("error in units of the noise, {of}");
             push(what("estimation"), was(self.before.error), error(self.error));
             let before = was(self.before.validation_error);

@@ -74,7 +74,7 @@ struct OfRecording {
 
 /// The answer of `fit`.
 #[derive(Debug, Serialize)]
-pub(crate) struct Answer {
+pub(crate) struct FitAnswer {
     drive: String,
     #[serde(skip)]
     motion: Motion,
@@ -112,7 +112,7 @@ pub(crate) struct Answer {
     seed: u64,
 }
 
-impl Answer {
+impl FitAnswer {
     pub(crate) fn new(
         base: &Drive,
         output: Option<PathBuf>,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use drivescope_discovery::{BothUnexplained, Estimate, NoiseSource, NotIdentifiable, Unexplained};
 use drivescope_plant::drive::Motion;
 
-use super::{Answer, Before, BeforeAndAfter, Correlation, OfRecording};
+use super::{Before, BeforeAndAfter, Correlation, FitAnswer, OfRecording};
 use crate::answer::testing::{holds, in_report, on_page};
 use crate::answer::text;
 use crate::read_evidence::KnownNoise;
@@ -15,8 +15,8 @@ fn estimate(name: &str, value: f64, std_error: f64) -> Estimate {
     Estimate { name: name.to_owned(), value, std_error, before: 3.7, unit, at_bound: false }
 }
 
-fn answer(error: f64) -> Answer {
-    let left =
+fn answer(error: f64) -> FitAnswer {
+    let remainder =
         |share| BothUnexplained { torque: Some(Unexplained { rms: 0.01, share }), voltage: None };
     let fits = |fit| BTreeMap::from([("omega", Some(fit))]);
     let both = [estimate("R", 3.128_456_7, 0.012_34), estimate("L", 0.005_012_3, 0.004)];
@@ -26,7 +26,7 @@ fn answer(error: f64) -> Answer {
         unit: "rad/s".to_owned(),
         source: NoiseSource::Estimated,
     };
-    Answer {
+    FitAnswer {
         drive: "AMIRA DR300".to_owned(),
         motion: Motion::Rotary,
         output: Some("fitted.toml".into()),
@@ -43,10 +43,10 @@ fn answer(error: f64) -> Answer {
         validation_error: 1.234 * error,
         before: Before { error: None, validation_error: Some(41.234_5) },
         unexplained: BeforeAndAfter {
-            before: left(0.5),
-            after: left(0.069),
-            validation_before: left(0.55),
-            validation_after: left(0.0712),
+            before: remainder(0.5),
+            after: remainder(0.069),
+            validation_before: remainder(0.55),
+            validation_after: remainder(0.0712),
         },
         fit_percent: BeforeAndAfter {
             before: BTreeMap::new(),

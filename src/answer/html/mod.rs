@@ -47,20 +47,16 @@ impl Html<'_> {
             Block::Command { words, command } => html! {
                 p.note { (capital(words)) ": " code { (command) } }
             },
-            Block::Tiles(facts) => html! {
-                dl.tiles {
-                    @for fact in self.shown(facts) {
-                        div {
-                            dt { (typeset(&fact.name)) }
-                            dd {
-                                (toned(fact.tone, typeset(&fact.value)))
-                                span.sub { (typeset(&fact.note)) }
-                            }
-                        }
-                    }
+            Block::Tiles(facts) => self.facts("tiles", facts, |note| {
+                html! {
+                    span.sub { (typeset(note)) }
                 }
-            },
-            Block::Facts(facts) => self.facts(facts),
+            }),
+            Block::Facts(facts) => self.facts("facts", facts, |note| {
+                html! {
+                    @if !note.is_empty() { " (" (typeset(note)) ")" }
+                }
+            }),
             Block::List(items) => html! { ul.reading { @for item in items { (self.item(item)) } } },
             Block::Table(table) if table.rows.is_empty() => html! {},
             Block::Table(table) => table::table(self, table),
@@ -102,7 +98,7 @@ impl Html<'_> {
     /// What is done with a key; in a report, a place is gone to.
     fn act(self, key: Option<&Key>, words: &str) -> Option<Markup> {
         match (self.medium, key?) {
-            (Medium::Report, Key::Place(id)) => Some(link(id, typeset(words))),
+            (Medium::Report, Key::Anchor(id)) => Some(link(id, typeset(words))),
             (_, key) => (self.actions)(key),
         }
     }
@@ -111,16 +107,13 @@ impl Html<'_> {
         facts.iter().filter(move |fact| fact.media.contains(&self.medium))
     }
 
-    fn facts(self, facts: &[Fact]) -> Markup {
+    fn facts(self, class: &str, facts: &[Fact], note: fn(&str) -> Markup) -> Markup {
         html! {
-            dl.facts {
+            dl class=(class) {
                 @for fact in self.shown(facts) {
                     div {
                         dt { (typeset(&fact.name)) }
-                        dd {
-                            (toned(fact.tone, typeset(&fact.value)))
-                            @if !fact.note.is_empty() { " (" (typeset(&fact.note)) ")" }
-                        }
+                        dd { (toned(fact.tone, typeset(&fact.value))) (note(&fact.note)) }
                     }
                 }
             }

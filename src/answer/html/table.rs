@@ -39,11 +39,11 @@ pub(super) fn table(html: Html<'_>, table: &Table) -> Markup {
 
 /// What stands above the columns; above those, what groups of them share.
 fn head(columns: &[Shown<'_>]) -> Markup {
-    let grouped = columns.iter().any(|(.., begins)| *begins);
+    let grouped = columns.iter().any(|(.., is_start)| *is_start);
     let size = |of: &Column| columns.iter().filter(|(_, it, _)| it.group == of.group).count();
-    let heading = |(_, column, begins): &Shown<'_>, rows: Option<&str>| {
+    let heading = |(_, column, is_start): &Shown<'_>, rows: Option<&str>| {
         html! {
-            th.name[column.align != Align::Number].start[*begins].theirs[column.beside]
+            th.name[column.align != Align::Number].start[*is_start].theirs[column.beside]
                 scope="col" rowspan=[rows] { (typeset(&column.heading)) }
         }
     };
@@ -68,7 +68,7 @@ fn head(columns: &[Shown<'_>]) -> Markup {
     }
 }
 
-fn cell(html: Html<'_>, cell: &Cell, (at, column, begins): Shown<'_>) -> Markup {
+fn cell(html: Html<'_>, cell: &Cell, (at, column, is_start): Shown<'_>) -> Markup {
     let words = || match (column.align, cell.text.as_str()) {
         // Nothing is there.
         (_, "-") => html! { "\u{2013}" },
@@ -80,7 +80,7 @@ fn cell(html: Html<'_>, cell: &Cell, (at, column, begins): Shown<'_>) -> Markup 
     let content = content.unwrap_or_else(|| toned(cell.tone, words()));
     match column.align {
         _ if at == 0 => html! { th scope="row" { (content) } },
-        Align::Number => html! { td.start[begins].theirs[column.beside] { (content) } },
+        Align::Number => html! { td.start[is_start].theirs[column.beside] { (content) } },
         Align::Name | Align::Symbol => html! { td.name.theirs[column.beside] { (content) } },
         Align::Words => html! { td.words { (content) } },
     }

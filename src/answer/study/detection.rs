@@ -58,7 +58,7 @@ fn table_1(study: &StudyResults, pictures: &[Pictures]) -> Table {
             table.part();
         }
         let run = pictures.iter().position(|picture| picture.fault.as_ref() == Some(&row.fault));
-        let key = run.map(|run| Key::Place(runs::id(run)));
+        let key = run.map(|run| Key::Anchor(runs::id(run)));
         let name = Cell::of(fault(&row.fault), key);
         let mut cells = vec![name, row.fault.label.as_str().into()];
         for method in IN_PAPER {

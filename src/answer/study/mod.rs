@@ -33,7 +33,6 @@ struct Section {
     id: &'static str,
     /// Its name in the contents.
     name: &'static str,
-    /// Its title.
     title: &'static str,
     /// What it says of a study and the traces of its runs; nothing, if it has nothing to say.
     blocks: fn(&StudyResults, &[Pictures]) -> Vec<Block>,

@@ -122,10 +122,10 @@ fn sizes_before_and_after_stand_side_by_side() {
     assert!(!in_report(&blocks(&study, &[])).contains("Hidden effect"));
     study.hidden_effect = Some(hidden());
     let blocks = blocks(&study, &[]);
-    for told in [text(&blocks), in_report(&blocks)] {
-        assert!(told.contains("quadratic drag hidden and added"), "{told}");
-        assert!(told.contains("not up to 60") && told.contains("4.21"), "{told}");
-        assert!(told.contains("0.20 or less") && !told.contains("4.21 or"), "{told}");
+    for stated in [text(&blocks), in_report(&blocks)] {
+        assert!(stated.contains("quadratic drag hidden and added"), "{stated}");
+        assert!(stated.contains("not up to 60") && stated.contains("4.21"), "{stated}");
+        assert!(stated.contains("0.20 or less") && !stated.contains("4.21 or"), "{stated}");
     }
 }
 

@@ -1,13 +1,13 @@
 //! A training in blocks.
 
 use super::{
-    Answer, BandsAnswer, FaultAnswer, FaultsAnswer, GmdhAnswer, ProcessAnswer, StructureAnswer,
-    WindowsAnswer,
+    BandsAnswer, FaultAnswer, FaultsAnswer, GmdhAnswer, ProcessAnswer, StructureAnswer,
+    TrainAnswer, WindowsAnswer,
 };
 use crate::answer::block::{ALL, Align, Block, Column, Fact, Said, TERMINAL, Table};
-use crate::report::words::{number, p_is, percent};
+use crate::report::words::{count, number, p_is, percent};
 
-impl Answer {
+impl TrainAnswer {
     /// The answer in blocks.
     pub(crate) fn blocks(&self) -> Vec<Block> {
         let inputs: Vec<&str> = self.inputs.iter().map(|channel| channel.name.as_str()).collect();
@@ -101,8 +101,10 @@ fn gmdh(it: &GmdhAnswer, of: &dyn Fn(f64) -> String) -> Fact {
         format!(", noise bounds {} to {}", of(lower), of(upper))
     });
     let value = format!(
-        "{neurons} neurons in {layers} layers, validation error {}{noise}; {bounded_neurons} with \
-         bounded parameters, {vertices} vertices; {} from its locally recurrent form",
+        "{} in {}, validation error {}{noise}; {bounded_neurons} with bounded parameters, \
+         {vertices} vertices; {} from its locally recurrent form",
+        count(*neurons, "neuron"),
+        count(*layers, "layer"),
         of(*validation_rms),
         it.recurrent_difference.map_or_else(|| "not known".to_owned(), of),
     );
@@ -123,7 +125,7 @@ impl FaultsAnswer {
             (name("Group"), |it| it.group.label().into()),
         ];
         let table = Table::of("Symptoms that were not learned from", columns, &self.faults);
-        let told = format!("classes of faults that can be told apart: {classes}");
-        [Block::Note(told), Block::Table(table)]
+        let stated = format!("classes of faults that can be told apart: {classes}");
+        [Block::Note(stated), Block::Table(table)]
     }
 }

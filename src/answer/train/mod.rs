@@ -17,7 +17,7 @@ use serde::Serialize;
 pub(crate) use bank::{BankAnswer, Confusion, Separable, VerifiedAnswer};
 
 #[derive(Debug, Serialize)]
-pub(crate) struct Answer {
+pub(crate) struct TrainAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     output: Option<PathBuf>,
     inputs: Vec<Channel>,
@@ -142,7 +142,7 @@ struct FaultAnswer {
     group: SizeGroup,
 }
 
-impl Answer {
+impl TrainAnswer {
     pub(crate) fn new(
         output: Option<PathBuf>,
         learned: &Learned,
@@ -164,7 +164,7 @@ impl Answer {
             normality_p: bands.normality.as_ref().map(|test| test.p_value),
         };
         let constant = diagnoser.constant.band(diagnoser.confidence);
-        let designed = |kind: DetectorKind| Some((kind.label(), kind.designed(diagnoser)?));
+        let designed = |kind: DetectorKind| Some((kind.label(), diagnoser.designed(kind)?));
         let network = diagnoser.gmdh.as_ref().zip(gmdh.as_ref());
         Self {
             output,

@@ -49,7 +49,7 @@ fn bank() -> BankAnswer {
     }
 }
 
-fn answer() -> Answer {
+fn answer() -> TrainAnswer {
     let channel = |name: &str, unit: &str| Channel { name: name.into(), unit: unit.into() };
     let fault = FaultAnswer {
         fault: "tacho".to_owned(),
@@ -58,7 +58,7 @@ fn answer() -> Answer {
         s: 2.345,
         group: SizeGroup::Small,
     };
-    Answer {
+    TrainAnswer {
         output: Some("diagnoser.toml".into()),
         detectors: Stored::default(),
         designed: vec![("another test", "threshold 7.031".to_owned())],

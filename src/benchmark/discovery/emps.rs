@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use drivescope_discovery::{Discovery, Rung};
+use drivescope_discovery::{Discovery, LadderStep};
 use serde::Serialize;
 
 /// What has to come out.
@@ -33,7 +33,7 @@ impl Emps {
     pub(super) fn of(found: &Discovery) -> Self {
         let all = found.drive.parameters();
         let value = |name: &str| all.iter().find(|it| it.name == name).map(|it| it.value);
-        let error = |rung: Option<&Rung>| rung.map_or(f64::NAN, |it| it.validation_error);
+        let error = |step: Option<&LadderStep>| step.map_or(f64::NAN, |it| it.validation_error);
         let refused = found
             .ranking
             .iter()

@@ -134,8 +134,8 @@ impl Python {
         if made.status.success() {
             return Ok(());
         }
-        let told = String::from_utf8_lossy(&made.stderr).into_owned();
-        let last = told.lines().last().unwrap_or("it says nothing").to_owned();
+        let stated = String::from_utf8_lossy(&made.stderr).into_owned();
+        let last = stated.lines().last().unwrap_or("it says nothing").to_owned();
         Err(miette::miette!("the generators of recordings failed: {last}"))
     }
 }

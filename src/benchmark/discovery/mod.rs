@@ -139,7 +139,7 @@ pub(crate) struct Outcome {
     /// Whether the truth beats the base by enough; absent where nothing of the library is hidden.
     detectable: Option<bool>,
     /// What the discovery answered, or why it did not.
-    answer: Result<Answer, String>,
+    answer: Result<Discovered, String>,
     /// Time of the discovery with nothing beside it, s; where it was taken.
     #[serde(skip_serializing_if = "Option::is_none")]
     alone_s: Option<f64>,
@@ -147,7 +147,7 @@ pub(crate) struct Outcome {
 
 /// What a discovery answered.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Answer {
+pub(crate) struct Discovered {
     named: Vec<String>,
     /// What was named, with its confusion sets.
     sets: Vec<Vec<String>>,
@@ -292,7 +292,7 @@ fn detectable_law(case: &Case, noise_given: bool) -> bool {
 }
 
 /// What the discovery answers; why it does not.
-fn answer(rule: &Rule, case: &Case, noise_given: bool) -> Result<Answer, String> {
+fn answer(rule: &Rule, case: &Case, noise_given: bool) -> Result<Discovered, String> {
     let said = |error: Error| error.to_string();
     let estimation = evidence(&case.drive, &case.estimation, noise_given).map_err(said)?;
     let validation = evidence(&case.drive, &case.validation, noise_given).map_err(said)?;
@@ -315,7 +315,7 @@ fn answer(rule: &Rule, case: &Case, noise_given: bool) -> Result<Answer, String>
         };
         found.formulas.iter().position(right).map(|place| place + 1)
     };
-    Ok(Answer {
+    Ok(Discovered {
         probabilities: found
             .ranking
             .iter()

@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use drivescope_discovery::{Discovery, Purpose, Rule, Rung, Unwatched, discover_by};
+use drivescope_discovery::{Discovery, LadderStep, Purpose, Rule, Unwatched, discover_by};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::{ReadOptions, Recording, read};
 use serde::Serialize;
@@ -196,19 +196,20 @@ impl Machine {
         discover_by(rule, &drive, (&estimation, &validation), &Unwatched).map_err(into_report)
     }
 
-    fn row(&self, answer: Result<Vec<String>, String>, ladder: &[Rung]) -> Row {
+    fn row(&self, answer: Result<Vec<String>, String>, ladder: &[LadderStep]) -> Row {
         let named = answer.as_ref().map_or(&[][..], Vec::as_slice);
         let is_of = |some: &[&str], name: &String| some.contains(&name.as_str());
         let wrong = named.iter().any(|name| !is_of(self.right, name) && !is_of(self.beside, name));
         let ends = ladder.first().zip(ladder.last());
-        let left = |rung: &Rung| rung.validation_unexplained.torque.as_ref().map(|it| it.rms);
+        let remainder =
+            |step: &LadderStep| step.validation_unexplained.torque.as_ref().map(|it| it.rms);
         Row {
             machine: self.folder,
             expected: self.right,
             right: !wrong && named.iter().any(|name| is_of(self.right, name)),
             wrong,
             validation_ratio: ends.map(|(base, end)| end.validation_error / base.validation_error),
-            torque_ratio: ends.and_then(|(base, end)| Some(left(end)? / left(base)?)),
+            torque_ratio: ends.and_then(|(base, end)| Some(remainder(end)? / remainder(base)?)),
             answer,
         }
     }

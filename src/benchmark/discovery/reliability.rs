@@ -57,10 +57,10 @@ impl Bin {
     pub(super) fn line(&self) -> String {
         let mut line = self.right.line();
         if let (Some(mean), Some(share)) = (self.mean, self.right.share()) {
-            let (told, is) = ((WIDTH * mean) as usize, (WIDTH * share) as usize);
+            let (stated, is) = ((WIDTH * mean) as usize, (WIDTH * share) as usize);
             let mut bar: Vec<char> =
                 (0..=WIDTH as usize).map(|k| if k < is { '#' } else { ' ' }).collect();
-            bar[told] = '|';
+            bar[stated] = '|';
             let bar: String = bar.into_iter().collect();
             let _ = write!(line, "  mean {mean:.4}  {}", bar.trim_end());
         }
@@ -82,9 +82,9 @@ mod tests {
             answer.probabilities = vec![(name.to_owned(), p)];
         }
         let bins = reliability(&[right, wrong]);
-        let told = |k: usize| (bins[k].right.hits, bins[k].right.of);
-        assert_eq!(told(ENDS.len() - 2), (1, 1));
-        assert_eq!(told(3), (0, 1));
+        let stated = |k: usize| (bins[k].right.hits, bins[k].right.of);
+        assert_eq!(stated(ENDS.len() - 2), (1, 1));
+        assert_eq!(stated(3), (0, 1));
         assert!(bins[3].line().contains("mean 0.9500"), "{}", bins[3].line());
         assert!(bins[1].mean.is_none());
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::real::Real;
 use super::reliability::{Bin, reliability};
-use super::{Answer, Found, Grade, Group, Noise, Outcome};
+use super::{Discovered, Found, Grade, Group, Noise, Outcome};
 use crate::benchmark::rate::{Bar, Rate};
 
 /// Formulas among which the right one must be.
@@ -202,7 +202,7 @@ fn by_effect(some: &Cases<'_>) -> Vec<Rate> {
 fn medians(named: &Cases<'_>, every: &Cases<'_>) -> Vec<Median> {
     let answers = || named.0.iter().filter_map(|it| it.answer.as_ref().ok());
     let excess = |error: f64| (error * error - 1.0).max(0.0);
-    let removed = |it: &Answer| {
+    let removed = |it: &Discovered| {
         let before = excess(it.validation_before);
         (before > 0.0).then(|| 1.0 - excess(it.validation_after) / before)
     };
@@ -272,7 +272,7 @@ fn unknown(it: &Outcome) -> bool {
 }
 
 /// The form of the hidden law is among the first formulas.
-fn form(it: &Outcome, place: fn(&Answer) -> Option<usize>) -> bool {
+fn form(it: &Outcome, place: fn(&Discovered) -> Option<usize>) -> bool {
     answer(it).and_then(place).is_some_and(|place| place <= FIRST)
 }
 
@@ -281,7 +281,7 @@ fn offered(it: &Outcome) -> bool {
 }
 
 fn all_found(it: &Outcome) -> bool {
-    let found = |kind: &String, said: &Answer| said.sets.iter().any(|set| set.contains(kind));
+    let found = |kind: &String, said: &Discovered| said.sets.iter().any(|set| set.contains(kind));
     answer(it).is_some_and(|said| it.hidden.iter().all(|kind| found(kind, said)))
 }
 
@@ -289,7 +289,7 @@ fn holds(set: &[String], it: &Outcome) -> bool {
     set.iter().any(|id| it.hidden.contains(id))
 }
 
-fn answer(it: &Outcome) -> Option<&Answer> {
+fn answer(it: &Outcome) -> Option<&Discovered> {
     it.answer.as_ref().ok()
 }
 

@@ -2,12 +2,12 @@
 
 use drivescope_discovery::Verdict;
 
-use super::{Answer, Grade, Group, Outcome};
+use super::{Discovered, Grade, Group, Outcome};
 
 /// A case that hides those, and what was named; nothing where the discovery failed.
 pub(super) fn outcome(group: Group, hidden: &[&str], named: Option<&[&str]>) -> Outcome {
     let own = |some: &[&str]| some.iter().map(|it| (*it).to_owned()).collect::<Vec<_>>();
-    let answer = |named: &[&str]| Answer {
+    let answer = |named: &[&str]| Discovered {
         named: own(named),
         sets: own(named).into_iter().map(|it| vec![it]).collect(),
         verdict: if named.is_empty() { Verdict::None } else { Verdict::Named },

@@ -31,7 +31,7 @@ pub(super) struct OfSpeed {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
+struct SpeedBenchmark<'a> {
     #[serde(flatten)]
     speed: &'a Speed,
     bars: &'a [Bar],
@@ -49,9 +49,9 @@ impl Run for OfSpeed {
             let html = speed_html(&speed, &lines);
             output::write_file(path, |out| out.write_all(html.as_bytes()))?;
         }
-        let told: String = bars.iter().map(Bar::line).collect();
-        let answer = Answer { speed: &speed, bars: &bars };
-        session.say(&(text(&speed) + &told), &answer, &Next::new("benchmark discovery"))?;
+        let stated: String = bars.iter().map(Bar::line).collect();
+        let answer = SpeedBenchmark { speed: &speed, bars: &bars };
+        session.say(&(text(&speed) + &stated), &answer, &Next::new("benchmark discovery"))?;
         Ok(Ending::Done)
     }
 }

@@ -8,7 +8,7 @@ use std::process::{ExitStatus, Stdio};
 use drivescope_scenarios::campaign::{Campaign, Plan, Reader, Rows, write_rows};
 
 use super::folder;
-use crate::failure::{Ending, Failure, into_report};
+use crate::failure::{Ending, Failure, Stopped, into_report};
 use crate::interrupt;
 
 /// Runs the scenarios of a range and writes them as that file: what the other process does.
@@ -19,7 +19,7 @@ pub(super) fn part(plan: Plan, file: &Path, range: &Range<u64>) -> miette::Resul
     let campaigns = file.parent().and_then(Path::parent).unwrap_or(Path::new(""));
     let campaign = folder::open(plan, campaigns)?;
     let rows = campaign.run(range.clone(), &|_| interrupt::check().is_err());
-    let rows = rows.ok_or(interrupt::Stopped)?;
+    let rows = rows.ok_or(Stopped)?;
     write_rows(file, &campaign, range, &rows).map_err(into_report)?;
     Ok(Ending::Done)
 }
@@ -40,8 +40,8 @@ pub(super) fn rows(
     let _leftover = interrupt::Leftover::new(work.path());
     let mut rows = Rows::none(campaign.plan());
     // The ranges that are left, the next one last.
-    let mut left = vec![range.clone()];
-    while let Some(range) = left.pop() {
+    let mut remaining = vec![range.clone()];
+    while let Some(range) = remaining.pop() {
         interrupt::check()?;
         let file = work.path().join(format!("{}.parquet", range.start));
         let ended = other_process(plan, &file, &range)?;
@@ -62,7 +62,7 @@ pub(super) fn rows(
             let _ = rows.append(campaign.aborted(range.start));
         } else {
             let middle = range.start + (range.end - range.start) / 2;
-            left.extend([middle..range.end, range.start..middle]);
+            remaining.extend([middle..range.end, range.start..middle]);
         }
     }
     Ok(rows)

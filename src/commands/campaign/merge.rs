@@ -22,7 +22,7 @@ pub(super) struct Merge {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer {
+struct Merged {
     dataset: PathBuf,
     scenarios: u64,
 }
@@ -37,7 +37,7 @@ impl Run for Merge {
         let (dataset, scenarios) = campaign::merge(&self.folder).map_err(into_report)?;
         let text = format!("{scenarios} scenarios: {}\n", dataset.display());
         let next = Next::new("campaign report").with(self.folder.display());
-        session.wrote(&text, &Answer { dataset, scenarios }, &next)?;
+        session.wrote(&text, &Merged { dataset, scenarios }, &next)?;
         Ok(Ending::Done)
     }
 }

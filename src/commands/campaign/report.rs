@@ -13,7 +13,7 @@ use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::output;
 use crate::report::campaign::{campaign_html, rerun, sentence};
-use crate::report::words::{number, percent};
+use crate::report::words::{count, number, percent};
 use crate::session::Session;
 
 /// Sum up a campaign: detection, delays, false alarms, what they depend on, the worst scenarios.
@@ -92,7 +92,7 @@ fn text(summary: &Summary, plan: &str) -> String {
             }
         }
         for worst in &method.worst {
-            let _ = writeln!(text, "  {}: {}", told_worst(worst), rerun(plan, worst.scenario));
+            let _ = writeln!(text, "  {}: {}", worst_in_words(worst), rerun(plan, worst.scenario));
         }
     }
     text
@@ -130,7 +130,7 @@ fn detection(text: &mut String, method: &MethodSummary) {
     }
 }
 
-fn told_worst(worst: &Worst) -> String {
+fn worst_in_words(worst: &Worst) -> String {
     let fault = match (&worst.kind, worst.size) {
         (Some(kind), Some(size)) => format!("{kind} of {}", number(size)),
         (Some(kind), None) => kind.clone(),
@@ -138,7 +138,9 @@ fn told_worst(worst: &Worst) -> String {
     };
     match (worst.what, worst.value) {
         ("late", Some(delay)) => format!("late, {delay:.3} s, {fault}"),
-        ("false_alarms", Some(count)) => format!("{count} false alarms, {fault}"),
+        ("false_alarms", Some(alarms)) => {
+            format!("{}, {fault}", count(alarms as usize, "false alarm"))
+        }
         _ => format!("missed, {fault}"),
     }
 }

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::shard::Shard;
 use super::{careful, folder};
 use crate::claim::Claim;
-use crate::failure::{Ending, Failure, into_report};
+use crate::failure::{Ending, Failure, StoppedPartWay, into_report};
 use crate::interrupt;
 use crate::next::Next;
 use crate::session::Session;
@@ -28,7 +28,7 @@ pub(super) struct How {
 
 /// What is said at the end.
 #[derive(Debug, Serialize)]
-struct Answer {
+struct CampaignRun {
     plan: String,
     plan_digest: String,
     scenarios: u64,
@@ -62,13 +62,13 @@ pub(super) fn run(plan: Plan, file: &Path, how: &How, session: &Session) -> miet
     let scenarios = campaign.plan().scenarios();
     let Whole { parts, damaged } = parts_of(place, Some(&campaign)).map_err(into_report)?;
     let there = missing(&parts, scenarios).map_err(into_report)?;
-    let mut left = Vec::new();
+    let mut remaining = Vec::new();
     let mut of_shard = 0;
     for part in shard.parts(scenarios) {
         of_shard += part.end - part.start;
-        left.extend(there.iter().filter_map(|gap| common(gap, &part)));
+        remaining.extend(there.iter().filter_map(|gap| common(gap, &part)));
     }
-    let open: u64 = left.iter().map(|range| range.end - range.start).sum();
+    let open: u64 = remaining.iter().map(|range| range.end - range.start).sum();
     if !resume && (open < of_shard || !damaged.is_empty()) {
         let what = format!(
             "{}: {} of {of_shard} scenarios are there already{}",
@@ -95,7 +95,7 @@ pub(super) fn run(plan: Plan, file: &Path, how: &How, session: &Session) -> miet
         open,
         aborted: Vec::new(),
     };
-    for range in &left {
+    for range in &remaining {
         work.part(range)?;
     }
     work.bar.finish_and_clear();
@@ -121,7 +121,7 @@ pub(super) fn run(plan: Plan, file: &Path, how: &How, session: &Session) -> miet
             Next::new("campaign merge").with(place.display()),
         ),
     };
-    let answer = Answer {
+    let answer = CampaignRun {
         plan: campaign.plan().name.clone(),
         plan_digest: campaign.plan().digest.clone(),
         scenarios,
@@ -187,17 +187,17 @@ impl Work<'_> {
     fn tell(&mut self) {
         if self.bar.is_hidden() && self.last.elapsed() > LINE_EVERY {
             let rate = self.done as f64 / self.began.elapsed().as_secs_f64();
-            let left = (self.open - self.done) as f64 / rate;
+            let remaining = (self.open - self.done) as f64 / rate;
             self.session.remark(format_args!(
-                "{} of {} scenarios, {rate:.0} a second, {left:.0} s left",
+                "{} of {} scenarios, {rate:.0} a second, {remaining:.0} s left",
                 self.done, self.open
             ));
             self.last = Instant::now();
         }
     }
 
-    fn stopped(&self) -> interrupt::StoppedPartWay {
-        interrupt::StoppedPartWay {
+    fn stopped(&self) -> StoppedPartWay {
+        StoppedPartWay {
             kept: format!(
                 "{} new scenarios are kept in {}, --resume goes on; {DATASET} is not there yet",
                 self.done,

@@ -16,7 +16,6 @@ pub(super) enum ShardError {
     /// A share that is not there.
     #[error("{index}/{of}: shares are numbered from 1 to their number")]
     Range {
-        /// Which.
         index: u64,
         /// Of how many.
         of: u64,

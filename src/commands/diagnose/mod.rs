@@ -16,7 +16,7 @@ use drivescope_recording::Recording;
 
 pub(crate) use self::stream::Stream;
 use super::{RecordingOptions, Run, at_period};
-use crate::answer::diagnose::{Answer, BaselineAnswer};
+use crate::answer::diagnose::{BaselineAnswer, DiagnoseAnswer};
 use crate::answer::text;
 use crate::failure::{Ending, Failure, into_report};
 use crate::next::Next;
@@ -180,7 +180,7 @@ impl Diagnose {
         (name, monitor, stream): (String, Monitor, Option<Stream>),
         baseline: Option<&Recording>,
         session: &Session,
-    ) -> miette::Result<Answer> {
+    ) -> miette::Result<DiagnoseAnswer> {
         let asked = monitor.asked();
         let window = diagnoser.window;
         let Finished { samples, run_up, beyond, machine, methods } = monitor.finish();
@@ -230,7 +230,7 @@ impl Diagnose {
                     .to_owned(),
             });
         }
-        Ok(Answer {
+        Ok(DiagnoseAnswer {
             diagnoser: session.named(&self.diagnoser),
             recording: name,
             samples,
@@ -258,7 +258,7 @@ impl Diagnose {
         recording: &Recording,
         session: &Session,
         mut each: impl FnMut(&Monitor, usize),
-    ) -> miette::Result<Answer> {
+    ) -> miette::Result<DiagnoseAnswer> {
         diagnoser.interface.select(recording).map_err(into_report)?;
         let asked = self.asked(diagnoser, false, session);
         let monitor = self.through(diagnoser, recording, (None, asked), session, &mut each)?;

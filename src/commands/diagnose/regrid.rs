@@ -166,16 +166,16 @@ mod tests {
         let mut regrid = Regrid::new(0.01, vec![false]);
         let mut taken = Vec::new();
         let times = [0.0, 0.01, 0.02, 0.02, 0.015, 0.03, 1.0, 1.01];
-        let told: Vec<_> = times
+        let stated: Vec<_> = times
             .iter()
             .map(|time| {
-                let told = regrid.push(*time, &[*time]);
+                let stated = regrid.push(*time, &[*time]);
                 taken.extend(std::iter::from_fn(|| regrid.next_row()));
-                told
+                stated
             })
             .collect();
-        assert_eq!((told[3], told[4]), (Some(Arrival::Repeated), Some(Arrival::Late)));
-        assert!(matches!(told[6], Some(Arrival::Row { lost: 97, .. })), "{told:?}");
+        assert_eq!((stated[3], stated[4]), (Some(Arrival::Repeated), Some(Arrival::Late)));
+        assert!(matches!(stated[6], Some(Arrival::Row { lost: 97, .. })), "{stated:?}");
         let lost: Vec<usize> = taken.iter().map(|row| row.2).collect();
         assert_eq!(lost, [0, 0, 0, 0, usize::MAX, 0]);
     }

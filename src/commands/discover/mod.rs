@@ -11,7 +11,7 @@ use drivescope_discovery::{Discovery, Error, Evidence, Purpose, Verdict, Watch, 
 use drivescope_plant::drive::Drive;
 
 use super::Run;
-use crate::answer::discover::{Answer, Missing};
+use crate::answer::discover::{DiscoverAnswer, Missing};
 use crate::answer::text;
 use crate::drive_source;
 use crate::drive_text::with_effects;
@@ -102,7 +102,8 @@ impl Search<'_> {
             output::write_file(path, |out| out.write_all(html.as_bytes()))?;
         }
         let written = output.and_then(|path| session.named(path));
-        let answer = Answer::new(self.base, written, &gathered, (&found, missing), session.seed);
+        let answer =
+            DiscoverAnswer::new(self.base, written, &gathered, (&found, missing), session.seed);
         let next = match (output, found.verdict) {
             (Some(output), _) => self.evidence.on(Next::new("compare").files([output])),
             // Signals are mended first; nothing is there to be written.

@@ -33,7 +33,7 @@ pub(super) fn report(
         _ => Some(compared(&found.base)?),
     };
     let steps: Vec<Step> = found.ladder.iter().map(Step::from).collect();
-    let judged = found.ladder.last().map(|rung| rung.validation_error);
+    let judged = found.ladder.last().map(|step| step.validation_error);
     let about = About::new(&found.drive, estimation, &noise[0], judged, doubts, seed);
     // Where the user chose the effect, nobody was asked what is missing.
     let asked = !found.ranking.is_empty() || found.named.is_empty();

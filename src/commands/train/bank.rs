@@ -149,8 +149,8 @@ fn confusions(process: &dyn AnyProcess, runs: &[Vec<Row>], design: &BankDesign) 
     };
     let separable = |(j, it): (usize, &Mechanism)| -> Vec<Separable> {
         let others = set(&with, (j, it)).into_iter().filter_map(|other| {
-            let told = |(of, _): &&(Separation, f64)| !of.confused(j, size(it)).contains(&other);
-            let (_, speed) = through.iter().find(told)?;
+            let stated = |(of, _): &&(Separation, f64)| !of.confused(j, size(it)).contains(&other);
+            let (_, speed) = through.iter().find(stated)?;
             Some(Separable { mechanism: mechanisms[other].id.clone(), speed: *speed })
         });
         others.collect()

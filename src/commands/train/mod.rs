@@ -20,7 +20,7 @@ use crate::answer::text;
 use crate::failure::{Ending, into_report};
 use crate::next::Next;
 use crate::session::Session;
-use crate::{drive_source, interrupt};
+use crate::{drive_source, output};
 
 /// Train a diagnoser on healthy recordings: models, bands and thresholds of one output signal; and, where
 /// recordings of faults are given, a classifier that names them.
@@ -124,11 +124,8 @@ impl Run for Train {
             gmdh: !self.without.contains(&Part::Gmdh),
         };
         let trained = train(&interface, material, &plan, session)?;
-        {
-            let _not_now = interrupt::writing();
-            interrupt::check()?;
-            trained.learned.diagnoser.save(&self.output).map_err(into_report)?;
-        }
+        let file = trained.learned.diagnoser.to_toml().map_err(into_report)?;
+        output::write_file(&self.output, |out| out.write_all(file.as_bytes()))?;
         let answer = trained.answer(session.named(&self.output));
         let next = Next::new("diagnose").files([&self.output]).options(" REC --check");
         session.wrote(&text(&answer.blocks()), &answer, &next)?;

@@ -13,7 +13,7 @@ use drivescope_recording::Recording;
 use super::models::Models;
 use super::{bank, joined};
 use crate::answer::block::Block;
-use crate::answer::train::{Answer, BankAnswer};
+use crate::answer::train::{BankAnswer, TrainAnswer};
 use crate::failure::{Failure, into_report};
 use crate::interrupt;
 use crate::session::Session;
@@ -85,17 +85,16 @@ impl Trained {
     }
 
     /// As an answer of the command.
-    pub(super) fn answer(&self, output: Option<PathBuf>) -> Answer {
+    pub(super) fn answer(&self, output: Option<PathBuf>) -> TrainAnswer {
         let found = (self.faults.as_ref(), self.bank.as_ref());
         let models = (self.compared.as_ref(), self.recurrent_difference);
-        Answer::new(output, &self.learned, found, models)
+        TrainAnswer::new(output, &self.learned, found, models)
     }
 }
 
 /// Recordings at one sampling time.
 #[derive(Debug, Default)]
 pub(crate) struct Material {
-    /// Healthy ones.
     pub(crate) healthy: Vec<Recording>,
     /// Healthy ones in which the input goes through its range.
     pub(crate) excited: Vec<Recording>,

@@ -41,7 +41,7 @@ export class Diagnosis {
   async changed({ target }) {
     if (target.matches("input[type=file]")) { await this.files(target.files, target.dataset.healthy === "true"); target.value = ""; }
     else if (target.dataset.diagnose === "mark") await this.post({ do: "mark", name: target.dataset.name, healthy: target.value === "true" });
-    else if (target.dataset.diagnose === "drive") await this.post({ do: "drive", rung: target.value === "" ? null : Number(target.value) });
+    else if (target.dataset.diagnose === "drive") await this.post({ do: "drive", step: target.value === "" ? null : Number(target.value) });
   }
 
   // Draws again if something changed; what has the keyboard keeps it.

@@ -11,9 +11,9 @@ const mostBytes = Number(document.body.dataset.mostBytes);
 const views = ["loop", "diagnose", "faults"];
 
 // What is looked at, as the address holds it.
-const view = { rung: 0, ghost: null, recording: 0, window: null, view: "loop" };
+const view = { step: 0, ghost: null, recording: 0, window: null, view: "loop" };
 // What the server said last, and what is shown of it.
-const shown = { version: 0, beginning: 0, rungs: 0, html: new Map(), signals: "", within: "", asked: "" };
+const shown = { version: 0, beginning: 0, steps: 0, html: new Map(), signals: "", within: "", asked: "" };
 // Set while a step that this tab asked for is being made: it is gone to when it is there.
 let follow = null;
 
@@ -22,7 +22,7 @@ let follow = null;
 function readAddress() {
   const said = new URLSearchParams(location.hash.slice(1));
   const number = (key) => said.has(key) && Number.isFinite(Number(said.get(key))) ? Number(said.get(key)) : null;
-  view.rung = number("step") ?? 0;
+  view.step = number("step") ?? 0;
   view.ghost = number("beside");
   view.recording = number("recording") ?? 0;
   const from = number("from"), to = number("to");
@@ -33,7 +33,7 @@ function readAddress() {
 function writeAddress() {
   const say = new URLSearchParams();
   if (view.view !== "loop") say.set("view", view.view);
-  if (view.rung) say.set("step", view.rung);
+  if (view.step) say.set("step", view.step);
   if (view.ghost !== null) say.set("beside", view.ghost);
   if (view.recording) say.set("recording", view.recording);
   if (view.window) { say.set("from", Number(view.window[0].toPrecision(8))); say.set("to", Number(view.window[1].toPrecision(8))); }
@@ -66,7 +66,7 @@ async function post(path, body) {
 }
 
 async function act(body) {
-  if (["add", "law", "set", "fit"].includes(body.do)) follow = { from: view.rung, rungs: shown.rungs };
+  if (["add", "law", "set", "fit"].includes(body.do)) follow = { from: view.step, steps: shown.steps };
   if (!await post("do", body)) follow = null;
 }
 
@@ -122,24 +122,24 @@ function listen() {
   events.onmessage = async (event) => {
     const news = JSON.parse(event.data);
     status(news.job);
-    shown.there = news.rungs > 0;
+    shown.there = news.steps > 0;
     if (news.problem) tell(news.problem);
-    if (follow && news.rungs > follow.rungs) {
-      const next = { rung: news.rungs - 1, ghost: follow.from };
+    if (follow && news.steps > follow.steps) {
+      const next = { step: news.steps - 1, ghost: follow.from };
       follow = null;
       await look(next);
     }
     if (!news.job) follow = null;
-    const asked = `${news.recordings} ${news.beginning} ${news.rungs} ${news.asked} ${!!news.job}`;
-    if (asked !== shown.asked || news.rungs !== shown.rungs) {
-      const heard = performance.now(), isFirst = !shown.rungs && news.rungs;
+    const asked = `${news.recordings} ${news.beginning} ${news.steps} ${news.asked} ${!!news.job}`;
+    if (asked !== shown.asked || news.steps !== shown.steps) {
+      const heard = performance.now(), isFirst = !shown.steps && news.steps;
       shown.asked = asked;
       await refresh();
       // From the news that there is something to see until it is seen.
       if (isFirst) painted().then(() => { document.body.dataset.firstViewMs = (performance.now() - heard).toFixed(1); });
     }
     faults.update(news.study + JSON.stringify(news.running));
-    diagnosis.update(`${news.diagnosis} ${news.recordings} ${news.rungs} ${news.beginning}`);
+    diagnosis.update(`${news.diagnosis} ${news.recordings} ${news.steps} ${news.beginning}`);
   };
   events.onerror = () => { if (events.readyState === EventSource.CLOSED) tell("This session is over. Open a new one."); };
 }
@@ -175,21 +175,21 @@ function options(select, names, chosen, none) {
 let turn = 0;
 async function refresh() {
   const mine = ++turn;
-  const asked = new URLSearchParams({ rung: view.rung, recording: view.recording });
+  const asked = new URLSearchParams({ step: view.step, recording: view.recording });
   // Asked for together: the numbers are many.
   const numbers = fetchSignals();
   const answer = await fetch(`${base}pieces?${asked}`).catch(() => null);
   if (!answer?.ok || mine !== turn) return;
   const said = await answer.json();
   if (said.beginning !== shown.beginning) {
-    if (shown.beginning) Object.assign(view, { rung: 0, ghost: null, recording: 0, window: null });
+    if (shown.beginning) Object.assign(view, { step: 0, ghost: null, recording: 0, window: null });
     Object.assign(shown, { beginning: said.beginning, signals: "" });
     writeAddress();
   }
-  shown.rungs = said.rungs.length;
-  const isThere = said.rungs.length > 0;
-  if (isThere && view.rung >= said.rungs.length) return look({ rung: said.rungs.length - 1 });
-  if (view.ghost !== null && view.ghost >= said.rungs.length) view.ghost = null;
+  shown.steps = said.steps.length;
+  const isThere = said.steps.length > 0;
+  if (isThere && view.step >= said.steps.length) return look({ step: said.steps.length - 1 });
+  if (view.ghost !== null && view.ghost >= said.steps.length) view.ghost = null;
   document.body.classList.toggle("begun", said.recordings.length > 0);
   for (const id of ["see", "learn", "add"]) $(id).hidden = !isThere;
   for (const [id, html] of Object.entries(said.pieces)) fill(id, html);
@@ -203,7 +203,7 @@ async function refresh() {
   });
   if (!isThere) return;
   options($("recording"), said.recordings, view.recording);
-  options($("ghost"), said.rungs, view.ghost, "nothing");
+  options($("ghost"), said.steps, view.ghost, "nothing");
   await draw(said.spans ?? [], numbers);
 }
 
@@ -212,8 +212,8 @@ async function refresh() {
 const plots = new Plots($("plots"), (window) => brush(window));
 
 function signalsAsked() {
-  const asked = new URLSearchParams({ rung: view.rung, recording: view.recording });
-  if (view.ghost !== null && view.ghost !== view.rung) asked.set("ghost", view.ghost);
+  const asked = new URLSearchParams({ step: view.step, recording: view.recording });
+  if (view.ghost !== null && view.ghost !== view.step) asked.set("ghost", view.ghost);
   return asked;
 }
 
@@ -276,7 +276,7 @@ async function lookWithin() {
   const mine = ++withinTurn;
   if (!view.window) { fill("within", ""); return; }
   const [from, to] = view.window;
-  const asked = new URLSearchParams({ rung: view.rung, recording: view.recording, from, to });
+  const asked = new URLSearchParams({ step: view.step, recording: view.recording, from, to });
   await new Promise((done) => setTimeout(done, 250));
   if (mine !== withinTurn) return;
   const answer = await fetch(`${base}within?${asked}`);
@@ -318,8 +318,8 @@ let lawTurn = 0;
 async function checkLaw() {
   const mine = ++lawTurn;
   await new Promise((done) => setTimeout(done, 200));
-  if (mine !== lawTurn || !shown.rungs) return;
-  const said = await post(`law?rung=${view.rung}`, law());
+  if (mine !== lawTurn || !shown.steps) return;
+  const said = await post(`law?step=${view.step}`, law());
   if (!said || mine !== lawTurn) return;
   const place = $("law-said");
   form.elements.text.setAttribute("aria-invalid", String(!!said.wrong));
@@ -364,10 +364,10 @@ document.addEventListener("click", async (event) => {
   else if (dataset.do === "column") await act({ do: "column", recording: Number(dataset.recording), column: dataset.column, signal: dataset.signal, unit: dataset.unit });
   else if (["again", "resample"].includes(dataset.do)) await act({ do: dataset.do, recording: Number(dataset.recording) });
   else if (dataset.do === "remove") await act({ do: "remove", recording: Number(dataset.recording) });
-  else if (dataset.do === "add") await act({ do: "add", rung: view.rung, effect: dataset.effect });
-  else if (["fit", "learn"].includes(dataset.do)) await act({ do: dataset.do, rung: view.rung });
+  else if (dataset.do === "add") await act({ do: "add", step: view.step, effect: dataset.effect });
+  else if (["fit", "learn"].includes(dataset.do)) await act({ do: dataset.do, step: view.step });
   else if (dataset.do === "cancel") { status(null); await act({ do: "cancel" }); }
-  else if (dataset.rung) await look({ rung: Number(dataset.rung), ghost: null });
+  else if (dataset.goto) await look({ step: Number(dataset.goto), ghost: null });
   else if (dataset.ghost) await look({ ghost: Number(dataset.ghost) });
   else if (dataset.from) {
     const from = Number(dataset.from), to = Number(dataset.to), room = Math.max(0.5 * (to - from), 0.05);
@@ -400,7 +400,7 @@ document.addEventListener("change", async (event) => {
     const value = Number(target.value.replace("\u2212", "-").replace(",", "."));
     if (target.value.trim() === "" || !Number.isFinite(value)) { tell(`${target.dataset.parameter}: "${target.value}" is no number.`); return; }
     target.blur();
-    await act({ do: "set", rung: view.rung, name: target.dataset.parameter, value });
+    await act({ do: "set", step: view.step, name: target.dataset.parameter, value });
   }
 });
 
@@ -415,7 +415,7 @@ document.addEventListener("submit", async (event) => {
 });
 
 form.addEventListener("input", checkLaw);
-form.addEventListener("submit", async (event) => { event.preventDefault(); await act({ do: "law", rung: view.rung, law: law() }); });
+form.addEventListener("submit", async (event) => { event.preventDefault(); await act({ do: "law", step: view.step, law: law() }); });
 form.closest("details").addEventListener("toggle", checkLaw);
 $("signal-data").addEventListener("toggle", () => { if ($("signal-data").open) tabulate(); });
 // A tab that nobody sees keeps no connection: a browser has few for a server.

@@ -4,70 +4,23 @@
 //! recordings, each healthy or to be watched --> train --> diagnoser --> every watched one: Judged
 //! ```
 
+mod material;
 mod picture;
 mod view;
 mod work;
 
 use std::sync::Arc;
 
-use drivescope_recording::Recording;
 use serde::Deserialize;
 
+pub(super) use material::Diagnosis;
 pub(super) use view::view;
 
 use super::bench::{Bench, State, words};
 use super::recordings::Taken;
-use crate::answer::diagnose::Answer;
-use crate::commands::Trained;
 
 /// Name of the diagnoser on the command lines that do the same.
 pub(super) const FILE: &str = "diagnoser.toml";
-
-/// A recording and what it is for.
-#[derive(Debug, Clone)]
-pub(super) struct Material {
-    /// Its name.
-    pub(super) name: String,
-    /// Its signals.
-    pub(super) recording: Arc<Recording>,
-    /// Whether the machine was healthy, so that it trains.
-    pub(super) healthy: bool,
-    /// What was found in it.
-    judged: Option<Arc<Judged>>,
-}
-
-/// A diagnoser that was trained here.
-#[derive(Debug)]
-pub(super) struct Ready {
-    /// What the training came to.
-    pub(super) trained: Trained,
-    /// Names of the recordings that it was trained on.
-    healthy: Vec<String>,
-    /// The step whose drive it knows.
-    rung: Option<usize>,
-}
-
-/// What a diagnoser found in a recording.
-#[derive(Debug)]
-struct Judged {
-    /// The answer, or why there is none.
-    answer: Result<Answer, String>,
-    /// The figure of it.
-    figure: Option<String>,
-}
-
-/// What a session knows of diagnosing.
-#[derive(Debug, Default)]
-pub(super) struct Diagnosis {
-    /// The recordings.
-    pub(super) material: Vec<Material>,
-    /// The step whose drive the diagnoser is to know.
-    pub(super) rung: Option<usize>,
-    /// The diagnoser.
-    pub(super) ready: Option<Arc<Ready>>,
-    /// Counts the changes.
-    pub(super) changes: u64,
-}
 
 /// What the page asks.
 #[derive(Debug, Deserialize)]
@@ -75,46 +28,27 @@ pub(super) struct Diagnosis {
 pub(super) enum DiagnosisCommand {
     /// Take a recording of the session.
     Take {
-        /// Which.
         recording: usize,
         /// Whether it is healthy.
         healthy: bool,
     },
     /// Say what a recording is for.
     Mark {
-        /// Its name.
         name: String,
         /// Whether it is healthy.
         healthy: bool,
     },
     /// Drop a recording.
-    Remove {
-        /// Its name.
-        name: String,
-    },
+    Remove { name: String },
     /// Choose the step whose drive the diagnoser is to know.
     Drive {
         /// Which; none for a diagnoser that knows no drive.
-        rung: Option<usize>,
+        step: Option<usize>,
     },
     /// Train, and judge what is to be watched.
     Train,
     /// Judge what is to be watched.
     Judge,
-}
-
-impl Diagnosis {
-    /// Takes a recording; the same name again replaces what was there.
-    pub(super) fn take(&mut self, name: String, recording: Arc<Recording>, healthy: bool) {
-        self.material.retain(|it| it.name != name);
-        self.material.push(Material { name, recording, healthy, judged: None });
-        self.changes += 1;
-    }
-
-    fn find(&mut self, name: &str) -> Option<&mut Material> {
-        self.changes += 1;
-        self.material.iter_mut().find(|it| it.name == name)
-    }
 }
 
 /// Takes a file that was dropped.
@@ -177,9 +111,9 @@ impl DiagnosisCommand {
                 state.diagnosis.changes += 1;
                 state.diagnosis.material.retain(|it| it.name != name);
             }),
-            Self::Drive { rung } => bench.change(|state| {
+            Self::Drive { step } => bench.change(|state| {
                 state.diagnosis.changes += 1;
-                state.diagnosis.rung = rung.filter(|rung| *rung < state.rungs.len());
+                state.diagnosis.step = step.filter(|step| *step < state.steps.len());
             }),
             Self::Judge => judge(bench),
             Self::Train => bench

@@ -5,7 +5,7 @@ use drivescope_diagnoser::{DetectorKind, Diagnoser};
 use drivescope_monitor::{Declaration, Method, Monitor};
 use drivescope_recording::Recording;
 
-use crate::answer::diagnose::Answer;
+use crate::answer::diagnose::DiagnoseAnswer;
 use crate::report::plot::{Axis, Dash, Figure, Ink, Layer, Panel, Point, Span, Strip};
 
 const RESIDUAL_HEIGHT: f64 = 150.0;
@@ -66,7 +66,7 @@ impl Traces {
     }
 
     /// The figure.
-    pub(super) fn figure(&self, answer: &Answer, id: &str) -> Figure {
+    pub(super) fn figure(&self, answer: &DiagnoseAnswer, id: &str) -> Figure {
         let (name, unit) = (&*self.output.0, &*self.output.1);
         let line = |label: &str, values: &[f64], first| Layer::Line {
             label: label.to_owned(),

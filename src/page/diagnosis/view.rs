@@ -5,7 +5,8 @@ use maud::{Markup, html};
 use super::super::bench::State;
 use super::super::command_line::file_of;
 use super::super::upload;
-use super::{FILE, Judged, Material, Ready};
+use super::FILE;
+use super::material::{Judged, Material, Ready};
 use crate::answer::block::{Block, Picture, Plot};
 use crate::answer::html;
 use crate::next::Next;
@@ -31,12 +32,12 @@ pub(in crate::page) fn view(state: &State) -> String {
             (of_session(state))
             (materials(&diagnosis.material))
             div.bar {
-                @if !state.rungs.is_empty() {
+                @if !state.steps.is_empty() {
                     label { "It knows the drive of "
                         select #diagnosis-drive data-diagnose="drive" {
-                            option value="" selected[diagnosis.rung.is_none()] { "no step" }
-                            @for (number, rung) in state.rungs.iter().enumerate() {
-                                option value=(number) selected[diagnosis.rung == Some(number)] { (rung.label) }
+                            option value="" selected[diagnosis.step.is_none()] { "no step" }
+                            @for (number, step) in state.steps.iter().enumerate() {
+                                option value=(number) selected[diagnosis.step == Some(number)] { (step.label) }
                             }
                         }
                     }
@@ -44,7 +45,7 @@ pub(in crate::page) fn view(state: &State) -> String {
                 button.add type="button" data-diagnose="train" disabled[!healthy] {
                     @if diagnosis.ready.is_some() { "Train again" } @else { "Train" }
                 }
-                @if state.rungs.is_empty() {
+                @if state.steps.is_empty() {
                     span.note { "Fit a drive under \u{201c}Model and measurement\u{201d} and the \
                         diagnoser can name what failed." }
                 }
@@ -161,8 +162,8 @@ fn watched(number: usize, material: &Material) -> Markup {
 /// What does the same on a command line.
 fn command_lines(ready: &Ready, material: &[Material]) -> Markup {
     let named = ready.healthy.iter().fold(Next::new("train"), |next, name| next.with(name));
-    let drive = ready.rung.iter();
-    let train = drive.fold(named, |next, rung| next.options(" --drive").with(file_of(*rung)));
+    let drive = ready.step.iter();
+    let train = drive.fold(named, |next, step| next.options(" --drive").with(file_of(*step)));
     let train = train.options(" --without recurrent,gmdh -o").with(FILE);
     let mut lines = vec![train.command().to_owned()];
     let watched = material.iter().filter(|it| !it.healthy);

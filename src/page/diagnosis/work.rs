@@ -7,9 +7,10 @@ use drivescope_diagnoser::Diagnoser;
 use drivescope_recording::Recording;
 
 use super::super::bench::State;
-use super::super::job::Progress;
+use super::super::progress::Progress;
+use super::FILE;
+use super::material::{Judged, Material, Ready};
 use super::picture::Traces;
-use super::{FILE, Judged, Material, Ready};
 use crate::commands::{Diagnose, Plan, TrainMaterial, at_period, interface, train};
 use crate::session::Session;
 
@@ -20,9 +21,9 @@ const VERIFIED: usize = 300_000;
 pub(super) fn train_all(progress: &Progress) -> miette::Result<impl FnOnce(&mut State) + use<>> {
     let (material, drive) = {
         let state = progress.bench.state();
-        let rung = state.diagnosis.rung.and_then(|rung| state.rungs.get(rung));
-        let drive = rung.map(|it| (it.text.clone(), it.drive.clone()));
-        (state.diagnosis.material.clone(), state.diagnosis.rung.zip(drive))
+        let step = state.diagnosis.step.and_then(|step| state.steps.get(step));
+        let drive = step.map(|it| (it.text.clone(), it.drive.clone()));
+        (state.diagnosis.material.clone(), state.diagnosis.step.zip(drive))
     };
     let session = Session::silent(progress.bench.seed);
     let healthy: Vec<&Material> = material.iter().filter(|it| it.healthy).collect();
@@ -36,13 +37,13 @@ pub(super) fn train_all(progress: &Progress) -> miette::Result<impl FnOnce(&mut 
         Some(_) => "learning noise and limits of the bank, then the models",
         None => "fitting the models",
     })?;
-    let (rung, drive) = drive.unzip();
+    let (step, drive) = drive.unzip();
     // What takes longest and decides least is left to the command line.
     let plan = Plan { drive, recurrent: false, gmdh: false, verified: VERIFIED, ..Plan::default() };
     let of = TrainMaterial { healthy: recordings, ..TrainMaterial::default() };
     let trained = train(&interface, of, &plan, &session)?;
     let healthy = healthy.iter().map(|it| it.name.clone()).collect();
-    let ready = Arc::new(Ready { trained, healthy, rung });
+    let ready = Arc::new(Ready { trained, healthy, step });
     progress.bench.hand_in(progress.number, |state| {
         state.diagnosis.changes += 1;
         state.diagnosis.ready = Some(Arc::clone(&ready));

@@ -59,8 +59,8 @@ pub(super) fn trace(
     run: usize,
 ) -> Option<String> {
     let picture = pictures.get(run)?;
-    let told = [crate::answer::study::run(study, picture, run)];
-    Some(crate::answer::html::page(&told, &|_| None).into_string())
+    let stated = [crate::answer::study::run(study, picture, run)];
+    Some(crate::answer::html::page(&stated, &|_| None).into_string())
 }
 
 fn detection(results: &Value, traces: Option<&(StudyResults, Vec<Pictures>)>) -> Markup {

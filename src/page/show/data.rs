@@ -19,7 +19,7 @@ pub(super) fn data(state: &State) -> Markup {
         }
         @for fix in &state.fixes { (offer(fix, &state.recordings)) }
         @for (number, taken) in state.recordings.iter().enumerate() {
-            (recording(number, taken, state.rungs.is_empty()))
+            (recording(number, taken, state.steps.is_empty()))
         }
         @if state.recordings.iter().any(|it| it.preview.is_some()) { (unit_lists()) }
         @if state.recordings.len() > 1 && state.recordings.iter().any(|it| it.incomplete.is_some()) {

@@ -15,7 +15,7 @@ use failing::{over_what, when, white};
 
 use super::bench::State;
 use super::command_line::file_of;
-use super::rung::Rung;
+use super::session_step::SessionStep;
 use crate::answer::block::{Block, Key};
 use crate::answer::compare::summary;
 use crate::answer::discover::{Step, ladder};
@@ -24,23 +24,21 @@ use crate::answer::{html, not_told, parameters};
 /// What the browser looks at.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
-    /// The rung.
-    pub(super) rung: usize,
-    /// The recording.
+    pub(super) step: usize,
     pub(super) recording: usize,
 }
 
 /// The pieces, by the places that they fill.
 pub(super) fn pieces(state: &State, view: View) -> BTreeMap<&'static str, String> {
     let mut pieces = BTreeMap::from([("data", data(state).into_string())]);
-    let Some(rung) = state.rungs.get(view.rung) else { return pieces };
-    let found = state.missing.get(&view.rung);
+    let Some(step) = state.steps.get(view.step) else { return pieces };
+    let found = state.missing.get(&view.step);
     let on_page = |blocks: &[Block]| html::page(blocks, &offered);
-    let compared = &rung.compared;
+    let compared = &step.compared;
     let shown = [
-        ("verdict", on_page(&summary(compared, &rung.about))),
+        ("verdict", on_page(&summary(compared, &step.about))),
         ("spans", on_page(&when(compared, view.recording))),
-        ("where", on_page(&over_what(compared, rung.about.motion))),
+        ("where", on_page(&over_what(compared, step.about.motion))),
         ("white", on_page(&white(compared, view.recording))),
         (
             "cards",
@@ -52,9 +50,9 @@ pub(super) fn pieces(state: &State, view: View) -> BTreeMap<&'static str, String
                 },
             },
         ),
-        ("ladder", steps(state, view.rung)),
-        ("parameters", of_step(rung)),
-        ("take", take(view.rung, rung)),
+        ("ladder", steps(state, view.step)),
+        ("parameters", of_step(step)),
+        ("take", take(view.step, step)),
     ];
     pieces.extend(shown.map(|(place, piece)| (place, piece.into_string())));
     pieces
@@ -84,19 +82,19 @@ fn offered(key: &Key) -> Option<Markup> {
         Key::Span { from, to, sentence } => html! {
             button.link type="button" data-from=(from) data-to=(to) { (sentence) }
         },
-        Key::Step(_) | Key::Place(_) => return None,
+        Key::Step(_) | Key::Anchor(_) => return None,
     })
 }
 
-/// Every rung, to go back to, fork and compare.
+/// Every step, to go back to, fork and compare.
 fn steps(state: &State, now: usize) -> Markup {
-    let each = state.rungs.iter().enumerate();
+    let each = state.steps.iter().enumerate();
     let all: Vec<Step> =
-        each.map(|(number, rung)| rung.step(Rung::depth(&state.rungs, number))).collect();
-    html::page(&ladder(state.rungs[now].drive.motion, &all), &|key| match key {
+        each.map(|(number, step)| step.shown(SessionStep::depth(&state.steps, number))).collect();
+    html::page(&ladder(state.steps[now].drive.motion, &all), &|key| match key {
         Key::Step(number) if *number == now => Some(html! { strong { "shown" } }),
         Key::Step(number) => Some(html! {
-            button type="button" data-rung=(number) { "Go to" } " "
+            button type="button" data-step=(number) { "Go to" } " "
             button type="button" data-ghost=(number) { "Compare" }
         }),
         _ => None,
@@ -104,10 +102,10 @@ fn steps(state: &State, now: usize) -> Markup {
 }
 
 /// The parameters of a step, and what the recordings do not tell of them.
-fn of_step(rung: &Rung) -> Markup {
-    let known = rung.parameters.iter().map(|it| (it, String::new()));
+fn of_step(step: &SessionStep) -> Markup {
+    let known = step.parameters.iter().map(|it| (it, String::new()));
     let mut blocks = vec![Block::Heading("Parameters of this step".to_owned()), parameters(known)];
-    blocks.extend(not_told(&rung.not_identifiable));
+    blocks.extend(not_told(&step.not_identifiable));
     html! {
         (html::page(&blocks, &offered))
         p {
@@ -118,20 +116,20 @@ fn of_step(rung: &Rung) -> Markup {
 }
 
 /// What can be taken away.
-fn take(number: usize, rung: &Rung) -> Markup {
+fn take(number: usize, step: &SessionStep) -> Markup {
     html! {
         h3 { "Take it along" }
         p.exports {
-            a.button href={ "take/drive.toml?rung=" (number) } download=(file_of(number)) { "Drive file" }
-            a.button href={ "take/drive.fmu?fmi=2&rung=" (number) } download="drive_fmi2.fmu" { "FMU, FMI 2.0" }
-            a.button href={ "take/drive.fmu?fmi=3&rung=" (number) } download="drive_fmi3.fmu" { "FMU, FMI 3.0" }
-            a.button href={ "take/report.html?rung=" (number) } download="report.html" { "Report" }
+            a.button href={ "take/drive.toml?step=" (number) } download=(file_of(number)) { "Drive file" }
+            a.button href={ "take/drive.fmu?fmi=2&step=" (number) } download="drive_fmi2.fmu" { "FMU, FMI 2.0" }
+            a.button href={ "take/drive.fmu?fmi=3&step=" (number) } download="drive_fmi3.fmu" { "FMU, FMI 3.0" }
+            a.button href={ "take/report.html?step=" (number) } download="report.html" { "Report" }
         }
         p.command {
             "The same on a command line: "
             button type="button" data-copy="command" { "Copy" }
         }
-        pre #command tabindex="0" { (rung.command) }
+        pre #command tabindex="0" { (step.command) }
     }
 }
 

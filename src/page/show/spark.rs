@@ -45,17 +45,17 @@ fn path(column: &ColumnPreview) -> String {
         false => 0.5 * HEIGHT,
     };
     let mut path = String::new();
-    let mut begins = true;
+    let mut is_start = true;
     for (k, (least, greatest)) in column.thinned.iter().enumerate() {
         if least.is_nan() {
-            begins = true;
+            is_start = true;
             continue;
         }
-        let (x, mark) = (k as f64 * across, if begins { 'M' } else { 'L' });
+        let (x, mark) = (k as f64 * across, if is_start { 'M' } else { 'L' });
         let (low, high) = (y(*least), y(*greatest));
         // Writing to a string cannot fail.
         let _ = write!(path, "{mark}{x:.1} {low:.1}L{x:.1} {high:.1}");
-        begins = false;
+        is_start = false;
     }
     path
 }

@@ -63,7 +63,6 @@ pub struct Panel {
 pub enum Layer {
     /// A line through points; a value that is not finite is a gap.
     Line {
-        /// What it is.
         label: String,
         /// The points in the order of x.
         points: Vec<Point>,
@@ -74,7 +73,6 @@ pub enum Layer {
     },
     /// The area between two curves.
     Band {
-        /// What it is.
         label: String,
         /// `(x, lower, upper)` in the order of x; a value that is not finite is a gap.
         points: Vec<(f64, f64, f64)>,
@@ -85,7 +83,6 @@ pub enum Layer {
     Cloud {
         /// What they are.
         name: String,
-        /// The points.
         points: Vec<Point>,
         /// Colour.
         ink: Ink,
@@ -94,7 +91,6 @@ pub enum Layer {
     },
     /// A horizontal line.
     Level {
-        /// What it is.
         label: String,
         /// Its height.
         y: f64,

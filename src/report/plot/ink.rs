@@ -10,7 +10,6 @@ pub enum Ink {
     Text,
     /// Blue (sky blue on dark ground).
     Blue,
-    /// Orange.
     Orange,
     /// Bluish green.
     Green,

@@ -48,11 +48,8 @@ pub enum Mark {
     Bar,
     /// The outline of a bar.
     HollowBar,
-    /// A disc.
     Disc,
-    /// A circle.
     Circle,
-    /// A diamond.
     Diamond,
     /// The outline of a diamond.
     HollowDiamond,
@@ -61,7 +58,6 @@ pub enum Mark {
 /// A value of a series in a row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// A number.
     Number(f64),
     /// No number, and why.
     Missing(String),

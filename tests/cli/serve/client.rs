@@ -23,13 +23,13 @@ pub(super) struct Server {
 
 /// An answer.
 #[derive(Debug)]
-pub(super) struct Answer {
+pub(super) struct Response {
     pub(super) status: u16,
     pub(super) head: String,
     pub(super) body: String,
 }
 
-impl Answer {
+impl Response {
     /// A header of the answer.
     pub(super) fn header(&self, name: &str) -> Option<&str> {
         let pairs = self.head.lines().filter_map(|line| line.split_once(": "));
@@ -71,7 +71,7 @@ impl Server {
     }
 
     /// Sends a request with these headers, and no others.
-    pub(super) fn send(&self, method: &str, path: &str, headers: &[&str], body: &[u8]) -> Answer {
+    pub(super) fn send(&self, method: &str, path: &str, headers: &[&str], body: &[u8]) -> Response {
         let mut stream = TcpStream::connect(&self.host).expect("it listens");
         stream.set_read_timeout(Some(PATIENCE)).expect("a time");
         let mut text = format!("{method} {path} HTTP/1.1\r\nConnection: close\r\n");
@@ -87,17 +87,17 @@ impl Server {
         let answer = String::from_utf8_lossy(&answer).into_owned();
         let (head, body) = answer.split_once("\r\n\r\n").unwrap_or((&answer, ""));
         let status = head.split(' ').nth(1).and_then(|it| it.parse().ok()).unwrap_or(0);
-        Answer { status, head: head.to_owned(), body: body.to_owned() }
+        Response { status, head: head.to_owned(), body: body.to_owned() }
     }
 
     /// Reads, as the page does.
-    pub(super) fn get(&self, path: &str) -> Answer {
+    pub(super) fn get(&self, path: &str) -> Response {
         let (host, cookie) = (format!("Host: {}", self.host), format!("Cookie: {}", self.cookie));
         self.send("GET", path, &[&host, &cookie], b"")
     }
 
     /// Sends, as the page does.
-    pub(super) fn post(&self, path: &str, body: &[u8]) -> Answer {
+    pub(super) fn post(&self, path: &str, body: &[u8]) -> Response {
         let (host, cookie) = (format!("Host: {}", self.host), format!("Cookie: {}", self.cookie));
         let origin = format!("Origin: http://{}", self.host);
         let kind = "Content-Type: application/json";
@@ -112,7 +112,7 @@ impl Server {
     }
 
     /// Waits until nothing is being done in the session, and gives its last event.
-    pub(super) fn rest(&self, session: &str) -> serde_json::Value {
+    pub(super) fn settled(&self, session: &str) -> serde_json::Value {
         let stream = TcpStream::connect(&self.host).expect("it listens");
         stream.set_read_timeout(Some(PATIENCE)).expect("a time");
         let (host, cookie) = (&self.host, &self.cookie);

@@ -35,7 +35,7 @@ fn recorded(here: &Path) {
 
 /// The command line of a step, as a person copies it.
 fn command(server: &Server, session: &str, step: usize) -> String {
-    let pieces = server.get(&format!("{session}pieces?rung={step}")).json();
+    let pieces = server.get(&format!("{session}pieces?step={step}")).json();
     let html = pieces["pieces"]["take"].as_str().expect("HTML").to_owned();
     let html = scraper::Html::parse_fragment(&html);
     let place = scraper::Selector::parse("#command").expect("a selector");
@@ -52,12 +52,12 @@ fn the_same_on_a_command_line_is_the_same() {
         let bytes = std::fs::read(here.path().join(name)).unwrap_or_else(|_| MODEL.into());
         let answer = server.post(&format!("{session}file?name={name}"), &bytes);
         assert_eq!(answer.status, 204, "{name}: {answer:?}");
-        server.rest(&session);
+        server.settled(&session);
     };
     let tell = |command: &str| {
         let answer = server.post(&format!("{session}do"), command.as_bytes());
         assert_eq!(answer.status, 204, "{command}: {answer:?}");
-        server.rest(&session)["problem"].clone()
+        server.settled(&session)["problem"].clone()
     };
     let right = |command: &str| assert_eq!(tell(command), serde_json::Value::Null, "{command}");
     ["model.toml", "one.csv", "two.csv"].into_iter().for_each(send);
@@ -68,11 +68,11 @@ fn the_same_on_a_command_line_is_the_same() {
         let is = format!(r#""column":"{column}","signal":"{signal}","unit":"{unit}""#);
         tell(&format!(r#"{{"do":"column","recording":1,{is}}}"#));
     }
-    right(r#"{"do":"add","rung":0,"effect":"cogging"}"#);
+    right(r#"{"do":"add","step":0,"effect":"cogging"}"#);
     let law = r#"{"target":"torque","text":"-c * omega * abs(omega)","coefficients":"c = 1e-7"}"#;
-    right(&format!(r#"{{"do":"law","rung":1,"law":{law}}}"#));
-    right(r#"{"do":"set","rung":0,"name":"R","value":2.3}"#);
-    right(r#"{"do":"fit","rung":3}"#);
+    right(&format!(r#"{{"do":"law","step":1,"law":{law}}}"#));
+    right(r#"{"do":"set","step":0,"name":"R","value":2.3}"#);
+    right(r#"{"do":"fit","step":3}"#);
 
     // Another folder: what was said on the page is known from the commands alone.
     let shell = folder();
@@ -93,7 +93,7 @@ fn the_same_on_a_command_line_is_the_same() {
             .expect("a shell");
         assert!(ran.status.success(), "{typed}\n{}", String::from_utf8_lossy(&ran.stderr));
         let own = std::fs::read_to_string(shell.path().join(format!("step-{step}.toml")));
-        let page = server.get(&format!("{session}take/drive.toml?rung={step}")).body;
+        let page = server.get(&format!("{session}take/drive.toml?step={step}")).body;
         assert_eq!(own.expect("it was written"), page, "{typed}");
     }
 }

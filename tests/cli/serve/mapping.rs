@@ -22,7 +22,7 @@ fn log(header: &str, row: impl Fn(f64, f64, f64) -> String) -> String {
 
 /// The pieces of a page at rest, but for the box with the command line.
 fn shown(server: &Server, session: &str) -> (String, Value) {
-    let news = server.rest(session);
+    let news = server.settled(session);
     let pieces = server.get(&format!("{session}pieces")).json();
     let pieces = pieces["pieces"].as_object().expect("pieces").clone();
     let shown = pieces.into_iter().filter(|it| it.0 != "take").map(|it| it.1.to_string());
@@ -83,7 +83,7 @@ fn what_cannot_be_read_as_it_stands_is_completed_and_no_option_is_named() {
         let answer = server.post(&format!("{session}file?name=log.csv"), text.as_bytes());
         assert_eq!(answer.status, 204, "{case}: {answer:?}");
         let (html, news) = shown(&server, &session);
-        assert_eq!((&news["problem"], &news["rungs"]), (&Value::Null, &0.into()), "{case}");
+        assert_eq!((&news["problem"], &news["steps"]), (&Value::Null, &0.into()), "{case}");
         assert!(html.contains("log.csv is to be completed."), "{case}: {html}");
         assert!(html.contains(way_out), "{case}: {html}");
         assert!(
@@ -155,7 +155,7 @@ fn a_named_file_is_mapped_in_words_and_what_was_said_is_kept() {
     let before = shown(&server, &session).0;
     assert_eq!(tell("Welle", "omega", "rpm").status, 204);
     let (html, news) = shown(&server, &session);
-    assert_eq!((&news["problem"], &news["rungs"]), (&Value::Null, &1.into()), "{news}");
+    assert_eq!((&news["problem"], &news["steps"]), (&Value::Null, &1.into()), "{news}");
     assert!(before.contains("rad/s") && before != html, "the values changed");
     assert!(html.contains("Kept in log.csv.columns.toml"), "{html}");
     no_option(&html);
@@ -170,7 +170,7 @@ fn a_named_file_is_mapped_in_words_and_what_was_said_is_kept() {
     let again = Server::open(here.path(), &["log.csv"]);
     let session = again.session();
     let (html, news) = shown(&again, &session);
-    assert_eq!((&news["problem"], &news["rungs"]), (&Value::Null, &1.into()), "{news}");
+    assert_eq!((&news["problem"], &news["steps"]), (&Value::Null, &1.into()), "{news}");
     assert!(html.contains("As kept in log.csv.columns.toml"), "{html}");
     let take = again.get(&format!("{session}pieces")).json();
     let take = take["pieces"]["take"].as_str().expect("HTML").to_owned();

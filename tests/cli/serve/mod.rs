@@ -177,7 +177,7 @@ fn sessions_of_others_and_wrong_commands_are_refused() {
     let session = server.session();
     assert_eq!(server.get("/b/0123456789abcdef0123456789abcdef/").status, 404);
     assert_eq!(server.get("/b/0123456789abcdef0123456789abcdef/pieces").status, 404);
-    for command in [r#"{"do":"add","rung":7,"effect":"cogging"}"#, r#"{"do":"example","id":"no"}"#]
+    for command in [r#"{"do":"add","step":7,"effect":"cogging"}"#, r#"{"do":"example","id":"no"}"#]
     {
         let answer = server.post(&format!("{session}do"), command.as_bytes());
         assert_eq!(answer.status, 422, "{command}: {answer:?}");

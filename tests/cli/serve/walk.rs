@@ -3,9 +3,9 @@
 use super::client::Server;
 use crate::{done, folder};
 
-fn rungs(server: &Server, session: &str) -> usize {
+fn steps(server: &Server, session: &str) -> usize {
     let pieces = server.get(&format!("{session}pieces")).json();
-    pieces["rungs"].as_array().expect("a list").len()
+    pieces["steps"].as_array().expect("a list").len()
 }
 
 #[test]
@@ -18,7 +18,7 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
         assert_eq!(answer.status, 204, "{command}: {answer:?}");
     };
     tell(r#"{"do":"example","id":"hidden"}"#);
-    let news = server.rest(&session);
+    let news = server.settled(&session);
     assert_eq!(news["problem"], serde_json::Value::Null, "{news}");
     let pieces = server.get(&format!("{session}pieces")).json();
     let piece = |name: &str| pieces["pieces"][name].as_str().expect("HTML").to_owned();
@@ -29,10 +29,10 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
     // The law, the curve that convicts, the button.
     assert!(cards.contains("missing torque [N m]") && cards.contains("Add cogging"), "{cards}");
 
-    tell(r#"{"do":"add","rung":0,"effect":"cogging"}"#);
-    let news = server.rest(&session);
-    assert_eq!((&news["rungs"], &news["problem"]), (&2.into(), &serde_json::Value::Null), "{news}");
-    let pieces = server.get(&format!("{session}pieces?rung=1")).json();
+    tell(r#"{"do":"add","step":0,"effect":"cogging"}"#);
+    let news = server.settled(&session);
+    assert_eq!((&news["steps"], &news["problem"]), (&2.into(), &serde_json::Value::Null), "{news}");
+    let pieces = server.get(&format!("{session}pieces?step=1")).json();
     let ladder = pieces["pieces"]["ladder"].as_str().expect("HTML").to_owned();
     let html = scraper::Html::parse_fragment(&ladder);
     let cell = scraper::Selector::parse("tr[data-step='1'] td").expect("a selector");
@@ -43,12 +43,12 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
     assert!(errors.len() == 2 && errors.iter().all(|error| *error < 1.1), "{errors:?}");
     assert!(pieces["pieces"]["cards"].as_str().is_some_and(|it| it.contains("Nothing is missing")));
 
-    let file = server.get(&format!("{session}take/drive.toml?rung=1"));
+    let file = server.get(&format!("{session}take/drive.toml?step=1"));
     assert!(file.body.contains("kind = \"cogging\""), "{file:?}");
     assert!(file.header("content-disposition").is_some_and(|it| it.contains("step-1.toml")));
-    let fmu = server.get(&format!("{session}take/drive.fmu?rung=1&fmi=3"));
+    let fmu = server.get(&format!("{session}take/drive.fmu?step=1&fmi=3"));
     assert!(fmu.status == 200 && fmu.body.starts_with("PK"), "{}", fmu.head);
-    let report = server.get(&format!("{session}take/report.html?rung=1"));
+    let report = server.get(&format!("{session}take/report.html?step=1"));
     let report = scraper::Html::parse_document(&report.body);
     assert!(report.errors.is_empty(), "{:?}", report.errors);
     let ids = scraper::Selector::parse("[id]").expect("a selector");
@@ -59,20 +59,20 @@ fn the_hidden_effect_is_found_added_and_taken_along() {
     assert_eq!(ids.len(), all, "every id is one of a kind");
 
     // A fork from the base, by hand, then a typed law.
-    tell(r#"{"do":"set","rung":0,"name":"R","value":2.3}"#);
-    server.rest(&session);
+    tell(r#"{"do":"set","step":0,"name":"R","value":2.3}"#);
+    server.settled(&session);
     let law = r#"{"target":"torque","text":"-c * omega * abs(omega)","coefficients":"c"}"#;
-    let said = server.post(&format!("{session}law?rung=0"), law.as_bytes()).json();
+    let said = server.post(&format!("{session}law?step=0"), law.as_bytes()).json();
     assert!(said["html"].as_str().is_some_and(|it| it.contains("Understood")), "{said}");
     let wrong = law.replace("omega)", "speed)");
-    let said = server.post(&format!("{session}law?rung=0"), wrong.as_bytes()).json();
+    let said = server.post(&format!("{session}law?step=0"), wrong.as_bytes()).json();
     assert_eq!(said["wrong"]["at"], 17, "{said}");
-    tell(&format!(r#"{{"do":"law","rung":0,"law":{law}}}"#));
-    let news = server.rest(&session);
-    assert_eq!((&news["rungs"], &news["problem"]), (&4.into(), &serde_json::Value::Null), "{news}");
-    let file = server.get(&format!("{session}take/drive.toml?rung=3"));
+    tell(&format!(r#"{{"do":"law","step":0,"law":{law}}}"#));
+    let news = server.settled(&session);
+    assert_eq!((&news["steps"], &news["problem"]), (&4.into(), &serde_json::Value::Null), "{news}");
+    let file = server.get(&format!("{session}take/drive.toml?step=3"));
     assert!(file.body.contains("omega * abs(omega)"), "{file:?}");
-    let file = server.get(&format!("{session}take/drive.toml?rung=2"));
+    let file = server.get(&format!("{session}take/drive.toml?step=2"));
     assert!(file.body.contains("R = 2.3 "), "{file:?}");
 }
 
@@ -85,10 +85,10 @@ fn a_window_over_what_is_fitted_and_what_judges_has_two_errors() {
     done(here.path(), &[&simulate[..], &["-o", "one.csv", "--quiet"]].concat());
     let server = Server::open(here.path(), &[MACHINE, "one.csv"]);
     let session = server.session();
-    server.rest(&session);
+    server.settled(&session);
     // The last third of a single recording is held out.
     let error = |from: f64, to: f64| {
-        let path = format!("{session}within?rung=0&recording=0&from={from}&to={to}");
+        let path = format!("{session}within?step=0&recording=0&from={from}&to={to}");
         let html = server.get(&path).json()["html"].as_str().expect("HTML").to_owned();
         let error = html.split("Its error is ").nth(1).and_then(|it| it.split(", in units").next());
         error.expect("it is told").to_owned()
@@ -112,15 +112,15 @@ fn work_can_be_cancelled_and_sessions_do_not_mix() {
     assert_eq!(tell(&one, r#"{"do":"example","id":"hidden"}"#), 204);
     assert_eq!(tell(&two, r#"{"do":"example","id":"complete"}"#), 204);
     // One thing at a time in a session; another session is free.
-    assert_eq!(tell(&one, r#"{"do":"learn","rung":0}"#), 422);
+    assert_eq!(tell(&one, r#"{"do":"learn","step":0}"#), 422);
     assert_eq!(tell(&one, r#"{"do":"cancel"}"#), 204);
-    assert!(server.rest(&one)["job"].is_null());
-    let before = rungs(&server, &one);
-    let news = server.rest(&two);
-    assert_eq!(news["rungs"], 1, "{news}");
+    assert!(server.settled(&one)["job"].is_null());
+    let before = steps(&server, &one);
+    let news = server.settled(&two);
+    assert_eq!(news["steps"], 1, "{news}");
     let cards = server.get(&format!("{two}pieces")).json()["pieces"]["cards"].to_string();
     assert!(cards.contains("Nothing is missing"), "{cards}");
-    assert_eq!(rungs(&server, &one), before, "what was cancelled changes nothing later");
+    assert_eq!(steps(&server, &one), before, "what was cancelled changes nothing later");
 }
 
 #[test]
@@ -129,8 +129,8 @@ fn signals_come_as_numbers() {
     let server = Server::open(here.path(), &[]);
     let session = server.session();
     server.post(&format!("{session}do"), br#"{"do":"example","id":"complete"}"#);
-    server.rest(&session);
-    let answer = server.get(&format!("{session}signals?rung=0&recording=1&points=400"));
+    server.settled(&session);
+    let answer = server.get(&format!("{session}signals?step=0&recording=1&points=400"));
     assert_eq!(answer.status, 200, "{}", answer.head);
     let from = answer.body.find('{').expect("a head");
     let to = answer.body.find("]}").expect("an end") + 2;
@@ -139,6 +139,6 @@ fn signals_come_as_numbers() {
     let columns = head["columns"].as_array().expect("columns");
     assert_eq!(columns.len(), 1 + 2 * 4);
     assert_eq!(columns[1], serde_json::json!({"output": "i", "unit": "A", "role": "measured"}));
-    assert_eq!(server.get(&format!("{session}signals?rung=0&recording=2")).status, 422);
-    assert_eq!(server.get(&format!("{session}signals?rung=1")).status, 422);
+    assert_eq!(server.get(&format!("{session}signals?step=0&recording=2")).status, 422);
+    assert_eq!(server.get(&format!("{session}signals?step=1")).status, 422);
 }

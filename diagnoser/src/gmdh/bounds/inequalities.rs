@@ -70,8 +70,8 @@ impl Equations {
                 offset: offset / multiple,
             };
             let above = high.is_finite().then(|| shared(frame.half_space(r, high)));
-            let turned: Vec<f64> = r.iter().map(|r| -r).collect();
-            let below = low.is_finite().then(|| shared(frame.half_space(&turned, -low)));
+            let negated: Vec<f64> = r.iter().map(|r| -r).collect();
+            let below = low.is_finite().then(|| shared(frame.half_space(&negated, -low)));
             above.into_iter().chain(below)
         };
         self.iter().flat_map(both).collect()

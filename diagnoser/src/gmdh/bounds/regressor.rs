@@ -12,7 +12,6 @@ pub enum BoundError {
     Empty {
         /// Recording of the design data, from 0.
         recording: usize,
-        /// Sample in it.
         sample: usize,
     },
     /// The data leave a direction of the parameters free.

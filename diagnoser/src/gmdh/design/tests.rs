@@ -175,8 +175,8 @@ fn unusable_designs_are_refused() {
         design(&[data(&run)], &none).unwrap_err(),
         RobustError::Inflation { inflation: 0.9 }
     );
-    let turned = BoundOptions { given: Some([1.0, -1.0]), ..good };
-    let refusal = design(&[data(&run)], &turned).unwrap_err();
+    let reversed = BoundOptions { given: Some([1.0, -1.0]), ..good };
+    let refusal = design(&[data(&run)], &reversed).unwrap_err();
     assert_eq!(refusal, RobustError::Noise { lower: 1.0, upper: -1.0 });
     let tight = BoundOptions { given: Some([-1e-3, 1e-3]), ..good };
     let refusal = design(&[data(&run)], &tight).unwrap_err();

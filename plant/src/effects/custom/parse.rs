@@ -42,7 +42,6 @@ pub enum LawError {
     Name {
         /// Byte position.
         at: usize,
-        /// The name.
         name: String,
         /// The variables there are.
         variables: String,

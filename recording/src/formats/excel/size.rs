@@ -95,9 +95,9 @@ mod tests {
     fn repetitions_are_counted_before_they_are_made() {
         let counted = |text: &str| {
             let mut budget = Budget::new("a.ods");
-            let before = budget.left();
+            let before = budget.remaining();
             cells(text.as_bytes(), "a.ods", &mut budget)?;
-            Ok::<_, Error>((before - budget.left()) as u64 / CELL)
+            Ok::<_, Error>((before - budget.remaining()) as u64 / CELL)
         };
         let row = |rows: &str, cell: &str| {
             format!(

@@ -74,9 +74,9 @@ impl HiddenLaw {
             row
         };
         let all: Vec<Vec<f64>> = (0..places.len()).map(with).collect();
-        let (of_base, left) = (rest(&lost, &base)?, rest(&lost, &all)?);
+        let (of_base, remainder) = (unexplained(&lost, &base)?, unexplained(&lost, &all)?);
         let size = lost.iter().map(|it| it * it).sum::<f64>().sqrt();
-        Some(Distance { of_law: left / size, of_rest: left / of_base })
+        Some(Distance { of_law: remainder / size, of_rest: remainder / of_base })
     }
 
     /// Where the machine goes under the voltage of a recording: `[i, omega, theta, u, t]`.
@@ -101,7 +101,7 @@ impl HiddenLaw {
 }
 
 /// Root of the sum of squares of what columns, row by row, leave of values.
-fn rest(values: &[f64], rows: &[Vec<f64>]) -> Option<f64> {
+fn unexplained(values: &[f64], rows: &[Vec<f64>]) -> Option<f64> {
     let columns = rows.first()?.len();
     let mut regression = Regression::new(columns);
     for (row, value) in rows.iter().zip(values) {

@@ -23,15 +23,15 @@ pub(super) const HIDDEN: [Hide; 15] = [
         vec![("T_d", sign(r) * 0.4 * m.t_c), ("B_d", 0.0), ("tau", r.random_range(4.0..8.0))]
     }),
     ("cogging", |m, r| {
-        let (a, b) = turned(r, 0.08 * m.torque());
+        let (a, b) = at_any_phase(r, 0.08 * m.torque());
         vec![("N", [2.0, 3.0, 4.0, 6.0, 8.0, 12.0][r.random_range(0..6)]), ("a", a), ("b", b)]
     }),
     ("unbalance", |m, r| {
-        let (a, b) = turned(r, 0.08 * m.torque());
+        let (a, b) = at_any_phase(r, 0.08 * m.torque());
         vec![("a", a), ("b", b)]
     }),
     ("torque_ripple", |_, r| {
-        let (a, b) = turned(r, 0.05);
+        let (a, b) = at_any_phase(r, 0.05);
         vec![("N", [2.0, 3.0, 4.0, 6.0, 8.0][r.random_range(0..5)]), ("a", a), ("b", b)]
     }),
     ("saturation", |m, _| vec![("c", 0.15 / (0.2 * m.volts / m.r).powi(2))]),
@@ -45,7 +45,7 @@ pub(super) const HIDDEN: [Hide; 15] = [
     }),
     ("speed_sensor_lag", |_, r| vec![("tau", r.random_range(0.006..0.012))]),
     ("tacho_eccentricity", |_, r| {
-        let (a, b) = turned(r, 0.02);
+        let (a, b) = at_any_phase(r, 0.02);
         vec![("a", a), ("b", b)]
     }),
     ("current_offset", |m, r| vec![("i_0", sign(r) * 0.08 * m.amps)]),
@@ -67,7 +67,7 @@ pub(super) fn sign(random: &mut Pcg64) -> f64 {
 }
 
 /// An amplitude in a random phase.
-fn turned(random: &mut Pcg64, amplitude: f64) -> (f64, f64) {
+fn at_any_phase(random: &mut Pcg64, amplitude: f64) -> (f64, f64) {
     let (sin, cos) = random.random_range(0.0..std::f64::consts::TAU).sin_cos();
     (amplitude * cos, amplitude * sin)
 }

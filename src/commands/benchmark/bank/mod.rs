@@ -41,7 +41,7 @@ pub(super) struct OfBank {
 }
 
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
+struct BankBenchmark<'a> {
     #[serde(flatten)]
     trials: &'a Trials,
     /// The same with further designs.
@@ -88,7 +88,7 @@ impl Run for OfBank {
         let text = text::text(&found, &bars);
         let next = Next::new("benchmark detection");
         let Some((trials, further)) = found.split_first() else { return Ok(Ending::Done) };
-        session.say(&text, &Answer { trials, further, bars }, &next)?;
+        session.say(&text, &BankBenchmark { trials, further, bars }, &next)?;
         Ok(Ending::Done)
     }
 }

@@ -59,7 +59,7 @@ const LEAST_IN_TIME: f64 = 0.95;
 const MOST_OFF_BETA: f64 = 0.005;
 
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
+struct DetectionBenchmark<'a> {
     #[serde(flatten)]
     parity: &'a Parity,
     /// The same with further designs.
@@ -121,7 +121,11 @@ impl Run for OfDetection {
         text.push('\n');
         text.extend(bars.iter().map(Bar::line));
         let next = Next::new("benchmark isolation");
-        session.say(&text, &Answer { parity, further, curves: curves.as_ref(), bars }, &next)?;
+        session.say(
+            &text,
+            &DetectionBenchmark { parity, further, curves: curves.as_ref(), bars },
+            &next,
+        )?;
         Ok(Ending::Done)
     }
 }

@@ -14,7 +14,7 @@ use crate::run::Runner;
 const TOP: f64 = 0.998;
 
 /// Signals of one recording, one value a sample, 0 between the pieces.
-pub(super) struct Path {
+pub(super) struct DriveMotion {
     /// Current, A (force-driven: the command).
     pub(super) i: Vec<f64>,
     /// Speed, rad/s (m/s).
@@ -37,7 +37,7 @@ pub(super) struct Path {
     pub(super) force: bool,
 }
 
-impl Path {
+impl DriveMotion {
     pub(super) fn new(case: &Case<'_>, place: usize) -> Self {
         let measured = case.measured;
         let zeros = || vec![0.0; measured.len()];
@@ -101,8 +101,8 @@ pub(super) struct Scales {
 }
 
 impl Scales {
-    pub(super) fn new(paths: &[Path], inertia: f64) -> Self {
-        let top = |signal: fn(&Path) -> &Vec<f64>| {
+    pub(super) fn new(paths: &[DriveMotion], inertia: f64) -> Self {
+        let top = |signal: fn(&DriveMotion) -> &Vec<f64>| {
             quantile(paths.iter().flat_map(|path| signal(path).iter().map(|v| v.abs())), TOP)
         };
         Self {
@@ -138,7 +138,7 @@ mod tests {
         drive.motor.tie_k = false;
         let recording = bench(&drive, 2.0, 0.001);
         let rig = Rig::new(drive, &recording, &[0.01, 0.3], 0.0);
-        let path = Path::new(&rig.case(), 0);
+        let path = DriveMotion::new(&rig.case(), 0);
         let omega = &recording.signal("omega").expect("it is there").values;
         let top = omega.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
         // The accuracy that the pace of an estimate keeps.
@@ -147,8 +147,8 @@ mod tests {
             assert!((found - shown).abs() < PACED * top, "{found} against {shown}");
         }
         assert!(path.direction.contains(&0.0) && path.direction.contains(&-1.0));
-        let turned = (1..path.len()).find(|k| path.direction[*k] * path.direction[k - 1] < 0.0);
-        if let Some(k) = turned {
+        let reversal = (1..path.len()).find(|k| path.direction[*k] * path.direction[k - 1] < 0.0);
+        if let Some(k) = reversal {
             assert!(path.since[k] <= path.omega[k].abs() * path.period_s * 1.001);
         }
     }

@@ -12,12 +12,12 @@ const STANDS: f64 = 0.1;
 /// anything of the machine that a baseline in motion could be held against. An output that does not
 /// fall to rest is judged all the same: a sensor may be stuck.
 #[derive(Debug, Clone, Default)]
-pub struct Rest {
+pub struct Standstill {
     /// Samples since the inputs overcome no friction.
     inside: usize,
 }
 
-impl Rest {
+impl Standstill {
     /// Takes a sample; whether it is one at rest. `window` is the length of a window, samples.
     pub fn step(
         &mut self,
@@ -35,7 +35,7 @@ impl Rest {
     }
 }
 
-impl Memory for Rest {
+impl Memory for Standstill {
     fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
         self.inside.walk(walk)
     }
@@ -47,8 +47,8 @@ mod tests {
 
     #[test]
     fn a_drive_runs_down_and_stands_and_a_stuck_sensor_does_not() {
-        let model = Lag { left: 0.9, constant: 0.0, gains: vec![10.0], zones: vec![2.0] };
-        let mut rest = Rest::default();
+        let model = Lag { pole: 0.9, constant: 0.0, gains: vec![10.0], zones: vec![2.0] };
+        let mut rest = Standstill::default();
         assert!(!rest.step(&model, [3.0].into_iter(), 10.0, 50));
         let run_down = |k: usize| 10.0 * 0.9_f64.powi(k as i32);
         assert!((0..500).all(|k| rest.step(&model, [0.0].into_iter(), run_down(k), 50)));

@@ -1,4 +1,4 @@
-//! A rung of the ladder: a drive, how well it explains the recordings, and what it lacks.
+//! A step of the ladder: a drive, how well it explains the recordings, and what it lacks.
 
 use drivescope_discovery::compare::Comparison;
 use drivescope_discovery::{BothUnexplained, Estimate, NotIdentifiable, OutputFits, Setting};
@@ -9,14 +9,13 @@ use crate::answer::discover::Step;
 
 /// A step of the user's way.
 #[derive(Debug)]
-pub(super) struct Rung {
-    /// The rung that it was made from.
+pub(super) struct SessionStep {
+    /// The step that it was made from.
     pub(super) parent: Option<usize>,
     /// What was done.
     pub(super) label: String,
     /// The command line that does the same.
     pub(super) command: String,
-    /// The drive.
     pub(super) drive: Drive,
     /// Its drive file.
     pub(super) text: String,
@@ -40,9 +39,9 @@ pub(super) struct Rung {
     pub(super) about: About,
 }
 
-impl Rung {
+impl SessionStep {
     /// As a step of a ladder that stands so deep.
-    pub(super) fn step(&self, depth: usize) -> Step {
+    pub(super) fn shown(&self, depth: usize) -> Step {
         Step {
             label: self.label.clone(),
             unexplained: self.unexplained,
@@ -53,7 +52,7 @@ impl Rung {
         }
     }
 
-    /// Rungs above that one.
+    /// Steps above that one.
     pub(super) fn depth(all: &[std::sync::Arc<Self>], mut of: usize) -> usize {
         let mut depth = 0;
         while let Some(parent) = all[of].parent {

@@ -4,7 +4,9 @@
 //! voltage or a share of the flux, perhaps with the sign of the motion (friction) or the current
 //! (a resistance) as a factor. Its responses are those to known series along the run, so one
 //! linear step tells how much of the residual a law of that kind could take away. It judges the
-//! shape of a candidate, and is the answer where nobody knows the law.
+//! shape of a candidate, and is the answer where nobody knows the law. None goes over the acceleration:
+//! that is what comes of the torques, and such a curve takes what a sensor shows a few milliseconds
+//! late for a cause.
 
 use std::f64::consts::TAU;
 
@@ -29,8 +31,6 @@ pub(crate) struct Trajectory {
     pub(crate) speed: Vec<f64>,
     /// Position, rad (m): measured where it is.
     pub(crate) position: Vec<f64>,
-    /// Acceleration, rad/s^2 (m/s^2).
-    pub(crate) acceleration: Vec<f64>,
 }
 
 /// Where a curve stands.
@@ -54,7 +54,6 @@ pub(crate) enum Over {
     CurrentMagnitude,
     Position,
     Time,
-    Acceleration,
 }
 
 /// What multiplies a curve.
@@ -84,7 +83,6 @@ impl Curve {
             (Over::Current | Over::CurrentMagnitude, _) => &[Variable::Current, Variable::Limits],
             (Over::Position, _) => &[Variable::Theta],
             (Over::Time, _) => &[Variable::Time, Variable::Temperature],
-            (Over::Acceleration, _) => &[Variable::Acceleration],
         }
     }
 
@@ -93,11 +91,6 @@ impl Curve {
         matches!(self.over, Over::Current | Over::CurrentMagnitude)
             || self.factor == Factor::Current
             || self.balance == Balance::Flux
-    }
-
-    /// Whether the hat of that knot is the one at no acceleration.
-    pub(crate) fn is_of_no_acceleration(&self, knot: usize) -> bool {
-        self.over == Over::Acceleration && 2 * knot + 1 == self.knots.len()
     }
 
     /// What it adds to the balances of one recording, a hat at a time.
@@ -115,7 +108,6 @@ impl Curve {
             Over::CurrentMagnitude => run.current[k].abs(),
             Over::Position => run.position[k],
             Over::Time => measured.time(k) - measured.clock.start_s,
-            Over::Acceleration => run.acceleration[k],
         };
         let factor = |k: usize| match self.factor {
             Factor::One => 1.0,
@@ -174,7 +166,6 @@ pub(crate) fn curves(drive: &Drive, spans: &Spans, runs: &[Trajectory]) -> Vec<C
         all.fold(0.0_f64, |most, value| most.max(value.abs()))
     };
     let (speed, current) = (most(|run| &run.speed), most(|run| &run.current));
-    let acceleration = most(|run| &run.acceleration);
     let mut all = Vec::new();
     let mut add = |balance, over, factor, knots: Vec<f64>, period| {
         let increasing = knots.windows(2).all(|pair| pair[0] < pair[1]);
@@ -187,7 +178,6 @@ pub(crate) fn curves(drive: &Drive, spans: &Spans, runs: &[Trajectory]) -> Vec<C
     add(Torque, Over::CurrentMagnitude, Direction, magnitude(current), None);
     add(Torque, Over::Time, Direction, duration.clone(), None);
     add(Torque, Over::Time, One, duration.clone(), None);
-    add(Torque, Over::Acceleration, One, signed(acceleration), None);
     match drive.motion {
         Motion::Rotary => {
             let turn: Vec<f64> = (0..AROUND).map(|k| TAU * k as f64 / AROUND as f64).collect();

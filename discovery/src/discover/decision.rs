@@ -79,6 +79,3 @@ impl Rule {
 pub(crate) const REFITTED: usize = 5;
 /// Rounds at most, each of which adds one effect.
 pub(crate) const ROUNDS: usize = 4;
-/// Least share of the best curve's evidence that one must have which the effect `learned` can hold, to
-/// be shown in its place: how the unknown is drawn, not whether it is.
-pub(crate) const ADDABLE: f64 = 0.8;

@@ -202,7 +202,7 @@ impl Round<'_> {
     /// fit ends.
     pub(crate) fn with_curve(&self, curve: &CurveWeight) -> Option<Model> {
         let seen = |_| self.watch.stopped();
-        let effect = effect(&self.model.fitted.drive, curve)?;
+        let effect = effect(&self.model.fitted.drive, curve);
         with_learned(self.model, effect, self.estimation, self.validation, &seen).ok()
     }
 

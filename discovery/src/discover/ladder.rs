@@ -12,7 +12,7 @@ use super::learned::LearnedCurve;
 use super::needless::{Added, needless};
 use super::other_machine;
 use super::refit::Model;
-use super::report::{Discovery, Step, Unwatched, Verdict, Watch, seen_by};
+use super::report::{Discovery, LadderStep, Step, Unwatched, Verdict, Watch, seen_by};
 use super::round::{Formula, Outcome, Round};
 use super::spans::spans;
 use super::typed;
@@ -65,12 +65,43 @@ pub fn discover_by(
     if wrong.iter().any(SignalFinding::forbids) {
         return Ok(unusable::discovery(drive, estimation, wrong));
     }
-    let of_user = drive;
+    let search = |balanced: bool| {
+        searched(rule, drive, (estimation, validation), balanced, watch)
+            .map(|found| Discovery { signals: wrong.clone(), ..found })
+    };
+    let found = search(false)?;
+    // Beside a base that follows the motion and explains no torque, every column is that of another
+    // machine: what is missing is asked once more beside the one that explains most torque.
+    let lost = |found: &Discovery| found.ladder.first().is_some_and(explains_nothing);
+    if found.verdict == Verdict::Unknown && lost(&found) && !watch.stopped() {
+        let again = search(true)?;
+        if again.verdict == Verdict::Named
+            && again.ladder.last().is_some_and(|it| !explains_nothing(it))
+        {
+            return Ok(again);
+        }
+    }
+    Ok(found)
+}
+
+/// Whether a step leaves more torque unexplained than was applied, in the recordings held out.
+fn explains_nothing(step: &LadderStep) -> bool {
+    step.validation_unexplained.torque.is_some_and(|it| it.share > 1.0)
+}
+
+/// The loop, from a base that is `balanced` on.
+fn searched(
+    rule: &Rule,
+    of_user: &Drive,
+    (estimation, validation): (&Evidence, &Evidence),
+    balanced: bool,
+    watch: &dyn Watch,
+) -> Result<Discovery, Error> {
     let (drive, typed) = &typed::apart(of_user);
-    let (mut model, mut found) = begin(drive, estimation, validation, watch)?;
-    found.signals = wrong;
+    let (mut model, mut found) = begin(drive, (estimation, validation), balanced, watch)?;
     let mut added: Vec<Added> = Vec::new();
     let mut randomness = None;
+    let mut rebased = false;
     let seen = |error| seen_by(watch, error);
     for round in 0..decision::ROUNDS {
         if watch.stopped() {
@@ -110,10 +141,32 @@ pub fn discover_by(
         found.note(&turn, &outcome, passed);
         let Outcome { mut judged, unknown, proposed, formulas_fail, .. } = outcome;
         let Some(best) = passed else {
+            // What is left beside a fit that follows the motion may be torque that it explains worse than
+            // the balances do.
+            if !rebased && let Some(last) = added.last() {
+                rebased = true;
+                if let Some(better) = model.by_balances(estimation, validation, &seen) {
+                    found.ladder.pop();
+                    let kind = Some(last.kind.clone());
+                    found.climb(kind, &better, (estimation, validation), watch);
+                    model = better;
+                    continue;
+                }
+            }
             let missing = unknown.is_some() || !proposed.is_empty() || turn.explains_nothing();
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
+            if round == 0 && found.remaining == Verdict::None && !watch.stopped() {
+                let convicts = |it: &Finding| convicts(rule, it);
+                let contradicted = match watch.compares() {
+                    true => found.fails.iter().any(convicts),
+                    false => fails(&model, estimation).iter().any(convicts),
+                };
+                if contradicted {
+                    found.remaining = Verdict::Unknown;
+                }
+            }
             if formulas_fail || missing {
                 let mut remainder = model.clone();
                 while let Some(it) = (Round { model: &remainder, ..turn }).formulas_instead(&added)
@@ -177,7 +230,7 @@ pub fn add(
 ) -> Result<Discovery, Error> {
     let of_user = drive;
     let (drive, typed) = &typed::apart(of_user);
-    let (model, mut found) = begin(drive, estimation, validation, watch)?;
+    let (model, mut found) = begin(drive, (estimation, validation), false, watch)?;
     let seen = |error| seen_by(watch, error);
     let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
     let spans = spans(&model.fitted.drive, estimation);
@@ -209,8 +262,7 @@ pub fn add(
     let ground = turn.ground().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let weights = turn.weights(&ground).ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let added = if kind == LEARNED {
-        let curve = weights.repeating().find(|it| it.curve.is_addable());
-        let curve = curve.ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
+        let curve = weights.repeating().next().ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
         let with = turn.with_curve(curve).ok_or_else(|| cannot(NO_FIT.to_owned()))?;
         found.learned = Some(LearnedCurve::of(curve, turn.removed(&with), drive, &[]));
         with
@@ -247,7 +299,7 @@ pub fn bic_of(
     validation: &Evidence,
 ) -> Result<f64, Error> {
     let (drive, typed) = &typed::apart(drive);
-    let (model, _) = begin(drive, estimation, validation, &Unwatched)?;
+    let (model, _) = begin(drive, (estimation, validation), false, &Unwatched)?;
     let spans = spans(&model.fitted.drive, estimation);
     let all = [match typed.iter().find(|effect| effect.id == kind) {
         Some(effect) => typed::candidate(effect),
@@ -278,16 +330,17 @@ pub fn bic_of(
     Ok(evidence().unwrap_or(0.0))
 }
 
-/// The base, fitted, with the first step of its ladder.
+/// The base, fitted, with the first step of its ladder; where it is `balanced`, at the values of its
+/// balances if the fit leaves more of them unexplained.
 fn begin(
     drive: &Drive,
-    estimation: &Evidence,
-    validation: &Evidence,
+    (estimation, validation): (&Evidence, &Evidence),
+    balanced: bool,
     watch: &dyn Watch,
 ) -> Result<(Model, Discovery), Error> {
     let setting = Setting::of_fit(drive, estimation);
     watch.step(&Step::Doing("fitting the base drive"));
-    let options = Options { starts: STARTS, balanced: false, ..Options::default() };
+    let options = Options { starts: STARTS, balanced, ..Options::default() };
     let seen = |error| seen_by(watch, error);
     let model = Model::fit(drive, estimation, validation, setting, &options, &seen)?;
     let drive = &model.fitted.drive;
@@ -297,6 +350,14 @@ fn begin(
     };
     found.climb(None, &model, (estimation, validation), watch);
     Ok((model, found))
+}
+
+/// Whether a comparison of the base shows that something is missing, whatever the library says of it:
+/// "nothing" beside a dependence as improbable as a name is asked to be, and of more of the error than
+/// formulas that are right in their kind may leave, would contradict it.
+fn convicts(rule: &Rule, finding: &Finding) -> bool {
+    let asked = rule.evidence - rule.law_odds.ln();
+    finding.p_value < (-asked).exp() && finding.share >= rule.formula
 }
 
 /// Where the base fails; nothing where its recordings cannot be compared together.

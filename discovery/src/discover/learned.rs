@@ -36,11 +36,8 @@ pub struct LearnedCurve {
     /// balance, with its coefficients in it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub formula: Option<String>,
-    /// Share of the error above the noise floor that it removes in free run; 0 where no effect can
-    /// hold it.
+    /// Share of the error above the noise floor that it removes in free run.
     pub excess_removed: f64,
-    /// Whether the effect `learned` can hold it.
-    pub addable: bool,
 }
 
 impl LearnedCurve {
@@ -64,28 +61,24 @@ impl LearnedCurve {
             formula: formulas.iter().find(alike).map(Formula::with_values),
             values,
             excess_removed,
-            addable: curve.is_addable(),
         }
     }
 }
 
-/// As what the effect `learned` knows it, if it does: an acceleration is what comes of the balance, and
-/// no variable of it.
-fn variable(over: Over) -> Option<Variable> {
-    Some(match over {
+/// As what the effect `learned` knows it.
+fn variable(over: Over) -> Variable {
+    match over {
         Over::Speed => Variable::Speed,
         Over::SpeedMagnitude => Variable::SpeedMagnitude,
         Over::Current => Variable::Current,
         Over::CurrentMagnitude => Variable::CurrentMagnitude,
         Over::Position => Variable::Position,
         Over::Time => Variable::Time,
-        Over::Acceleration => return None,
-    })
+    }
 }
 
 fn name(over: Over) -> &'static str {
-    let of_effect = Variable::ALL.iter().find(|(_, it)| Some(*it) == variable(over));
-    of_effect.map_or("acceleration", |(name, _)| name)
+    Variable::ALL.iter().find(|(_, it)| *it == variable(over)).map_or("", |(name, _)| name)
 }
 
 fn unit(over: Over, drive: &Drive) -> String {
@@ -96,7 +89,6 @@ fn unit(over: Over, drive: &Drive) -> String {
         Over::Current | Over::CurrentMagnitude => "A",
         Over::Position => "rad",
         Over::Time => "s",
-        Over::Acceleration => "rad/s^2",
     };
     for_motion(drive.motion, rotary)
 }
@@ -110,30 +102,18 @@ fn balance_unit(balance: Balance, drive: &Drive) -> String {
     for_motion(drive.motion, rotary)
 }
 
-impl Curve {
-    /// Over what the effect `learned` holds the curve, if it can.
-    fn as_effect(&self) -> Option<(Variable, Option<Times>)> {
-        Some((variable(self.over)?, times(self.factor)))
-    }
-
-    /// Whether the effect `learned` can hold it.
-    pub(crate) fn is_addable(&self) -> bool {
-        self.as_effect().is_some()
-    }
-}
-
-/// The curve as an effect of a drive, if the effect `learned` can hold it, with the names of the
-/// values that these recordings do not tell.
-pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> Option<(EffectData, Vec<String>)> {
-    let (over, times) = weight.curve.as_effect()?;
+/// The curve as an effect of a drive, with the names of the values that these recordings do not
+/// tell.
+pub(crate) fn effect(drive: &Drive, weight: &CurveWeight) -> (EffectData, Vec<String>) {
+    let CurveWeight { curve, identified, .. } = weight;
     let id = drive.free_id(LEARNED);
     let values = driving(weight).into_iter().enumerate();
     let parameters = values.map(|(k, value)| (LawData::value_name(k), value)).collect();
-    let unidentified = weight.identified.iter().enumerate().filter(|(_, identified)| !**identified);
+    let unidentified = identified.iter().enumerate().filter(|(_, identified)| !**identified);
     let kept = unidentified.map(|(k, _)| format!("{id}.{}", LawData::value_name(k))).collect();
-    let target = target(weight.curve.balance);
-    let law = LawData::Learned { target, over, times, knots: weight.curve.knots.clone() };
-    Some((EffectData { kind: LEARNED.to_owned(), id, parameters, law: Some(law) }, kept))
+    let (over, times, target) = (variable(curve.over), times(curve.factor), target(curve.balance));
+    let law = LawData::Learned { target, over, times, knots: curve.knots.clone() };
+    (EffectData { kind: LEARNED.to_owned(), id, parameters, law: Some(law) }, kept)
 }
 
 fn times(factor: Factor) -> Option<Times> {

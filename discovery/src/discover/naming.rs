@@ -65,7 +65,9 @@ impl Round<'_> {
         {
             let share = 100.0 * share.max(0.0);
             Some(format!("it has {share:.0} % of the evidence of a free curve"))
-        } else if it.size < size && !self.acts_beside(&self.all[one.candidate]) {
+        } else if (it.size.is_nan() || it.size < size)
+            && !self.acts_beside(&self.all[one.candidate])
+        {
             one.weighed.small = true;
             let (is, asked) = (100.0 * it.size, 100.0 * size);
             Some(format!("it makes {is:.1} % of the balance only, and {asked} % are asked for"))

@@ -6,7 +6,7 @@ use drivescope_plant::effects::law::Variable;
 
 use super::candidate::Candidate;
 use super::curves::Curve;
-use super::decision::{self, Rule};
+use super::decision::Rule;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::learned::LearnedCurve;
@@ -181,15 +181,9 @@ impl Round<'_> {
         judged
     }
 
-    /// The curve that shows that something is missing; one that can be added stands before one that
-    /// cannot and has little more evidence.
+    /// The curve that shows that something is missing.
     pub(super) fn unknown(&self, weights: &Weights) -> Option<CurveWeight> {
-        let mut some = weights.repeating().peekable();
-        let best = *some.peek().filter(|curve| self.stands(curve))?;
-        let addable = |it: &&CurveWeight| {
-            it.curve.is_addable() && it.evidence >= decision::ADDABLE * best.evidence
-        };
-        some.find(addable).or(Some(best)).cloned()
+        weights.repeating().next().filter(|curve| self.stands(curve)).cloned()
     }
 
     /// Whether the model leaves more torque unexplained than was applied, in the recordings held out:

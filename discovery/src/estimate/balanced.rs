@@ -17,7 +17,7 @@ use crate::case::Setting;
 use crate::error::Error;
 
 /// Times what least squares leave of a balance unexplained that a fit may leave.
-const AS_WELL: f64 = 1.2;
+pub(crate) const AS_WELL: f64 = 1.2;
 /// The same of a drive that has the values of least squares, but for the digits of its file.
 const NEARLY: f64 = 1.01;
 

@@ -29,7 +29,6 @@ fn trajectory(it: &Recorded, track: &Track) -> Trajectory {
         current: if force { it.measured.u.clone() } else { of(&|tick| tick.filtered[0]) },
         speed: of(&|tick| tick.filtered[1]),
         position: of(&|tick| tick.filtered[2]),
-        acceleration: of(&|tick| tick.acceleration(it.measured.period_s)),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use drivescope_numerics::Real;
 
-use super::grid::periods;
+use super::grid::{never_repeats, periods};
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Share of N omega that counts as a rate: the ripple is imposed on the motion, a quadrature off
@@ -27,6 +27,7 @@ impl Effect<3, 0> for Cogging {
         counts: &["N"],
         // Once a revolution it is an unbalance.
         grid: |spans| periods("N", 2, spans),
+        unseen: never_repeats,
         ..Info::new(
             "cogging",
             "torque = -(a * cos(N * theta) + b * sin(N * theta))",

@@ -55,16 +55,37 @@ pub(super) fn each(name: &'static str, values: impl IntoIterator<Item = f64>) ->
     values.into_iter().map(|value| vec![(name, value)]).collect()
 }
 
-/// Numbers of periods a revolution from `least` on, or wave numbers of an axis, rad/m.
+/// Most periods a revolution that are searched.
+const MOST_PERIODS: usize = 48;
+/// Periods that must have passed by for a repetition to be seen: along fewer a wave is any smooth curve.
+const REPEATED: f64 = 2.0;
+
+/// The least number of periods a revolution that repeats on the way of a rotor; 0 where no way is known.
+fn least_repeated(spans: &Spans) -> usize {
+    if spans.travel > 0.0 { (REPEATED * TAU / spans.travel).ceil() as usize } else { 0 }
+}
+
+/// Why the way of a rotor shows no repetition.
+pub(super) fn never_repeats(spans: &Spans) -> Option<String> {
+    (spans.rotary && least_repeated(spans) > MOST_PERIODS).then(|| {
+        format!(
+            "shows in what repeats with the angle, and the shaft turns by {:.2e} rad only: record \
+             longer ways",
+            spans.travel
+        )
+    })
+}
+
+/// Numbers of periods a revolution from `least` on that repeat on the way of the rotor, or wave numbers
+/// of an axis, rad/m.
 pub(super) fn periods(name: &'static str, least: usize, spans: &Spans) -> Vec<Shape> {
-    /// Most periods a revolution.
-    const MOST: usize = 48;
     /// Shortest spatial period on an axis over its travel: finer ones are not searched.
     const FINEST: f64 = 240.0;
     /// Steps of the search a wave over the travel: two neighbours differ by half a wave at its end.
     const STEPS: f64 = 2.0;
     if spans.rotary {
-        return each(name, (least..=MOST).map(|n| n as f64));
+        let least = least.max(least_repeated(spans)).min(MOST_PERIODS);
+        return each(name, (least..=MOST_PERIODS).map(|n| n as f64));
     }
     let one = TAU / spans.travel.max(f64::MIN_POSITIVE);
     each(name, (4..=(FINEST * STEPS) as usize).map(|k| k as f64 / STEPS * one))
@@ -103,6 +124,16 @@ mod tests {
         duration_s: 8.0,
         slow: 0.2,
     };
+
+    #[test]
+    fn what_repeats_is_seen_over_two_periods() {
+        let within = |travel: f64| Spans { travel, ..SPANS };
+        let least = |travel: f64| periods("N", 2, &within(travel))[0][0].1;
+        assert_eq!((least(0.0), least(500.0), least(2.0)), (2.0, 2.0, 7.0));
+        assert!(never_repeats(&within(2.0)).is_none() && never_repeats(&within(0.0)).is_none());
+        assert!(never_repeats(&within(0.2)).is_some_and(|why| why.contains("2.00e-1 rad")));
+        assert!(never_repeats(&Spans { rotary: false, ..within(0.2) }).is_none());
+    }
 
     /// A shape that no grid names would be weighed at its nominal value alone.
     #[test]

@@ -5,7 +5,7 @@
 
 use drivescope_numerics::Real;
 
-use super::grid::periods;
+use super::grid::{never_repeats, periods};
 use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Flux 1 + a cos(N theta) + b sin(N theta) of the nominal flux.
@@ -19,6 +19,7 @@ impl Effect<3, 0> for TorqueRipple {
         nulls: &[("a", 0.0), ("b", 0.0)],
         counts: &["N"],
         grid: |spans| periods("N", 1, spans),
+        unseen: never_repeats,
         ..Info::new(
             "torque_ripple",
             "K_m, K_e times 1 + a cos(N theta) + b sin(N theta)",

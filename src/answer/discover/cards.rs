@@ -16,6 +16,8 @@ use crate::report::words::{estimated, number, percent, probability, significant}
 
 /// Formulas that are shown.
 const FORMULAS: usize = 3;
+/// Share of the error above the noise that a curve must remove to be drawn: it is told in whole per cent.
+const FALLS: f64 = 0.005;
 /// Height of a card's picture, pixels.
 const HEIGHT: f64 = 120.0;
 
@@ -65,10 +67,15 @@ fn unknown(learned: &LearnedCurve, formulas: &[Formula]) -> Card {
     let LearnedCurve { over, over_unit, unit, excess_removed, .. } = learned;
     let balance = format!("{:?}", learned.balance).to_lowercase();
     let times = learned.times.map_or(String::new(), |times| format!(", times {times}"));
-    let does = match learned.addable {
-        true => format!("removes {} % of the error above the noise", percent(*excess_removed, 0)),
-        false => "shows it; no effect of the drive file can hold that curve".to_owned(),
-    };
+    if *excess_removed < FALLS {
+        let words = format!(
+            "a curve over {over}{times} in the {balance} has most evidence, and with it the error does \
+             not fall: what is missing is no function of {over} alone"
+        );
+        let blocks = [Block::Sentence(words)].into_iter().chain(proposals(formulas));
+        return honest("Unknown", blocks.collect());
+    }
+    let does = format!("removes {} % of the error above the noise", percent(*excess_removed, 0));
     let of = |name: &str, unit: &str| match unit {
         "" => name.to_owned(),
         unit => format!("{name} [{unit}]"),
@@ -86,8 +93,7 @@ fn unknown(learned: &LearnedCurve, formulas: &[Formula]) -> Card {
         Block::Details { summary: data.caption.clone(), blocks: vec![Block::Table(data)] },
     ];
     blocks.extend(proposals(formulas));
-    let key = learned.addable.then(|| Key::Effect("learned".to_owned()));
-    Card { key, ..honest("Unknown", blocks) }
+    Card { key: Some(Key::Effect("learned".to_owned())), ..honest("Unknown", blocks) }
 }
 
 /// Formulas for what nobody knows, and how one is added.
@@ -193,10 +199,14 @@ fn facts(one: &Ranked) -> Vec<Fact> {
         0.0 => "-".to_owned(),
         share => format!("{} %", percent(share, 1)),
     };
+    let of_balance = match one.size.is_finite() {
+        true => format!("{} %", percent(one.size, 1)),
+        false => "-".to_owned(),
+    };
     let mut facts = vec![
         Fact::new(ALL, "Probability", probability(one.probability)),
         Fact::new(HTML, "Evidence", format!("{} nats", number(0.5 * one.delta_bic))),
-        Fact::new(ALL, "Share of the balance", format!("{} %", percent(one.size, 1))),
+        Fact::new(ALL, "Share of the balance", of_balance),
         Fact::new(ALL, "Share of the error above the noise", removed),
     ];
     facts.extend(one.parameters.iter().map(|(name, it)| {

@@ -56,7 +56,9 @@ fn by_balance(motion: Motion, steps: &[Step]) -> Vec<OfBalance> {
 /// Whether errors are told everywhere: where the noise is in reach, or nothing else is known.
 pub(super) fn has_errors(motion: Motion, steps: &[Step]) -> bool {
     let in_reach = |step: &Step| in_units_of_noise(step.error.max(step.validation_error));
-    steps.iter().any(in_reach) || by_balance(motion, steps).is_empty()
+    let has_fit = |step: &Step| step.fits.values().any(Option::is_some);
+    let known = !by_balance(motion, steps).is_empty() || steps.iter().any(has_fit);
+    steps.iter().any(in_reach) || !known
 }
 
 /// The steps as a table, and their picture.

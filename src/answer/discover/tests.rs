@@ -65,7 +65,6 @@ fn missing() -> Missing {
             unit: "N m".to_owned(),
             formula: None,
             excess_removed: 0.432,
-            addable: true,
         }),
         formulas: Vec::new(),
         closer_than: None,

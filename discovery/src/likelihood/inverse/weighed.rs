@@ -183,24 +183,11 @@ pub(super) fn curve_columns(
     let it = &scene.recordings[recording];
     let along = trajectory(&it.measured.u, windows);
     let forcings = curve.forcings(&it.drive, &it.measured, &along);
-    let column = |(knot, forcing): (usize, &Forcing)| {
-        // What acts where nothing accelerates is no matter of the acceleration.
-        if curve.is_of_no_acceleration(knot) {
-            vec![0.0; windows.len()]
-        } else {
-            windows.over(&forcing.torque)
-        }
-    };
-    forcings.iter().enumerate().map(column).collect()
+    forcings.iter().map(|it: &Forcing| windows.over(&it.torque)).collect()
 }
 
 /// The variables along a recording.
 fn trajectory(u: &[f64], windows: &Windows) -> Trajectory {
     let of = |place: usize| windows.motion.iter().map(|at| at[place]).collect();
-    Trajectory {
-        current: u.to_vec(),
-        speed: of(SPEED),
-        position: of(POSITION),
-        acceleration: windows.by_sample(&windows.acceleration),
-    }
+    Trajectory { current: u.to_vec(), speed: of(SPEED), position: of(POSITION) }
 }

@@ -130,20 +130,6 @@ impl Windows {
         })
     }
 
-    /// Values of the windows at the samples around them.
-    pub(super) fn by_sample(&self, values: &[f64]) -> Vec<f64> {
-        let mut samples = vec![0.0; self.motion.len()];
-        for piece in 0..self.pieces.len() {
-            for (k, weights) in self.weights(piece) {
-                let near = weights.into_iter().flatten();
-                let shares =
-                    near.map(|(window, weight)| weight * self.every as f64 * values[window]);
-                samples[k] = shares.sum();
-            }
-        }
-        samples
-    }
-
     /// A series of the samples, summed over the windows.
     pub(super) fn over(&self, values: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.len()];

@@ -4,9 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use drivescope_discovery::{
-    Estimate, Evidence, Options, Purpose, Setting, add, discover, fit_seen,
-};
+use drivescope_discovery::{Estimate, Options, Purpose, Setting, add, discover, fit_seen};
 use drivescope_plant::drive::Drive;
 use drivescope_recording::Recording;
 

@@ -23,7 +23,7 @@ const A_SOURCE: usize = 32;
 pub(crate) enum Under {
     /// A smaller random load alone, which leaves more to explain than any other.
     Smaller,
-    /// All of them.
+    /// Each randomness with which the base was filtered.
     All,
 }
 

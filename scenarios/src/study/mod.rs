@@ -154,22 +154,22 @@ pub fn study(
 ) -> Result<Study, StudyError> {
     let experiment = Experiment::new(options.drive.clone(), options.seed)?;
     let (closed, open) = (Fmu::open(closed)?, Fmu::open(open)?);
-    let stated = |step| if progress(step) { Err(StudyError::Stopped) } else { Ok(()) };
-    stated(Progress::Training)?;
+    let reported = |step| if progress(step) { Err(StudyError::Stopped) } else { Ok(()) };
+    reported(Progress::Training)?;
     let designed = design(&experiment, (&closed, &open), options.beta)?;
 
     let runs = plan(options);
-    stated(Progress::Judging(runs.len()))?;
+    reported(Progress::Judging(runs.len()))?;
     let judge = || -> Result<Vec<Judged>, StudyError> {
         let judged = runs.into_par_iter().map(|run| {
             let judged = judge_run(&experiment, &closed, &designed, run)?;
-            stated(Progress::Judged).map(|()| judged)
+            reported(Progress::Judged).map(|()| judged)
         });
         judged.collect()
     };
     let (judged, theorem) = rayon::join(judge, structures::theorem);
     let judged = judged?;
-    stated(Progress::Isolation)?;
+    reported(Progress::Isolation)?;
     let mut study = summary::summarise(options, &experiment, &designed, judged, theorem?)?;
     let inputs = experiment.slow_reversals(SLOW_SAMPLES);
     let signals = cosimulated::closed_loop(&closed, &inputs, None::<&mut Watch>)?;

@@ -47,16 +47,8 @@ impl Html<'_> {
             Block::Command { words, command } => html! {
                 p.note { (capital(words)) ": " code { (command) } }
             },
-            Block::Tiles(facts) => self.facts("tiles", facts, |note| {
-                html! {
-                    span.sub { (typeset(note)) }
-                }
-            }),
-            Block::Facts(facts) => self.facts("facts", facts, |note| {
-                html! {
-                    @if !note.is_empty() { " (" (typeset(note)) ")" }
-                }
-            }),
+            Block::Tiles(facts) => self.facts("tiles", facts, below),
+            Block::Facts(facts) => self.facts("facts", facts, in_brackets),
             Block::List(items) => html! { ul.reading { @for item in items { (self.item(item)) } } },
             Block::Table(table) if table.rows.is_empty() => html! {},
             Block::Table(table) => table::table(self, table),
@@ -148,7 +140,7 @@ impl Html<'_> {
                     None => {},
                 }
                 (self.blocks(&card.blocks))
-                @if !card.facts.is_empty() { (self.facts(&card.facts)) }
+                @if !card.facts.is_empty() { (self.facts("facts", &card.facts, in_brackets)) }
                 @if let Some(done) = self.act(card.key.as_ref(), &card.title) { (done) }
             }
         }
@@ -165,6 +157,16 @@ fn sentence(words: &str) -> Markup {
 
 fn link(id: &str, words: Markup) -> Markup {
     html! { a href={ "#" (id) } { (words) } }
+}
+
+/// The note of a fact behind its value.
+fn in_brackets(note: &str) -> Markup {
+    html! { @if !note.is_empty() { " (" (typeset(note)) ")" } }
+}
+
+/// The note of a tile below its value.
+fn below(note: &str) -> Markup {
+    html! { span.sub { (typeset(note)) } }
 }
 
 fn toned(tone: Tone, value: Markup) -> Markup {

@@ -6,6 +6,7 @@ mod labelled;
 mod models;
 mod training;
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};

@@ -96,13 +96,26 @@ impl Linear {
                 of[balance].push(parameter.clone());
             }
         }
-        let named = |it: &NamedParameter| of.iter().flatten().any(|other| other.name == it.name);
-        // What is not linear after all keeps its value.
-        for parameter in parameters.iter().filter(|it| !named(it)) {
+        let named = |of: &[Vec<NamedParameter>; 2], it: &NamedParameter| {
+            of.iter().flatten().any(|other| other.name == it.name)
+        };
+        // What is not linear after all keeps its value; beside that others may be, which do nothing
+        // where it is zero.
+        parameters.retain(|it| !named(&of, it));
+        for parameter in &parameters {
             let _ = zero.set(&parameter.name, parameter.value);
         }
+        for parameter in &parameters {
+            let mut without = zero.clone();
+            if without.set(&parameter.name, 0.0).is_ok()
+                && let Some(balance) = balance(&without, parameter, points)
+            {
+                of[balance].push(parameter.clone());
+                zero = without;
+            }
+        }
         let mut others = drive.fitted();
-        others.retain(|it| !OWN.contains(&it.name.as_str()) && !named(it));
+        others.retain(|it| !OWN.contains(&it.name.as_str()) && !named(&of, it));
         Self { of, others, zero }
     }
 }
@@ -168,6 +181,15 @@ mod tests {
         assert_eq!(names(&found.others), ["stribeck.omega_s"]);
         let drag = Linear::of(&with("quadratic_drag", &[("c", 1e-6)]), &points());
         assert!(names(&drag.of[0]).contains(&"quadratic_drag.c".to_owned()));
+        // Where N is zero, b does nothing.
+        let ripple =
+            Linear::of(&with("cogging", &[("N", 7.0), ("a", 1e-3), ("b", 1e-3)]), &points());
+        assert!(
+            ["cogging.a", "cogging.b"]
+                .iter()
+                .all(|it| names(&ripple.of[0]).contains(&(*it).to_owned()))
+        );
+        assert!(names(&ripple.others).contains(&"cogging.N".to_owned()));
         let at = Point { current: 0.0, speed: -10.0, angle: 0.0, time: 0.0 };
         let [brake, drop] = Laws::new(&with("quadratic_drag", &[("c", 1e-6)])).at(&at);
         let dry = 0.016 + 0.008 * (-4.0_f64).exp();

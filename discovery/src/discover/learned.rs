@@ -8,7 +8,7 @@ use drivescope_plant::units::for_motion;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::curves::{Balance, Curve, Factor, Over};
+use super::curves::{Balance, Factor, Over};
 use super::projection::beside;
 use crate::formula::Formula;
 use crate::likelihood::CurveWeight;

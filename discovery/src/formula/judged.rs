@@ -29,7 +29,7 @@ pub(crate) fn formulas(
     let found = || {
         let alongside = Alongside::of(ground)?;
         let visited = Visited::of(drive, &alongside);
-        let all = weighed(drive, &visited, &alongside, asked, stopped)?;
+        let all = weighed(drive, &visited, &alongside, stopped)?;
         let most = all.first()?.worth();
         let promising = all.into_iter().filter(|it| it.worth() > WORTH * most.max(0.0));
         let some = different(promising, &visited, FITTED);

@@ -8,13 +8,10 @@ use rayon::prelude::*;
 
 use super::grammar::{Form, Names, complexity};
 use super::proposals::{Greatest, Kind, names, proposals};
-use crate::likelihood::{Alongside, GroupEvidence, Series, Under};
+use crate::likelihood::{Alongside, GroupEvidence, Series};
 
 /// Columns that are held at once: some 16 MB at 8,000 samples.
 const COLUMNS: usize = 256;
-/// What a formula must be worth under a small random load, of the best there and of what is asked, to be
-/// weighed under the others: its worth under all of them may be this much greater beside the best.
-const SCREENED: f64 = 0.6;
 /// Places along the recordings at which formulas are compared with each other.
 const PLACES: usize = 1000;
 /// Share of its amplitude by which a formula differs from another from which on it is another one
@@ -91,57 +88,32 @@ impl Visited {
     }
 }
 
-/// The formulas that may be worth more than `asked`, each with its best shape, best first: evidence less
-/// price. Nothing where it is stopped.
-///
-/// All are weighed under a small random load first, which leaves each more to explain than another does;
-/// what comes near the best there is weighed under every load.
+/// Every formula with its best shape, best first: evidence less price. Nothing where it is stopped.
 pub(super) fn weighed(
     drive: &Drive,
     visited: &Visited,
     alongside: &Alongside,
-    asked: f64,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Weighed>> {
     let kinds = proposals(drive, &visited.greatest);
-    let sizes: Vec<usize> = kinds.iter().map(|kind| size(kind, &visited.names)).collect();
-    let under = |under: Under, some: &[usize]| -> Option<Vec<(usize, Weighed)>> {
-        let forms: Vec<&Form> = some.iter().flat_map(|k| &kinds[*k]).collect();
-        let mut each = evidence(under, &forms, visited, alongside, stopped)?.into_iter();
-        let one = |k: &usize| {
-            let (kind, size) = (&kinds[*k], sizes[*k]);
-            let own: Vec<GroupEvidence> = each.by_ref().take(kind.len()).collect();
-            let as_simple = sizes.iter().filter(|it| **it <= size).count();
-            Some((*k, best(kind, own, size, as_simple)?))
-        };
-        Some(some.iter().filter_map(one).collect())
-    };
-    let all: Vec<usize> = (0..kinds.len()).collect();
-    let screened = under(Under::Smaller, &all)?;
-    let most = screened.iter().map(|(_, it)| it.worth()).fold(asked, f64::max);
-    let near = screened.iter().filter(|(_, it)| it.worth() > SCREENED * most);
-    let near: Vec<usize> = near.map(|(k, _)| *k).collect();
-    let mut all: Vec<Weighed> = under(Under::All, &near)?.into_iter().map(|(_, it)| it).collect();
-    all.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
-    Some(all)
-}
-
-fn evidence(
-    under: Under,
-    forms: &[&Form],
-    visited: &Visited,
-    alongside: &Alongside,
-    stopped: &(dyn Fn() -> bool + Sync),
-) -> Option<Vec<GroupEvidence>> {
-    let mut each: Vec<GroupEvidence> = Vec::with_capacity(forms.len());
+    let forms: Vec<Form> = kinds.iter().flatten().copied().collect();
+    let mut groups_evidence: Vec<GroupEvidence> = Vec::with_capacity(forms.len());
     for some in forms.chunks(COLUMNS / 2) {
         let groups: Vec<usize> = some.iter().map(|it| it.coefficients().len()).collect();
         let series = |recording: usize| -> Vec<Series> {
             some.par_iter().flat_map_iter(|it| visited.series(it, recording)).collect()
         };
-        each.extend(alongside.evidence(under, series, &groups, stopped)?);
+        groups_evidence.extend(alongside.evidence(series, &groups, stopped)?);
     }
-    Some(each)
+    let sizes: Vec<usize> = kinds.iter().map(|kind| size(kind, &visited.names)).collect();
+    let mut groups_evidence = groups_evidence.into_iter();
+    let one = |(kind, size): (&Kind, &usize)| {
+        let own: Vec<GroupEvidence> = groups_evidence.by_ref().take(kind.len()).collect();
+        best(kind, own, *size, sizes.iter().filter(|it| *it <= size).count())
+    };
+    let mut all: Vec<Weighed> = kinds.iter().zip(&sizes).filter_map(one).collect();
+    all.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
+    Some(all)
 }
 
 fn size(kind: &Kind, names: &Names) -> usize {
@@ -219,8 +191,8 @@ impl Space {
             (0..count).for_each(|column| own[(row, column)] = values[column]);
         }
         let base = base.qr().q();
-        let remainder = &own - &base * base.tr_mul(&own);
-        Self { target: form.target, directions: remainder.qr().q() }
+        let left = &own - &base * base.tr_mul(&own);
+        Self { target: form.target, directions: left.qr().q() }
     }
 
     /// Whether none of the functions of one is nearly one of the other.

@@ -18,15 +18,6 @@ use super::weighing::SIZES;
 /// Columns of a source: sources are filtered in parallel.
 const A_SOURCE: usize = 32;
 
-/// Which randomnesses columns are weighed with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Under {
-    /// A smaller random load alone, which leaves more to explain than any other.
-    Smaller,
-    /// Each randomness with which the base was filtered.
-    All,
-}
-
 /// The base in an excerpt of the recordings of the fit, filtered with each of the randomnesses with which laws
 /// are weighed.
 pub(crate) struct Alongside {
@@ -67,20 +58,14 @@ impl Alongside {
         self.scene.recordings.iter().zip(ticks)
     }
 
-    /// What is told of each group of so many of the `series` of a recording, each with that of the
-    /// randomnesses with which it explains most; nothing where it is stopped.
+    /// What is told of each group of so many of the `series` of a recording, each with the
+    /// randomness with which it explains most; nothing where it is stopped.
     pub(crate) fn evidence(
         &self,
-        under: Under,
         series: impl Fn(usize) -> Vec<Series> + Sync,
         groups: &[usize],
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Option<Vec<GroupEvidence>> {
-        // The smaller load is the second, where the recordings have a likelihood under it.
-        let along = match under {
-            Under::Smaller if self.filters.len() > 1 => &self.filters[1..2],
-            _ => &self.filters[..],
-        };
         let recordings = 0..self.scene.recordings.len();
         let series: Vec<Vec<Series>> = recordings.into_par_iter().map(&series).collect();
         let sources = sources(groups);
@@ -92,7 +77,7 @@ impl Alongside {
             };
             Further { judged: sources.iter().map(source).collect(), groups, ..Further::default() }
         };
-        let filters: Vec<&[Track]> = along.iter().map(Vec::as_slice).collect();
+        let filters: Vec<&[Track]> = self.filters.iter().map(Vec::as_slice).collect();
         let (scene, known) = (&self.scene, Some(self.known.as_slice()));
         let grams = grams(scene, &filters, &self.references, known, further, stopped);
         if stopped() {
@@ -100,7 +85,7 @@ impl Alongside {
         }
         let terms = terms(scene);
         let base = terms.columns.len();
-        let of_filter = |(grams, tracks): (&Vec<_>, &Vec<Track>)| {
+        let under = |(grams, tracks): (&Vec<_>, &Vec<Track>)| {
             let pooled = Pooled::of(grams, base, scene, &self.references);
             let products = pooled.sum(scene, |_| true);
             let likelihood: f64 = tracks.iter().map(|track| track.log_likelihood).sum();
@@ -119,7 +104,7 @@ impl Alongside {
             ))
         };
         let each: Vec<(f64, Vec<GroupEvidence>)> =
-            grams.iter().zip(along).filter_map(of_filter).collect();
+            grams.iter().zip(&self.filters).filter_map(under).collect();
         let most = each.iter().map(|(base, _)| *base).fold(f64::NEG_INFINITY, f64::max);
         let of = |group: usize| {
             let under = |(base, each_group): &(f64, Vec<GroupEvidence>)| {

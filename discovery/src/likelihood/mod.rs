@@ -46,7 +46,7 @@ mod weigh;
 mod weighing;
 mod weights;
 
-pub(crate) use alongside::{Alongside, GroupEvidence, Under};
+pub(crate) use alongside::{Alongside, GroupEvidence};
 pub(crate) use columns::Series;
 pub(crate) use ground::Filtered;
 pub(crate) use inverse::Inverse;

@@ -32,6 +32,8 @@ pub enum What {
     Saturated,
     /// Few levels over the whole range.
     Coarse,
+    /// A sensor slower than the recording keeps its value in between.
+    Held,
     /// Values that are not there.
     Missing,
 }

@@ -15,6 +15,7 @@ mod averaged;
 mod coarse;
 mod finding;
 mod frozen;
+mod held;
 mod missing;
 mod motion;
 mod saturated;
@@ -36,8 +37,15 @@ const REPAIRS: [Repair; 2] = [spikes::repair, frozen::repair];
 
 /// Looks at the recordings of a drive.
 type Check = fn(&Drive, &Evidence) -> Vec<SignalFinding>;
-const CHECKS: [Check; 6] =
-    [answering::check, unit::check, motion::check, saturated::check, coarse::check, missing::check];
+const CHECKS: [Check; 7] = [
+    answering::check,
+    unit::check,
+    motion::check,
+    saturated::check,
+    coarse::check,
+    held::check,
+    missing::check,
+];
 
 /// The recording without the values that are no measurements, and what was set to missing.
 pub fn repaired(mut recording: Recording) -> (Recording, Vec<SignalFinding>) {

@@ -47,6 +47,7 @@ pub mod native;
 pub mod parity;
 pub mod profile;
 pub mod results;
+mod seen;
 mod shares;
 pub mod study;
 pub mod trials;

@@ -216,3 +216,45 @@ fn a_scenario_is_run_again_and_summed_up() {
     let schema = done(here.path(), &["schema", "plan"]).json();
     assert!(schema["properties"]["fault"].is_object());
 }
+
+/// The bank: the same bytes in shares as in one run, its columns documented, what it named summed up.
+#[test]
+fn a_bank_gives_one_dataset_in_shares_and_a_table_of_confusion() {
+    let here = folder();
+    let with_bank = PLAN
+        .replace("draws = 1050", "draws = 520")
+        .replace("duration = 1.5", "duration = 2")
+        .replace("run_up = 0.8", "run_up = 0.8\nmethods = [\"bands\", \"bank\"]\narl_0 = 1e6");
+    put(here.path(), "plan.toml", with_bank);
+    done(here.path(), &["campaign", "plan.toml", "-o", "whole", "--quiet"]);
+    for shard in ["2/2", "1/2"] {
+        done(here.path(), &["campaign", "plan.toml", "-o", "shards", "--shard", shard]);
+    }
+    done(here.path(), &["campaign", "merge", "shards"]);
+    assert!(bytes(here.path(), "shards") == bytes(here.path(), "whole"));
+
+    let file = std::fs::File::open(here.path().join("whole/campaign.parquet")).expect("it opens");
+    let reader = SerializedFileReader::new(file).expect("it is whole");
+    let schema = reader.metadata().file_metadata().schema_descr_ptr();
+    let names: Vec<&str> = schema.columns().iter().map(|column| column.name()).collect();
+    let docs = include_str!("../../docs/campaign.md");
+    let of_bank = names.iter().filter(|name| name.starts_with("bank_"));
+    let (counted, own): (Vec<&str>, Vec<&str>) =
+        of_bank.partition(|name| docs.contains(&name.replace("bank_", "METHOD_")));
+    assert_eq!((counted.len(), own.len()), (6, 7));
+    assert!(own.iter().all(|name| docs.contains(&format!("`{name}`"))), "{own:?}");
+
+    let said = done(here.path(), &["campaign", "report", "whole", "--json", "-"]).json();
+    assert!(said["methods"][0].get("naming").is_none(), "bands name nothing");
+    let bank = &said["methods"][1];
+    assert_eq!(bank["method"], "bank");
+    let kinds = bank["naming"]["kinds"].as_array().expect("kinds");
+    let of = |kind: &str| kinds.iter().find(|it| it["kind"] == kind).expect(kind);
+    assert_eq!(of("none")["named"][0]["what"], "none", "most of the healthy raise no alarm");
+    let tacho = of("tacho");
+    let (hits, judged) = (&tacho["in_set"]["hits"], &tacho["in_set"]["of"]);
+    let (hits, judged) = (hits.as_u64().expect("a count"), judged.as_u64().expect("a count"));
+    assert!(judged > 400 && 100 * hits >= 95 * judged, "{hits} of {judged} within the set");
+    let text = done(here.path(), &["campaign", "report", "whole"]).out;
+    assert!(text.contains("named first"), "{text}");
+}

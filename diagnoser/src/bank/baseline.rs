@@ -8,7 +8,7 @@ use super::process::{Belief, Process, Row, SENSORS};
 use super::watch::{Event, Limits, Watch};
 
 /// Rows below which no machine is learned.
-const FEWEST: usize = 100;
+pub const FEWEST_ROWS: usize = 100;
 /// Speed in standard deviations of the tachometer's noise below which the shaft counts as at rest.
 const AT_REST: f64 = 30.0;
 /// Normal score of the sum of squares from which the drive model is not that of the machine.
@@ -23,7 +23,7 @@ const TOLERATED: f64 = 5.0;
 pub enum BaselineError {
     /// Too few rows.
     #[error(
-        "a healthy baseline needs {FEWEST} samples or more, there are {rows}: give some seconds"
+        "a healthy baseline needs {FEWEST_ROWS} samples or more, there are {rows}: give some seconds"
     )]
     TooShort {
         /// Rows given.
@@ -78,7 +78,7 @@ pub fn learn<const N: usize, P: Process<N>>(
     limits: Limits,
     horizon: usize,
 ) -> Result<Watch<N, P>, BaselineError> {
-    let (Some(first), true) = (rows.first(), rows.len() >= FEWEST) else {
+    let (Some(first), true) = (rows.first(), rows.len() >= FEWEST_ROWS) else {
         return Err(BaselineError::TooShort { rows: rows.len() });
     };
     let nominal = process.begin(first);

@@ -6,6 +6,7 @@
 //! Extreme Values, 2001, ch. 4, with shape 0), taken at its lower 95 % limit, for the limit is
 //! extrapolated.
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Samples of a block: longer than what one disturbance keeps a statistic raised.
@@ -31,7 +32,8 @@ pub enum TailError {
 }
 
 /// The tail of a statistic on healthy samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tail {
     level: f64,
     /// Alarms a sample at that level.

@@ -34,7 +34,7 @@ mod testing;
 mod tests;
 mod watch;
 
-pub use baseline::{BaselineError, learn, log_likelihood};
+pub use baseline::{BaselineError, FEWEST_ROWS, learn, log_likelihood};
 pub use calibration::{Calibration, CalibrationError, Tails, Verified, calibrate, verify};
 pub use design::{Tail, TailError};
 pub use judge::{Candidate, Cause, Judgement, TWO_SIDED_95};

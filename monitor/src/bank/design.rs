@@ -48,7 +48,16 @@ pub struct Designed {
     pub how: Calibration,
 }
 
-/// Designs the bank of a drive on healthy runs, sampled every `period_s`.
+/// Rows that a machine sampled every `period_s` is learned from, where nothing is said.
+pub fn usual_baseline(period_s: f64) -> usize {
+    samples(BASELINE_S, period_s, FEWEST_BASELINE)
+}
+
+fn samples(time_s: f64, period_s: f64, least: usize) -> usize {
+    ((time_s / period_s).round() as usize).max(least)
+}
+
+/// Designs the bank of a drive on healthy runs, sampled every `period_s`, with and without the current.
 ///
 /// # Errors
 /// [`DesignError`], which says what did not suit.
@@ -58,7 +67,26 @@ pub fn design(
     healthy: &[Vec<Row>],
     seed: u64,
 ) -> Result<Designed, DesignError> {
-    let samples = |seconds: f64, least: usize| ((seconds / period_s).round() as usize).max(least);
+    let designed = design_for(drive, period_s, healthy, (usual_baseline(period_s), seed))?;
+    let Designed { how, ref process, .. } = designed;
+    let mut blind = how.driving;
+    blind.measured[1] = false;
+    let tails_without_current = (how.driving.measured[0] && how.driving.measured[1])
+        .then(|| process.calibrate(&Calibration { driving: blind, ..how }))
+        .transpose()?;
+    Ok(Designed { tails_without_current, ..designed })
+}
+
+/// The same for the signals of the healthy runs alone, each machine to be learned from `baseline` rows.
+///
+/// # Errors
+/// As [`design`].
+pub fn design_for(
+    drive: &Drive,
+    period_s: f64,
+    healthy: &[Vec<Row>],
+    (baseline, seed): (usize, u64),
+) -> Result<Designed, DesignError> {
     let noise = learn_noise(drive, period_s, healthy)?;
     let drive = with_noise(drive, &noise);
     let process = process(&drive, period_s, &[])?;
@@ -66,16 +94,11 @@ pub fn design(
         Driving::of(healthy.iter().flatten(), period_s).ok_or(DesignError::NothingDrives)?;
     let how = Calibration {
         driving,
-        baseline: samples(BASELINE_S, FEWEST_BASELINE),
-        horizon: samples(HORIZON_S, FEWEST_HORIZON),
+        baseline,
+        horizon: samples(HORIZON_S, period_s, FEWEST_HORIZON),
         samples: DESIGNED,
         seed,
     };
     let tails = process.calibrate(&how)?;
-    let mut blind = driving;
-    blind.measured[1] = false;
-    let tails_without_current = (driving.measured[0] && driving.measured[1])
-        .then(|| process.calibrate(&Calibration { driving: blind, ..how }))
-        .transpose()?;
-    Ok(Designed { noise, drive, process, tails, tails_without_current, how })
+    Ok(Designed { noise, drive, process, tails, tails_without_current: None, how })
 }

@@ -14,7 +14,7 @@ mod process;
 mod rows;
 mod sizes;
 
-pub use design::{DesignError, Designed, design};
+pub use design::{DesignError, Designed, design, design_for, usual_baseline};
 pub use noise::{learn_noise, with_noise};
 pub use process::ProcessError;
 pub use rows::{CURRENTS, Columns, DRIVING, RowsError, without_current};

@@ -2,7 +2,7 @@
 
 use drivescope_recording::dataset::{Column, Values};
 
-use super::plan::Plan;
+use super::plan::{Method, Plan};
 
 /// Name of the column that numbers the scenarios.
 const SCENARIO: &str = "scenario";
@@ -41,7 +41,14 @@ pub(super) fn columns(plan: &Plan) -> Vec<Column> {
         "share of healthy samples expected outside thresholds and bands",
     ));
     made.push(integers("window", "exceedances in a row that declare a fault"));
-    made.push(numbers("arl_0", "1", "mean samples between false alarms the CUSUM is designed for"));
+    made.push(numbers(
+        "arl_0",
+        "1",
+        match plan.methods.contains(&Method::Bank) {
+            false => "mean samples between false alarms the CUSUM is designed for",
+            true => "mean samples between false alarms CUSUM and bank are designed for",
+        },
+    ));
     made.push(numbers("kappa", "1", "drift of the CUSUM, in standard deviations"));
     made.push(numbers("healthy_time", "s", "judged time before the first fault"));
     made.push(numbers(
@@ -55,10 +62,44 @@ pub(super) fn columns(plan: &Plan) -> Vec<Column> {
         made.push(numbers(&name("detection_time"), "s", "when it was declared, t_dt"));
         made.push(numbers(&name("delay"), "s", "from its onset to its declaration"));
         made.push(numbers(&name("false_alarms"), "1", "declarations before that"));
-        made.push(numbers(&name("outside_healthy"), "1", "share of healthy samples outside, r_fd"));
-        made.push(numbers(&name("outside_fault"), "1", "share of faulty samples outside, r_td"));
+        let [healthy, faulty] = match method {
+            Method::Bank => [
+                "share of innovations outside their 95 % band before the first fault",
+                "share of innovations outside their 95 % band in it",
+            ],
+            _ => {
+                ["share of healthy samples outside, r_fd", "share of faulty samples outside, r_td"]
+            }
+        };
+        made.push(numbers(&name("outside_healthy"), "1", healthy));
+        made.push(numbers(&name("outside_fault"), "1", faulty));
+        if *method == Method::Bank {
+            made.extend(of_bank());
+        }
     }
     made
+}
+
+/// What a bank says beside.
+fn of_bank() -> [Column; 7] {
+    [
+        texts(
+            "bank_baseline",
+            "learned, or why the run-up showed no healthy machine: too_short, nothing_measured, \
+             at_rest, out_of_tolerance, not_this_machine, changes",
+        ),
+        texts(
+            "bank_mechanism",
+            "what was named, unknown where no mechanism explains it, none without an alarm, retracted \
+             where all were taken back, undecided where the run ended before, not_learned without a \
+             machine",
+        ),
+        texts("bank_set", "confusion set: what was named and all that it may be, parted by blanks"),
+        flags("bank_in_set", "whether a fault that acted until then is in the confusion set"),
+        numbers("bank_size", "1", "estimated size, in the unit of the mechanism that was named"),
+        numbers("bank_size_low", "1", "lower end of its 95 % interval"),
+        numbers("bank_size_high", "1", "upper end of its 95 % interval"),
+    ]
 }
 
 fn column(name: &str, unit: &str, description: &str, values: Values) -> Column {

@@ -9,6 +9,7 @@ use drivescope_diagnoser::{
     Design as How, DesignError as BandError, Diagnoser, Interface, Model, Start, Structure,
     Training, TrainingError, residual, train,
 };
+use drivescope_monitor::bank::DesignError as BankError;
 use drivescope_plant::fault::{FaultLanes, Faults};
 use drivescope_plant::integrate::Integrator;
 use drivescope_plant::sampled::{InputLanes, Inputs, Sampled, speed_bound};
@@ -18,9 +19,11 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use super::plan::Plan;
+use super::bank::DesignedBank;
+use super::plan::{Method, Plan};
 use crate::experiment::{Experiment, Stream};
 use crate::native;
+use crate::seen::rows;
 
 /// Samples of an excited run.
 const EXCITED: usize = 1000;
@@ -50,6 +53,9 @@ pub enum DesignError {
     /// There are no innovations.
     #[error(transparent)]
     Cusum(#[from] CusumError),
+    /// There is no bank.
+    #[error("bank: {0}")]
+    Bank(#[from] BankError),
     /// The level is impossible.
     #[error(transparent)]
     Confidence(#[from] ConfidenceError),
@@ -73,10 +79,13 @@ pub struct Design {
     pub cusum: Cusum,
     /// Process model, error model, constant thresholds.
     pub diagnoser: Diagnoser,
+    /// The bank, where the plan has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bank: Option<DesignedBank>,
 }
 
 /// Control signal and tachometer signal of runs, one after the other.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Runs {
     c_m: Vec<f64>,
     t: Vec<f64>,
@@ -84,6 +93,13 @@ struct Runs {
 }
 
 impl Runs {
+    fn of(runs: &[Recording], length: usize) -> Self {
+        let joined = |signal: usize| {
+            runs.iter().flat_map(|run| run.signals[signal].values.iter().copied()).collect()
+        };
+        Self { c_m: joined(0), t: joined(1), length }
+    }
+
     fn data(&self) -> Result<Data<'_>, DataError> {
         let column = |name, values| Column { name, values };
         let data = Data::new(vec![column("C_m", &self.c_m)], column("T", &self.t))?;
@@ -105,8 +121,16 @@ impl Design {
         let process = train(Structure::PAPER, &estimated.data()?, &judged.data()?, &training)?;
         let set_points = plan.design_set_points(SET_POINTS);
         let each = plan.design_samples.div_ceil(set_points.len());
-        let fitted = healthy(&experiment, &set_points, run_up + FITTED, 0);
-        let long = healthy(&experiment, &set_points, run_up + each, 1);
+        let runs = healthy(&experiment, &set_points, run_up + FITTED, 0);
+        let fitted = Runs::of(&runs, run_up + FITTED);
+        let of_bank = || {
+            let per_si = experiment.drive.sensors.tacho_unit.per_si();
+            let rows: Vec<_> = runs.iter().map(|run| rows(run, per_si)).collect();
+            DesignedBank::new(plan, &rows)
+        };
+        let bank = plan.methods.contains(&Method::Bank).then(of_bank).transpose()?;
+        let long = run_up + each;
+        let long = Runs::of(&healthy(&experiment, &set_points, long, 1), long);
         let interface = Interface {
             period_s: experiment.period_s,
             inputs: vec![Channel::new("C_m", "V")],
@@ -121,7 +145,7 @@ impl Design {
         let left = residual(&mut diagnoser.model_error.model.run(), &of_r, Start::Rest);
         let cusum = Cusum::learn(&of_r.judged(&left, run_up), WHITENING)?;
         let version = env!("CARGO_PKG_VERSION").to_owned();
-        Ok(Self { plan: plan.digest.clone(), version, cusum, diagnoser })
+        Ok(Self { plan: plan.digest.clone(), version, cusum, diagnoser, bank })
     }
 
     /// The design as text: [`Self::parse`] gives the same again.
@@ -148,8 +172,13 @@ impl Design {
 }
 
 /// Healthy closed-loop runs of one length at each set point, from rest.
-fn healthy(experiment: &Experiment, set_points: &[f64], samples: usize, which: u64) -> Runs {
-    let runs: Vec<Recording> = set_points
+fn healthy(
+    experiment: &Experiment,
+    set_points: &[f64],
+    samples: usize,
+    which: u64,
+) -> Vec<Recording> {
+    set_points
         .par_iter()
         .enumerate()
         .map(|(k, set_point)| {
@@ -157,13 +186,7 @@ fn healthy(experiment: &Experiment, set_points: &[f64], samples: usize, which: u
             let inputs = experiment.following(vec![*set_point; samples], stream, &[]);
             native::closed_loop(&experiment.drive, &inputs)
         })
-        .collect();
-    let mut joined = Runs { length: samples, ..Runs::default() };
-    for run in runs {
-        joined.c_m.extend(&run.signals[0].values);
-        joined.t.extend(&run.signals[1].values);
-    }
-    joined
+        .collect()
 }
 
 /// An open-loop run under the excitation (25).

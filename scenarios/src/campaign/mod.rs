@@ -10,6 +10,7 @@
 //! A row is a function of plan and number: the same bytes on any number of threads, any split into
 //! ranges, and any instruction set.
 
+mod bank;
 mod block;
 mod columns;
 mod design;
@@ -22,6 +23,7 @@ pub mod summary;
 #[cfg(test)]
 mod tests;
 
+pub use bank::DesignedBank;
 pub use design::{Design, DesignError};
 pub use parts::{
     DATASET, FolderError, Part, Whole, merge, missing, part_name, parts_of, write_part, write_rows,

@@ -2,9 +2,10 @@
 
 use drivescope_recording::dataset::{Column, Values};
 
+use super::bank::{BankFound, Named};
 use super::block::{Found, Outcome};
 use super::columns::{STATUS, columns};
-use super::plan::{Plan, Scenario};
+use super::plan::{Method, Plan, Scenario};
 
 /// How a scenario ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -121,8 +122,12 @@ impl Rows {
         row.number(healthy as f64 * period_s);
         row.number(judged.map_or(f64::NAN, |it| it.residual));
         let faulty = from < samples;
-        for number in 0..plan.methods.len() {
-            let found = judged.map(|it| it.found[number]);
+        for (number, method) in plan.methods.iter().enumerate() {
+            let bank = judged.and_then(|it| it.bank.as_ref()).filter(|_| *method == Method::Bank);
+            // A bank that learned no machine judges nothing.
+            let judges = bank.is_none_or(|bank| bank.refused.is_none());
+            let found = judged.filter(|_| judges).map(|it| it.found[number]);
+            let [in_health, in_fault] = bank.map_or([healthy, until - from], |bank| bank.measured);
             let of = |value: &dyn Fn(&Found) -> f64| found.as_ref().map_or(f64::NAN, value);
             let share = |outside: u64, of: u64| {
                 if of > 0 { outside as f64 / of as f64 } else { f64::NAN }
@@ -132,10 +137,13 @@ impl Rows {
             row.number(t_dt.map_or(f64::NAN, |it| it * period_s));
             row.number(t_dt.map_or(f64::NAN, |it| (it - from as f64) * period_s));
             row.number(of(&|it| it.false_alarms as f64));
-            row.number(of(&|it| share(it.outside_healthy, healthy)));
+            row.number(of(&|it| share(it.outside_healthy, in_health)));
             row.number(of(&|it| {
-                if faulty { share(it.outside_fault, until - from) } else { f64::NAN }
+                if faulty { share(it.outside_fault, in_fault) } else { f64::NAN }
             }));
+            if *method == Method::Bank {
+                row.bank(bank, scenario);
+            }
         }
     }
 }
@@ -168,6 +176,23 @@ impl Row<'_> {
         if let Some(Values::Flags(values)) = self.next() {
             values.push(value);
         }
+    }
+
+    /// What a bank says beside; nothing is known of a scenario without result.
+    fn bank(&mut self, found: Option<&BankFound>, scenario: &Scenario) {
+        let named = found.and_then(|it| it.named.as_ref());
+        self.text(found.map_or("none", BankFound::baseline));
+        self.text(found.map_or("none", BankFound::told));
+        let set = named.map(|it| it.set.join(" ")).filter(|set| !set.is_empty());
+        self.text(set.as_deref().unwrap_or("none"));
+        let acted = |named: &Named| -> Vec<&str> {
+            let faults = scenario.faults.iter().flatten();
+            faults.filter(|it| it.from as u64 <= named.sample).map(|it| it.kind()).collect()
+        };
+        let truth = named.map(|named| (named, acted(named))).filter(|(_, kinds)| !kinds.is_empty());
+        self.flag(truth.map(|(named, kinds)| named.set.iter().any(|id| kinds.contains(&&**id))));
+        let [size, low, high] = named.and_then(|it| it.size).unwrap_or([f64::NAN; 3]);
+        [size, low, high].into_iter().for_each(|it| self.number(it));
     }
 
     fn text(&mut self, value: &str) {

@@ -41,7 +41,8 @@ fn same(a: &Rows, b: &Rows) -> bool {
 
 #[test]
 fn rows_do_not_depend_on_how_the_work_is_split() {
-    let campaign = campaign(MIXED);
+    let all = "methods = [\"constant\", \"bands\", \"cusum\", \"bank\"]\n[design]";
+    let campaign = campaign(&MIXED.replace("[design]", all));
     let whole = rows(&campaign, 0..48);
     assert_eq!(whole.len(), 48);
     let mut joined = Rows::none(campaign.plan());

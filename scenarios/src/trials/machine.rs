@@ -8,6 +8,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::experiment::{Experiment, Stream};
 use crate::faults::Fault;
 use crate::native::ClosedLoops;
+use crate::seen::rows;
 
 /// Standard deviations over machines of one kind, as fractions.
 const RESISTANCE: f64 = 0.03;
@@ -85,12 +86,7 @@ impl Machine {
                 self.experiment.following(plan.reference.clone(), stream, &plan.faults)
             });
             let inputs: Vec<_> = inputs.collect();
-            made.extend(loops.run(&inputs).iter().map(|run| {
-                let [c_m, t, i_m] = [0, 1, 2].map(|signal| &run.signals[signal].values);
-                let row =
-                    |k: usize| Row { control: c_m[k], shown: [t[k] / per_si, i_m[k], f64::NAN] };
-                (0..run.len()).map(row).collect::<Vec<_>>()
-            }));
+            made.extend(loops.run(&inputs).iter().map(|run| rows(run, per_si)));
         }
         made
     }

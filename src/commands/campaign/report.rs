@@ -5,8 +5,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use drivescope_scenarios::campaign::summary::{MethodSummary, Summary, Worst, summarise};
+use drivescope_scenarios::campaign::summary::{MethodSummary, Naming, Summary, Worst, summarise};
 use drivescope_scenarios::campaign::{FolderError, Whole, parts_of};
+use drivescope_scenarios::parity::Share;
 
 use crate::commands::Run;
 use crate::failure::{Ending, into_report};
@@ -79,6 +80,9 @@ fn text(summary: &Summary, plan: &str) -> String {
     for method in &summary.methods {
         let _ = writeln!(text, "\n{}", sentence(method));
         detection(&mut text, method);
+        if let Some(naming) = &method.naming {
+            named(&mut text, naming);
+        }
         if !method.sensitivity.is_empty() {
             let _ = writeln!(
                 text,
@@ -127,6 +131,32 @@ fn detection(text: &mut String, method: &MethodSummary) {
             };
             let _ = writeln!(text, "  {:<24} {range:>21} {share:>24} {delay:>22}", kind.kind);
         }
+    }
+}
+
+/// What was named of what failed: shares of the judged, and the names by their number.
+fn named(text: &mut String, naming: &Naming) {
+    let _ = writeln!(
+        text,
+        "  {:<24} {:>12} {:>12} {:>14} {:>12}  named",
+        "kind", "named first", "in the set", "interval holds", "size, rms"
+    );
+    let share = |share: &Share| match share.of {
+        0 => "-".to_owned(),
+        of => format!("{}/{of}", share.hits),
+    };
+    for kind in &naming.kinds {
+        let names = kind.named.iter().map(|it| format!("{} {}", it.what, it.scenarios));
+        let _ = writeln!(
+            text,
+            "  {:<24} {:>12} {:>12} {:>14} {:>12}  {}",
+            kind.kind,
+            share(&kind.right),
+            share(&kind.in_set),
+            share(&kind.covered),
+            kind.size_error.map_or_else(|| "-".to_owned(), number),
+            names.collect::<Vec<_>>().join(", ")
+        );
     }
 }
 

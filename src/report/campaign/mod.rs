@@ -1,13 +1,14 @@
 //! The report of a campaign: what was detected, how late, and at what price.
 
 mod figures;
+mod naming;
 mod tables;
 
-use drivescope_scenarios::campaign::summary::{MethodSummary, Summary};
+use drivescope_scenarios::campaign::summary::{Count, MethodSummary, Summary};
 use maud::html;
 
 use super::page::{page, section};
-use super::words::{number, percent};
+use super::words::{count, number, percent};
 use crate::next::Next;
 
 /// One self-contained HTML page: what a campaign found; `plan` is its file, for the commands that
@@ -23,15 +24,19 @@ pub(crate) fn campaign_html(summary: &Summary, plan: &str, said: &str) -> String
             (tables::set_aside(summary))
         }))
         @for method in &summary.methods { (tables::detection(method, figures::detection(method))) }
+        @for method in &summary.methods { (naming::naming(method)) }
         (tables::false_alarms(summary))
         (tables::sensitivity(summary))
         (tables::worst(summary, plan))
         (section("plan", "The plan", &html! { pre { (said) } }))
     };
+    let tells_what = summary.methods.iter().any(|method| method.naming.is_some());
     let made = html! {
         "drivescope campaign report, plan " code { (summary.plan_digest) } ", version "
-        (summary.version) ". The same plan gives the same figures, however the work was split. These \
-         detectors tell that something failed, not what: there is no table of confusion."
+        (summary.version) ". The same plan gives the same figures, however the work was split."
+        @if !tells_what {
+            " These detectors tell that something failed, not what: there is no table of confusion."
+        }
     };
     page("Fault campaign", &about, &sections, &made)
 }
@@ -57,7 +62,17 @@ pub(crate) fn sentence(method: &MethodSummary) -> String {
             number(method.hours_between())
         ),
     };
-    format!("{}: {found}, {alarms}", method.method)
+    let not_learned = not_learned(method).map_or_else(String::new, |said| format!(", {said}"));
+    format!("{}: {found}, {alarms}{not_learned}", method.method)
+}
+
+/// Scenarios that a method did not judge, for it learned no machine in them; nothing without any.
+fn not_learned(method: &MethodSummary) -> Option<String> {
+    let reasons = &method.naming.as_ref().filter(|it| !it.not_learned.is_empty())?.not_learned;
+    let all: usize = reasons.iter().map(|reason| reason.scenarios).sum();
+    let each = |reason: &Count| format!("{} {}", reason.what, reason.scenarios);
+    let each: Vec<String> = reasons.iter().map(each).collect();
+    Some(format!("{} not judged, no machine learned ({})", count(all, "scenario"), each.join(", ")))
 }
 
 /// The command that runs a scenario again.
@@ -67,7 +82,9 @@ pub(crate) fn rerun(plan: &str, scenario: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use drivescope_scenarios::campaign::summary::{KindRow, Sensitivity, SizeRow, Worst};
+    use drivescope_scenarios::campaign::summary::{
+        KindRow, NamedKind, Naming, Sensitivity, SizeRow, Worst,
+    };
     use drivescope_scenarios::parity::{Share, Spread};
     use scraper::{Html, Selector};
 
@@ -107,6 +124,7 @@ mod tests {
             healthy_hours: 4.0,
             silent: Share::new(38, 40),
             outside_healthy: Spread::of([0.05, 0.06]),
+            naming: None,
             sensitivity: vec![index("fault_size", 0.6), index("R", 0.1)],
             worst: vec![worst],
         };
@@ -136,6 +154,37 @@ mod tests {
         assert!(text.contains("drivescope campaign 'my plan.toml' --only 17"));
         assert!(text.contains("grew without bound") && !text.contains("ended the process"));
         assert!(!text.contains("NaN"));
+    }
+
+    #[test]
+    fn what_was_named_is_told_with_what_was_not_judged() {
+        let count = |what: &str, scenarios| Count { what: what.to_owned(), scenarios };
+        let mut summary = summary();
+        assert!(campaign_html(&summary, "p.toml", "").contains("there is no table of confusion"));
+        summary.methods[0].naming = Some(Naming {
+            not_learned: vec![count("at_rest", 3), count("changes", 1)],
+            kinds: vec![NamedKind {
+                kind: "tacho".to_owned(),
+                named: vec![count("tacho", 30), count("flux", 2)],
+                right: Share::new(30, 32),
+                in_set: Share::new(31, 32),
+                covered: Share::new(28, 30),
+                size_error: Some(0.0012),
+            }],
+        });
+        let text = campaign_html(&summary, "p.toml", "");
+        assert!(!text.contains("there is no table of confusion"));
+        let page = Html::parse_document(&text);
+        assert!(page.errors.is_empty(), "{:?}", page.errors);
+        let cells = |selector: &str| -> Vec<String> {
+            let cells = Selector::parse(&format!("#naming-bands {selector}")).unwrap();
+            page.select(&cells).map(|cell| cell.text().collect()).collect()
+        };
+        assert_eq!(cells("table:first-of-type thead th")[..3], ["what fails", "flux", "tacho"]);
+        assert_eq!(cells("tbody td")[..2], ["2", "30"]);
+        assert!(cells("tbody td").iter().any(|cell| cell.starts_with("31/32, ")));
+        let said = "4 scenarios not judged, no machine learned (at_rest 3, changes 1)";
+        assert!(sentence(&summary.methods[0]).ends_with(said));
     }
 
     #[test]

@@ -8,7 +8,8 @@ use super::rerun;
 use crate::report::page::{figure, math, section, table};
 use crate::report::words::{count, number, percent};
 
-fn shown(share: &Share) -> String {
+/// A share with its interval.
+pub(super) fn shown(share: &Share) -> String {
     let [low, high] = share.interval;
     match share.of {
         0 => "\u{2013}".to_owned(),

@@ -18,6 +18,7 @@ use drivescope_plant::parameters::Role;
 use drivescope_plant::sampled::{InputLanes, Inputs, Sampled, Samples, Span, speed_bound};
 use drivescope_recording::Recording;
 
+use super::bank::Bank;
 use super::design::Design;
 use super::noise::{Channels, LaneNoise, NoiseLanes};
 use super::plan::{Plan, stream_of_noise};
@@ -33,10 +34,11 @@ pub(super) const LANES: usize = 16;
 const MARGIN: f64 = 0.5;
 
 /// What all blocks of a plan share.
-#[derive(Debug)]
 pub(super) struct Blocks<'a> {
     plan: &'a Plan,
     design: &'a Design,
+    /// The bank, if the plan has one.
+    bank: Option<Bank<'a>>,
     /// The nominal drive, its K_m a parameter of its own.
     drive: Drive,
     /// Names and values of its parameters.
@@ -72,6 +74,7 @@ impl<'a> Blocks<'a> {
             longest: MARGIN * longest_substep(&model, speed),
             delays: model.delays(),
             channels: if noisy { Channels::ALL } else { Channels::of(&drive.noise) },
+            bank: design.bank.as_ref().and_then(|bank| Bank::new(plan, bank)),
             plan,
             design,
             drive,
@@ -91,7 +94,8 @@ impl<'a> Blocks<'a> {
                 std::array::from_fn(|l| &scenarios[*some.get(l).unwrap_or(&last)]);
             let models = lanes.map(|ready| &ready.model);
             let block = Block::paced(Model::side_by_side(models), self.longest);
-            let outcomes = self.lanes(lanes, Sampled::new(&self.drive, block, true));
+            let sampled = Sampled::new(&self.drive, block, true);
+            let outcomes = self.lanes((lanes, some.len()), sampled);
             for (k, outcome) in some.iter().zip(outcomes) {
                 made[*k] = outcome;
             }
@@ -100,7 +104,8 @@ impl<'a> Blocks<'a> {
             if let Some(longest) = ready.alone {
                 let integrator = Integrator::paced(ready.model.clone(), longest);
                 let drive = ready.drive.as_ref().unwrap_or(&self.drive);
-                let [outcome] = self.lanes([ready], Sampled::new(drive, integrator, true));
+                let sampled = Sampled::new(drive, integrator, true);
+                let [outcome] = self.lanes(([ready], 1), sampled);
                 *made = outcome;
             }
         }
@@ -117,9 +122,10 @@ impl<'a> Blocks<'a> {
         recorder.recording(self.plan, ready.scenario.index)
     }
 
+    /// Runs drives side by side, of which the first `count` are asked for.
     fn lanes<const N: usize, S: Stepper<N>>(
         &self,
-        lanes: [&Ready; N],
+        (lanes, count): ([&Ready; N], usize),
         mut sampled: Sampled<N, S>,
     ) -> [Option<Outcome>; N] {
         let watched = lanes.map(|ready| {
@@ -127,7 +133,9 @@ impl<'a> Blocks<'a> {
             Watched { settings: ready.scenario.settings, from: from as u64, until: until as u64 }
         });
         let (inputs, noise) = (self.inputs(lanes), self.noise(lanes));
-        let watch = Watch::new(self.plan, self.design, watched, inputs, noise);
+        let asked = watched[..count].iter().map(|it| (it.settings, (it.from, it.until)));
+        let bank = self.bank.as_ref().map(|bank| bank.lanes(asked));
+        let watch = Watch::new((self.plan, self.design), watched, (inputs, noise), bank);
         let Some(mut watch) = watch else { return std::array::from_fn(|_| None) };
         self.through(lanes, &mut sampled, &mut watch);
         std::array::from_fn(|l| Some(watch.outcome(l, self.plan)))

@@ -11,7 +11,7 @@ pub(super) struct Phase<const N: usize> {
 }
 
 /// What one method found of one scenario.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::campaign) struct Found {
     /// Healthy samples outside.
     pub(in crate::campaign) outside_healthy: u64,

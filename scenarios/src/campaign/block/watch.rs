@@ -5,6 +5,7 @@ use drivescope_diagnoser::{Confidence, CusumLanes, Diagnoser, ModelLanes, thresh
 use drivescope_plant::effects::law::OutputLanes;
 use drivescope_plant::sampled::{InputLanes, Samples, SignalLanes};
 
+use super::super::bank::{BankFound, Lanes};
 use super::super::design::Design;
 use super::super::noise::NoiseLanes;
 use super::super::plan::{Method, Plan, Settings};
@@ -26,13 +27,14 @@ pub(in crate::campaign) struct Outcome {
     pub(in crate::campaign) finite: bool,
     /// What each method of the plan found, in the plan's order.
     pub(in crate::campaign) found: Vec<Found>,
+    /// What the bank found beside, if the plan has one.
+    pub(in crate::campaign) bank: Option<BankFound>,
     /// Mean of the residual over the fault, unit of T; over health where nothing fails.
     pub(in crate::campaign) residual: f64,
 }
 
 /// Noise into the drives, their signals into the detectors.
-#[derive(Debug, Clone)]
-pub(super) struct Watch<const N: usize> {
+pub(super) struct Watch<'a, const N: usize> {
     noise: NoiseLanes<N>,
     inputs: InputLanes<f64, N>,
     process: ModelLanes<N>,
@@ -46,6 +48,7 @@ pub(super) struct Watch<const N: usize> {
     /// Half width of the bands.
     half: [f64; N],
     tallies: [Tally<N>; 3],
+    bank: Option<Lanes<'a>>,
     run_up: u64,
     from: [u64; N],
     until: [u64; N],
@@ -54,14 +57,13 @@ pub(super) struct Watch<const N: usize> {
     residuals: [f64; N],
 }
 
-impl<const N: usize> Watch<N> {
+impl<'a, const N: usize> Watch<'a, N> {
     /// Detectors at their start; nothing if the design holds models without lanes.
     pub(super) fn new(
-        plan: &Plan,
-        design: &Design,
+        (plan, design): (&Plan, &Design),
         lanes: [Watched; N],
-        inputs: InputLanes<f64, N>,
-        noise: NoiseLanes<N>,
+        (inputs, noise): (InputLanes<f64, N>, NoiseLanes<N>),
+        bank: Option<Lanes<'a>>,
     ) -> Option<Self> {
         let Diagnoser { model, model_error, constant, .. } = &design.diagnoser;
         let t_beta = lanes
@@ -75,11 +77,12 @@ impl<const N: usize> Watch<N> {
             process: ModelLanes::new(model)?,
             error: ModelLanes::new(&model_error.model)?,
             cusum: CusumLanes::new(&design.cusum, threshold, kappa),
-            methods: Method::ALL.map(|method| plan.methods.contains(&method)),
+            methods: Method::OF_RESIDUAL.map(|method| plan.methods.contains(&method)),
             lower: t_beta.map(|t_beta| constant.mean - t_beta * constant.deviation),
             upper: t_beta.map(|t_beta| constant.mean + t_beta * constant.deviation),
             half: t_beta.map(|t_beta| t_beta * model_error.deviation),
             tallies: [Tally::new(window, from), Tally::new(window, from), Tally::new([1; N], from)],
+            bank,
             run_up: plan.run_up as u64,
             from,
             until: lanes.map(|it| it.until),
@@ -89,14 +92,19 @@ impl<const N: usize> Watch<N> {
     }
 
     /// What became of lane `l`.
-    pub(super) fn outcome(&self, l: usize, plan: &Plan) -> Outcome {
-        let of = |method: &Method| self.tallies[*method as usize].found(l);
+    pub(super) fn outcome(&mut self, l: usize, plan: &Plan) -> Outcome {
+        let bank = self.bank.as_mut().and_then(|bank| bank.finish(l));
+        let of = |method: &Method| match method {
+            Method::Bank => bank.as_ref().map_or_else(Found::default, |bank| bank.counts),
+            _ => self.tallies[*method as usize].found(l),
+        };
         let samples = plan.samples as u64;
         let (from, until) = (self.from[l].min(samples), self.until[l].min(samples));
         let judged = if from < samples { until - from } else { samples - self.run_up };
         Outcome {
             finite: self.finite[l] == 0.0,
             found: plan.methods.iter().map(of).collect(),
+            bank,
             residual: self.residuals[l] / judged as f64,
         }
     }
@@ -152,7 +160,7 @@ impl<const N: usize> Watch<N> {
     }
 }
 
-impl<const N: usize> Samples<N> for Watch<N> {
+impl<const N: usize> Samples<N> for Watch<'_, N> {
     #[inline(always)]
     fn inputs(&mut self, _: usize) -> &InputLanes<f64, N> {
         self.noise.fill(&mut self.inputs);
@@ -162,5 +170,8 @@ impl<const N: usize> Samples<N> for Watch<N> {
     #[inline(always)]
     fn keep(&mut self, k: usize, signals: &SignalLanes<f64, N>, _: &OutputLanes<f64, N>) {
         self.judge(k as u64, &signals.c_m, &signals.t);
+        if let Some(bank) = &mut self.bank {
+            bank.take(k as u64, [&signals.c_m, &signals.t, &signals.i_m]);
+        }
     }
 }

@@ -88,7 +88,7 @@ pub(super) struct FaultTable {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct DetectorTable {
-    /// Which of `constant`, `bands`, `cusum`; all by default.
+    /// Which of `constant`, `bands`, `cusum`, `bank`; all but the bank by default.
     #[schemars(with = "Option<Vec<String>>")]
     pub(super) methods: Option<Spanned<Vec<Spanned<String>>>>,
     /// Share of healthy samples outside constant thresholds and bands.
@@ -97,13 +97,13 @@ pub(super) struct DetectorTable {
     /// Exceedances in a row that declare a fault.
     #[schemars(with = "Option<Given>")]
     pub(super) window: Option<Spanned<Given>>,
-    /// Mean samples between false alarms that the CUSUM is designed for.
+    /// Mean samples between false alarms that CUSUM and bank are designed for.
     #[schemars(with = "Option<Given>")]
     pub(super) arl_0: Option<Spanned<Given>>,
     /// Drift of the CUSUM, in standard deviations of the innovations.
     #[schemars(with = "Option<Given>")]
     pub(super) kappa: Option<Spanned<Given>>,
-    /// Time at the start of a scenario that is not judged, s.
+    /// Time at the start of a scenario that is not judged, s; the bank learns the machine at its end.
     #[schemars(with = "Option<f64>")]
     pub(super) run_up: Option<Spanned<f64>>,
 }

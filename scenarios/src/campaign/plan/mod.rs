@@ -41,11 +41,15 @@ pub enum Method {
     Bands,
     /// Two-sided CUSUM of whitened innovations.
     Cusum,
+    /// Bank of hypotheses on the drive's equations, its machine learned in the run-up.
+    Bank,
 }
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Constant, Self::Bands, Self::Cusum];
+    pub const ALL: [Self; 4] = [Self::Constant, Self::Bands, Self::Cusum, Self::Bank];
+    /// Those that test the residual of the process model: they watch where a plan names none.
+    pub const OF_RESIDUAL: [Self; 3] = [Self::Constant, Self::Bands, Self::Cusum];
 
     /// Its name in plans and columns.
     pub fn id(self) -> &'static str {
@@ -53,6 +57,7 @@ impl Method {
             Self::Constant => "constant",
             Self::Bands => "bands",
             Self::Cusum => "cusum",
+            Self::Bank => "bank",
         }
     }
 }

@@ -113,6 +113,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ("\"ramp=2\"", "\"ramp\"", "20:11", "a time above 0 s"),
         ("probability = 0.9", "probability = -1", "21:15", "a share from 0 to 1"),
         ("\"cusum\"]", "\"glr\"]", "24:33", "there is no method `glr`"),
+        ("\"cusum\"]", "\"bank\"]\nrun_up = 0.4", "24:33", "set detector.run_up = 0.5 or more"),
         ("beta = 0.05", "beta = 1.5", "25:8", "a share between 0 and 1"),
         ("arl_0 = 1e5", "arl_0 = { uniform = [1, 5] }", "27:9", "10 to 1e12"),
     ] {
@@ -134,4 +135,18 @@ fn the_schema_tells_all_keys() {
         assert!(schema.contains(&format!("\"{key}\"")), "{key}");
     }
     assert!(!schema.contains("null"), "TOML has no null");
+}
+
+#[test]
+fn a_bank_needs_a_drive_that_it_has_a_filter_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let held_back = "\n[[effect]]\nkind = \"delay\"\ntau = 0.002\n";
+    let drive = crate::drives::built_in("dr300").expect("it is there").expect("it is right");
+    std::fs::write(folder.path().join("late.toml"), drive.to_toml() + held_back).expect("room");
+    let text = QUICK.replace("\"dr300\"", "\"late.toml\"");
+    assert!(Plan::parse(&text, "plan.toml", folder.path()).is_ok());
+    let text = text.replace("\"cusum\"]", "\"bank\"]");
+    let error = Plan::parse(&text, "plan.toml", folder.path()).expect_err("a delay").to_string();
+    assert!(error.starts_with("plan.toml:24:33: `detector.methods`: the bank has no"), "{error}");
+    assert!(error.ends_with("or leave `bank` out"), "{error}");
 }

@@ -42,8 +42,9 @@ pub(super) fn kinds(gathered: &Gathered, method: usize) -> Vec<KindRow> {
     let mut kinds: Vec<usize> = (0..gathered.kinds.len()).collect();
     kinds.sort_by_key(|kind| &gathered.kinds[*kind]);
     let row = |kind: usize| {
-        let mut rows: Vec<&Kept> =
-            gathered.kept.iter().filter(|row| row.kind == Some(kind)).collect();
+        let judged = |row: &&Kept| row.methods[method].detected.is_some();
+        let of_kind = gathered.kept.iter().filter(|row| row.kind == Some(kind));
+        let mut rows: Vec<&Kept> = of_kind.filter(judged).collect();
         rows.sort_by(|a, b| a.size.total_cmp(&b.size));
         let outside = rows.iter().map(|row| row.methods[method].outside_fault);
         KindRow {

@@ -3,6 +3,7 @@
 use drivescope_recording::dataset::{Column, Values};
 
 use super::super::rows::Rows;
+use super::naming::Names;
 
 /// Scenarios whose details are kept, at most.
 const MOST: u64 = 500_000;
@@ -46,6 +47,13 @@ pub(super) struct Judged {
     pub(super) outside_fault: f64,
 }
 
+impl Judged {
+    /// Whether the method watched the scenario: a bank that learned no machine does not.
+    fn is_judged(&self) -> bool {
+        self.false_alarms.is_finite()
+    }
+}
+
 /// Counts over all scenarios.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Counts {
@@ -54,6 +62,8 @@ pub(super) struct Counts {
     pub(super) judged: usize,
     pub(super) silent: usize,
     pub(super) false_alarms: u64,
+    /// Judged time before faults, s.
+    pub(super) healthy_s: f64,
 }
 
 /// All of it.
@@ -61,12 +71,13 @@ pub(super) struct Counts {
 pub(super) struct Gathered {
     pub(super) scenarios: u64,
     pub(super) healthy: u64,
-    pub(super) healthy_s: f64,
     pub(super) not_finite: Vec<u64>,
     pub(super) aborted: Vec<u64>,
     pub(super) every: u64,
     pub(super) methods: Vec<String>,
     pub(super) counts: Vec<Counts>,
+    /// What each method named, if it names faults.
+    pub(super) names: Vec<Option<Names>>,
     pub(super) kinds: Vec<String>,
     pub(super) kept: Vec<Kept>,
     pub(super) inputs: Vec<Input>,
@@ -77,12 +88,12 @@ impl Gathered {
         Self {
             scenarios: 0,
             healthy: 0,
-            healthy_s: 0.0,
             not_finite: Vec::new(),
             aborted: Vec::new(),
             every: planned.div_ceil(MOST).max(1),
             methods: Vec::new(),
             counts: Vec::new(),
+            names: Vec::new(),
             kinds: Vec::new(),
             kept: Vec::new(),
             inputs: Vec::new(),
@@ -96,6 +107,7 @@ impl Gathered {
             let names = rows.columns.iter().filter_map(|it| it.name.strip_suffix("_detected"));
             self.methods = names.map(str::to_owned).collect();
             self.counts = vec![Counts::default(); self.methods.len()];
+            self.names = self.methods.iter().map(|name| Names::of(name, &table)).collect();
             let chosen = rows.columns.iter().take_while(|it| it.name != FIRST_RESULT);
             let chosen = chosen.filter(|it| !NO_INPUT.contains(&it.name.as_str()));
             let input = |column: &Column| {
@@ -129,14 +141,21 @@ impl Gathered {
     fn row(&mut self, table: &Table<'_>, k: usize, scenario: u64) {
         let kind = table.kind(k);
         self.healthy += u64::from(kind.is_none());
-        self.healthy_s += table.number("healthy_time", k);
+        let healthy_s = table.number("healthy_time", k);
         let methods: Vec<Judged> = self.methods.iter().map(|name| table.judged(name, k)).collect();
         for (counts, found) in self.counts.iter_mut().zip(&methods) {
+            if !found.is_judged() {
+                continue;
+            }
+            counts.healthy_s += healthy_s;
             counts.faulty += usize::from(found.detected.is_some());
             counts.detected += usize::from(found.detected == Some(true));
             counts.judged += 1;
             counts.silent += usize::from(found.false_alarms == 0.0);
             counts.false_alarms += found.false_alarms as u64;
+        }
+        for names in self.names.iter_mut().flatten() {
+            names.take(table, k, kind.as_deref());
         }
         if !scenario.is_multiple_of(self.every) {
             return;
@@ -165,25 +184,33 @@ fn number_of(words: &mut Vec<String>, word: &str) -> usize {
     })
 }
 
-struct Table<'a>(&'a [Column]);
+/// Rows by the names of their columns.
+pub(super) struct Table<'a>(&'a [Column]);
 
 impl Table<'_> {
-    fn column(&self, name: &str) -> Option<&Column> {
+    pub(super) fn column(&self, name: &str) -> Option<&Column> {
         self.0.iter().find(|column| column.name == name)
     }
 
-    fn text(&self, name: &str, k: usize) -> &str {
+    pub(super) fn text(&self, name: &str, k: usize) -> &str {
         match self.column(name).map(|column| &column.values) {
             Some(Values::Texts(values)) => &values[k],
             _ => "",
         }
     }
 
-    fn number(&self, name: &str, k: usize) -> f64 {
+    pub(super) fn number(&self, name: &str, k: usize) -> f64 {
         match self.column(name).map(|column| &column.values) {
             Some(Values::Numbers(values)) => values[k],
             Some(Values::Integers(values)) => values[k] as f64,
             _ => f64::NAN,
+        }
+    }
+
+    pub(super) fn flag(&self, name: &str, k: usize) -> Option<bool> {
+        match self.column(name).map(|column| &column.values) {
+            Some(Values::Flags(values)) => values[k],
+            _ => None,
         }
     }
 
@@ -201,12 +228,8 @@ impl Table<'_> {
 
     fn judged(&self, method: &str, k: usize) -> Judged {
         let number = |what: &str| self.number(&format!("{method}_{what}"), k);
-        let detected = match self.column(&format!("{method}_detected")).map(|it| &it.values) {
-            Some(Values::Flags(values)) => values[k],
-            _ => None,
-        };
         Judged {
-            detected,
+            detected: self.flag(&format!("{method}_detected"), k),
             delay_s: number("delay"),
             false_alarms: number("false_alarms"),
             outside_healthy: number("outside_healthy"),

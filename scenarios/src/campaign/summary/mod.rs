@@ -6,6 +6,7 @@
 
 mod detection;
 mod gather;
+mod naming;
 mod sensitivity;
 mod worst;
 
@@ -15,6 +16,8 @@ use super::parts::{FolderError, Part};
 use crate::shares::{Share, Spread};
 pub use detection::{KindRow, SizeRow};
 use gather::{Gathered, Judged};
+use naming::Names;
+pub use naming::{Count, NamedKind, Naming};
 pub use sensitivity::Sensitivity;
 pub use worst::Worst;
 
@@ -58,6 +61,9 @@ pub struct MethodSummary {
     pub silent: Share,
     /// Share of healthy samples outside, r_fd.
     pub outside_healthy: Spread,
+    /// What it named, if it names faults.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub naming: Option<Naming>,
     /// What its findings depend on.
     pub sensitivity: Vec<Sensitivity>,
     /// Scenarios that are worth a look.
@@ -107,13 +113,14 @@ fn method(gathered: &Gathered, number: usize, name: &str) -> MethodSummary {
         detected: Share::new(counts.detected, counts.faulty),
         kinds: detection::kinds(gathered, number),
         false_alarms: counts.false_alarms,
-        healthy_hours: gathered.healthy_s / 3600.0,
+        healthy_hours: counts.healthy_s / 3600.0,
         silent: Share::new(counts.silent, counts.judged),
         outside_healthy: Spread::of(
             judged()
                 .map(|(_, found): (_, &Judged)| found.outside_healthy)
                 .filter(|it| it.is_finite()),
         ),
+        naming: gathered.names[number].as_ref().map(Names::summary),
         sensitivity: sensitivity::sensitivity(gathered, number),
         worst: worst::worst(gathered, number),
     }

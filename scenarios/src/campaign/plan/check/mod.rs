@@ -70,7 +70,7 @@ pub(super) fn plan(text: &str, folder: &Path) -> Result<Plan, Flaw> {
         fault(&key, table.get_ref(), (run_up as f64 * period_s, samples as f64 * period_s))
     });
     let faults = faults.collect::<Result<Vec<_>, _>>()?;
-    let (methods, detector) = detector(&layout.detector)?;
+    let (methods, detector) = detector(&layout.detector, &experiment, run_up)?;
     let design_seed = layout.design.seed.as_ref().map(|it| *it.get_ref());
     if let Some(seed) = layout.design.seed.as_ref().filter(|it| *it.get_ref() == layout.seed) {
         return Err(at(seed, Problem::SameSeed));

@@ -93,6 +93,30 @@ fn a_weight_that_the_loop_holds_is_named() {
     assert_eq!(answer.named, ["unbalance"], "{:?}", answer.ranking);
 }
 
+/// A joint that goes to and fro over less than a radian, as that of an arm.
+fn found_in_a_joint(disturbs: impl Fn(f64) -> f64) -> Discovery {
+    let drive = Drive::parse(DRIVE, "joint.toml").expect("right");
+    let [estimation, validation] = [(0.3, 1), (0.25, 2)]
+        .map(|(speed, seed)| evidence(&drive, &recorded(speed, seed, &disturbs)));
+    discover(&drive, &estimation, &validation, &Unwatched).expect("the base can be fitted")
+}
+
+#[test]
+fn the_weight_of_a_joint_is_named_and_explains_its_torque() {
+    let answer = found_in_a_joint(|theta| 6e-2 * (theta + 0.4).sin());
+    assert_eq!(answer.named, ["unbalance"], "{:?}", answer.ranking);
+    let last = answer.ladder.len() - 1;
+    assert!(torque(&answer, last) < 0.1 * torque(&answer, 0), "{:?}", answer.ladder);
+}
+
+#[test]
+fn no_wave_is_named_over_a_part_of_its_period() {
+    let answer = found_in_a_joint(|theta| 3e-2 * (theta - 0.4));
+    let waves = ["cogging", "torque_ripple"];
+    assert!(!answer.named.iter().any(|it| waves.contains(&it.as_str())), "{:?}", answer.ranking);
+    assert_ne!(answer.verdict, Verdict::None, "{:?}", answer.ranking);
+}
+
 #[test]
 fn nothing_is_named_where_nothing_disturbs() {
     let answer = found(|_| 0.0);

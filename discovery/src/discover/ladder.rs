@@ -84,7 +84,8 @@ pub fn discover_by(
     Ok(found)
 }
 
-/// Whether a step leaves more torque unexplained than was applied, in the recordings held out.
+/// Whether a step leaves more torque unexplained than was applied, in the recordings held out: that nothing
+/// is missing cannot be said of it.
 fn explains_nothing(step: &LadderStep) -> bool {
     step.validation_unexplained.torque.is_some_and(|it| it.share > 1.0)
 }
@@ -153,7 +154,8 @@ fn searched(
                     continue;
                 }
             }
-            let missing = unknown.is_some() || !proposed.is_empty() || turn.explains_nothing();
+            let lost = found.ladder.last().is_some_and(explains_nothing);
+            let missing = unknown.is_some() || !proposed.is_empty() || lost;
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));

@@ -13,7 +13,6 @@ use super::learned::LearnedCurve;
 use super::probability;
 use super::refit::Model;
 use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
-use crate::balances::unexplained;
 use crate::estimate::Evidence;
 use crate::formula;
 use crate::likelihood::{CurveWeight, LawWeight, Randomness, Weights};
@@ -184,13 +183,6 @@ impl Round<'_> {
     /// The curve that shows that something is missing.
     pub(super) fn unknown(&self, weights: &Weights) -> Option<CurveWeight> {
         weights.repeating().next().filter(|curve| self.stands(curve)).cloned()
-    }
-
-    /// Whether the model leaves more torque unexplained than was applied, in the recordings held out:
-    /// that nothing is missing cannot be said of it.
-    pub(super) fn explains_nothing(&self) -> bool {
-        let [torque, _] = unexplained(&self.model.fitted.drive, self.validation);
-        torque.is_some_and(|it| it.share > 1.0)
     }
 
     /// Formulas that have more than that evidence, less what choosing one costs.

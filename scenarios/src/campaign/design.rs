@@ -23,7 +23,6 @@ use super::bank::DesignedBank;
 use super::plan::{Method, Plan};
 use crate::experiment::{Experiment, Stream};
 use crate::native;
-use crate::seen::rows;
 
 /// Samples of an excited run.
 const EXCITED: usize = 1000;
@@ -123,11 +122,7 @@ impl Design {
         let each = plan.design_samples.div_ceil(set_points.len());
         let runs = healthy(&experiment, &set_points, run_up + FITTED, 0);
         let fitted = Runs::of(&runs, run_up + FITTED);
-        let of_bank = || {
-            let per_si = experiment.drive.sensors.tacho_unit.per_si();
-            let rows: Vec<_> = runs.iter().map(|run| rows(run, per_si)).collect();
-            DesignedBank::new(plan, &rows)
-        };
+        let of_bank = || DesignedBank::new(plan, &runs);
         let bank = plan.methods.contains(&Method::Bank).then(of_bank).transpose()?;
         let long = run_up + each;
         let long = Runs::of(&healthy(&experiment, &set_points, long, 1), long);

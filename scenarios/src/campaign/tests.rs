@@ -41,8 +41,7 @@ fn same(a: &Rows, b: &Rows) -> bool {
 
 #[test]
 fn rows_do_not_depend_on_how_the_work_is_split() {
-    let all = "methods = [\"constant\", \"bands\", \"cusum\", \"bank\"]\n[design]";
-    let campaign = campaign(&MIXED.replace("[design]", all));
+    let campaign = campaign(MIXED);
     let whole = rows(&campaign, 0..48);
     assert_eq!(whole.len(), 48);
     let mut joined = Rows::none(campaign.plan());
@@ -70,7 +69,7 @@ fn a_row_says_what_the_detectors_say_of_its_signals() {
     let mut detected = 0;
     for k in 0..48 {
         let scenario = plan.scenario(k as u64);
-        let signals = campaign.trace(k as u64);
+        let signals = campaign.trace(k as u64).expect("a native drive");
         let column = |name| Signal { name, values: &signals.signal(name).expect("kept").values };
         let data = Data::new(vec![column("C_m")], column("T")).expect("finite");
         let mut diagnoser = campaign.design().diagnoser.clone();

@@ -10,7 +10,7 @@ use drivescope_diagnoser::DetectorError;
 use drivescope_fmu::cosim::{
     self, Component, Experiment, Failure, FmuComponent, Phase, Port, PortKind, Ports, System,
 };
-use drivescope_fmu::import::{self, Fmu, InstanceOptions, Progress};
+use drivescope_fmu::import::{self, Fmu, InstanceOptions, Progress, Value};
 use drivescope_recording::{Recording, Signal};
 use thiserror::Error;
 
@@ -98,7 +98,7 @@ pub fn closed_loop(
     inputs: &Recording,
     follower: Option<&mut impl Follower>,
 ) -> Result<Recording, RunError> {
-    let mut system = system(fmu, inputs, &RECORDED)?;
+    let mut system = system(fmu, inputs, &RECORDED, &[])?;
     if let Some(follower) = follower {
         system.add(FOLLOWER, Following(follower))?;
         for signal in FOLLOWED {
@@ -115,16 +115,38 @@ pub fn closed_loop(
 /// The FMU refuses.
 pub fn open_loop(fmu: &Fmu, inputs: &Recording) -> Result<Recording, RunError> {
     const SHOWN: [&str; 2] = ["T", "I_m"];
-    let mut system = system(fmu, inputs, &SHOWN)?;
+    let mut system = system(fmu, inputs, &SHOWN, &[])?;
     rows(&mut system, inputs, &SHOWN, 0)
 }
 
-/// The FMU with its inputs and what is recorded of it.
-fn system<'a>(fmu: &Fmu, inputs: &Recording, shown: &[&str]) -> Result<System<'a>, RunError> {
+/// Runs the closed loop of any FMU over the inputs, with those values of its parameters; row k holds what
+/// it shows of those outputs at the end of step k, in its own units.
+///
+/// # Errors
+/// The FMU refuses.
+pub fn foreign_loop(
+    fmu: &Fmu,
+    inputs: &Recording,
+    shown: &[&str],
+    parameters: &[(&str, f64)],
+) -> Result<Recording, RunError> {
+    rows(&mut system(fmu, inputs, shown, parameters)?, inputs, shown, 1)
+}
+
+/// The FMU with its inputs, those values of its parameters, and what is recorded of it.
+fn system<'a>(
+    fmu: &Fmu,
+    inputs: &Recording,
+    shown: &[&str],
+    parameters: &[(&str, f64)],
+) -> Result<System<'a>, RunError> {
     let h = inputs.period_s;
     let experiment = Experiment::new(inputs.start_s, inputs.time(inputs.len()), h);
     let mut system = System::new(experiment);
-    let drive = fmu.co_simulation(&InstanceOptions::named(DRIVE))?;
+    let mut drive = fmu.co_simulation(&InstanceOptions::named(DRIVE))?;
+    for (name, value) in parameters {
+        drive.set_value(name, &Value::Number(*value))?;
+    }
     system.add(DRIVE, FmuComponent::new(drive))?;
     let recording = Arc::new(inputs.clone());
     for signal in &inputs.signals {

@@ -181,6 +181,12 @@ impl Experiment {
         }
     }
 
+    /// Unit of a variable of the drive's FMUs; nothing if they have no such variable.
+    pub(crate) fn unit_of(&self, name: &str) -> Option<&str> {
+        let variable = self.variables.iter().find(|variable| variable.name == name);
+        variable.map(|variable| variable.unit.as_str())
+    }
+
     fn noise(&self, stream: Stream) -> NoiseStream {
         NoiseStream::new(&self.drive.noise, self.period_s, self.seed, stream.index())
     }
@@ -197,8 +203,7 @@ impl Experiment {
 
     /// An input of the drive's FMU, in the unit that it has there.
     fn input(&self, name: &str, values: Vec<f64>) -> Signal {
-        let variable = self.variables.iter().find(|variable| variable.name == name);
-        let unit = variable.map_or_else(String::new, |variable| variable.unit.clone());
+        let unit = self.unit_of(name).unwrap_or_default().to_owned();
         Signal { name: name.to_owned(), unit, values }
     }
 

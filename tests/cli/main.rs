@@ -5,6 +5,7 @@ mod architecture;
 mod bank;
 mod benchmark;
 mod campaign;
+mod campaign_foreign;
 mod compare;
 mod diagnose;
 mod diagnoser_fmu;

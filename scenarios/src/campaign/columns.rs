@@ -9,6 +9,9 @@ const SCENARIO: &str = "scenario";
 /// Name of the column that says how they ended.
 pub(super) const STATUS: &str = "status";
 
+/// Name of the column that says why a foreign FMU gave no result.
+const FAILURE: &str = "failure";
+
 /// Columns of the campaign of that plan, without rows.
 pub(super) fn columns(plan: &Plan) -> Vec<Column> {
     let speed = if plan.experiment.tacho_unit() == "m/s" { "m/s" } else { "rad/s" };
@@ -17,6 +20,9 @@ pub(super) fn columns(plan: &Plan) -> Vec<Column> {
         texts(STATUS, "done, not_finite (its state grew without bound) or aborted"),
         numbers("set_point", speed, "speed that the controller follows"),
     ];
+    if plan.foreign.is_some() {
+        made.insert(2, texts(FAILURE, "why an aborted scenario has no result, none of others"));
+    }
     if plan.has_noise_seed() {
         made.push(integers("noise_seed", "number of the noise"));
     }

@@ -14,6 +14,7 @@ mod bank;
 mod block;
 mod columns;
 mod design;
+mod foreign;
 mod noise;
 mod parts;
 pub mod plan;
@@ -25,6 +26,7 @@ mod tests;
 
 pub use bank::DesignedBank;
 pub use design::{Design, DesignError};
+pub use foreign::ForeignPlant;
 pub use parts::{
     DATASET, FolderError, Part, Whole, merge, missing, part_name, parts_of, write_part, write_rows,
 };

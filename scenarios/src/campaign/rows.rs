@@ -14,7 +14,7 @@ pub(super) enum Status {
     Done,
     /// Its state grew without bound.
     NotFinite,
-    /// It ended the process that ran it.
+    /// It ended the process that ran it, or a foreign FMU gave no result.
     Aborted,
 }
 
@@ -85,18 +85,26 @@ impl Rows {
         aborted.filter_map(|(scenario, _)| u64::try_from(*scenario).ok()).collect()
     }
 
-    /// Adds the row of one scenario.
-    pub(super) fn push(&mut self, plan: &Plan, scenario: &Scenario, outcome: Option<&Outcome>) {
+    /// Adds the row of one scenario: what became of it, or why there is no result.
+    pub(super) fn push(
+        &mut self,
+        plan: &Plan,
+        scenario: &Scenario,
+        outcome: Result<&Outcome, &str>,
+    ) {
         let status = match outcome {
-            Some(outcome) if outcome.finite => Status::Done,
-            Some(_) => Status::NotFinite,
-            None => Status::Aborted,
+            Ok(outcome) if outcome.finite => Status::Done,
+            Ok(_) => Status::NotFinite,
+            Err(_) => Status::Aborted,
         };
-        let judged = outcome.filter(|it| it.finite);
+        let judged = outcome.ok().filter(|it| it.finite);
         let period_s = plan.experiment.period_s;
         let mut row = Row { columns: &mut self.columns, at: 0 };
         row.integer(scenario.index);
         row.text(status.word());
+        if plan.foreign.is_some() {
+            row.text(outcome.err().unwrap_or("none"));
+        }
         row.number(scenario.set_point);
         if plan.has_noise_seed() {
             row.integer(scenario.noise_seed.unwrap_or(0));

@@ -6,16 +6,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use drivescope_recording::Recording;
 use rayon::prelude::*;
 
-use super::block::{Blocks, LANES, Outcome};
+use super::block::{Blocks, LANES};
 use super::design::Design;
 use super::plan::Plan;
 use super::rows::Rows;
+use crate::cosimulated::RunError;
 
 /// Scenarios that a thread takes at once: some blocks, so that those that stand alone balance.
 const TASK: u64 = 4 * LANES as u64;
 
 /// Scenarios of a part, as runs split a campaign: a second's work or less.
 pub const PART: u64 = 2048;
+
+/// Why a scenario has no result that did not say.
+const ENDED: &str = "it ended the process that ran it";
 
 /// A plan with its detectors.
 #[derive(Debug)]
@@ -89,19 +93,22 @@ impl Campaign {
     fn some(&self, blocks: &Blocks<'_>, range: Range<u64>) -> Rows {
         drill::fault(&range);
         let ready: Vec<_> = range.map(|index| blocks.ready(index)).collect();
-        let outcomes: Vec<Outcome> = blocks.run(&ready);
+        let outcomes = blocks.run(&ready);
         let mut rows = Rows::none(&self.plan);
         for (ready, outcome) in ready.iter().zip(&outcomes) {
-            rows.push(&self.plan, ready.scenario(), Some(outcome));
+            rows.push(&self.plan, ready.scenario(), outcome.as_ref().map_err(String::as_str));
         }
         rows
     }
 
     /// The signals of a scenario, the same bits as its row was made from.
     ///
+    /// # Errors
+    /// A foreign FMU gave none.
+    ///
     /// # Panics
     /// If the plan has no such scenario (an error of the calling code).
-    pub fn trace(&self, scenario: u64) -> Recording {
+    pub fn trace(&self, scenario: u64) -> Result<Recording, RunError> {
         assert!(scenario < self.plan.scenarios(), "{} scenarios", self.plan.scenarios());
         let blocks = Blocks::new(&self.plan, &self.design);
         blocks.trace(&blocks.ready(scenario))
@@ -110,7 +117,7 @@ impl Campaign {
     /// The rows of scenarios that end the process which runs them: what they are, and no result.
     pub fn aborted(&self, scenario: u64) -> Rows {
         let mut rows = Rows::none(&self.plan);
-        rows.push(&self.plan, &self.plan.scenario(scenario), None);
+        rows.push(&self.plan, &self.plan.scenario(scenario), Err(ENDED));
         rows
     }
 }

@@ -1,11 +1,13 @@
 //! Scenarios that may end the process which runs them: each range in a process of its own, halved
-//! until the one that does so is found.
+//! until the one that does so is found. Those of a foreign FMU are always run so.
 
+use std::fs;
 use std::ops::Range;
 use std::path::Path;
 use std::process::{ExitStatus, Stdio};
 
 use drivescope_scenarios::campaign::{Campaign, Plan, Reader, Rows, write_rows};
+use rayon::prelude::*;
 
 use super::folder;
 use crate::failure::{Ending, Failure, Stopped, into_report};
@@ -20,8 +22,44 @@ pub(super) fn part(plan: Plan, file: &Path, range: &Range<u64>) -> miette::Resul
     let campaign = folder::open(plan, campaigns)?;
     let rows = campaign.run(range.clone(), &|_| interrupt::check().is_err());
     let rows = rows.ok_or(Stopped)?;
+    if campaign.plan().foreign.is_some() {
+        // No other process is to load what this one survived.
+        folder::write_traces(&campaign, campaigns, range, &rows.aborted())?;
+    }
     write_rows(file, &campaign, range, &rows).map_err(into_report)?;
     Ok(Ending::Done)
+}
+
+/// Scenarios of a foreign FMU that a process runs: what it takes to start one does not tell.
+const AT_ONCE: u64 = 64;
+
+/// The rows of a range of scenarios whose machine is a foreign FMU, and their signals where those are
+/// kept; one process a thread, and `done` hears of each that is over.
+///
+/// # Errors
+/// As [`rows`].
+pub(super) fn rows_of_foreign(
+    campaign: &Campaign,
+    plan: &Path,
+    folder: &Path,
+    range: &Range<u64>,
+    done: &(dyn Fn(u64) + Sync),
+) -> miette::Result<Rows> {
+    let asked = interrupt::asked();
+    let some = |first: u64| {
+        asked.check()?;
+        let some = first..(first + AT_ONCE).min(range.end);
+        let rows = rows(campaign, plan, folder, &some);
+        done(some.end - some.start);
+        rows
+    };
+    let firsts: Vec<u64> = range.clone().step_by(AT_ONCE as usize).collect();
+    let made: Vec<Rows> = firsts.into_par_iter().map(some).collect::<miette::Result<_>>()?;
+    let mut rows = Rows::none(campaign.plan());
+    for more in made {
+        let _ = rows.append(more);
+    }
+    Ok(rows)
 }
 
 /// The rows of a range; a scenario that ends its process has the row of one.
@@ -44,7 +82,8 @@ pub(super) fn rows(
     while let Some(range) = remaining.pop() {
         interrupt::check()?;
         let file = work.path().join(format!("{}.parquet", range.start));
-        let ended = other_process(plan, &file, &range)?;
+        let foreign = campaign.plan().foreign.is_some();
+        let ended = other_process((plan, foreign), &file, &range)?;
         interrupt::check()?;
         if ended.success() {
             let reader = Reader::open(&file).map_err(into_report)?;
@@ -68,10 +107,19 @@ pub(super) fn rows(
     Ok(rows)
 }
 
-fn other_process(plan: &Path, file: &Path, range: &Range<u64>) -> miette::Result<ExitStatus> {
+fn other_process(
+    (plan, foreign): (&Path, bool),
+    file: &Path,
+    range: &Range<u64>,
+) -> miette::Result<ExitStatus> {
     let failed = |source| Failure::Read { path: "drivescope".into(), source };
-    let ended = crate::call::program()
-        .map_err(failed)?
+    let mut program = crate::call::program().map_err(failed)?;
+    if let Some(work) = file.parent().filter(|_| foreign) {
+        // What an FMU unpacked there goes with the folder, however its process ends.
+        program.env("TMPDIR", fs::canonicalize(work).map_err(failed)?);
+        program.env("RAYON_NUM_THREADS", "1");
+    }
+    let ended = program
         .arg("campaign")
         .arg(plan)
         .arg("--part")

@@ -114,7 +114,8 @@ pub(crate) fn write_traces(
     fs::create_dir_all(&traces)
         .map_err(|source| Failure::Write { path: traces.clone(), source })?;
     for scenario in kept {
-        output::write_recording(&trace(&traces, scenario), &campaign.trace(scenario))?;
+        let signals = campaign.trace(scenario).map_err(into_report)?;
+        output::write_recording(&trace(&traces, scenario), &signals)?;
     }
     Ok(())
 }

@@ -38,7 +38,7 @@ pub(super) fn only(
     }
     let next = match &recording {
         Some(path) => {
-            output::write_recording(path, &campaign.trace(scenario))?;
+            output::write_recording(path, &campaign.trace(scenario).map_err(into_report)?)?;
             Next::new("serve").with(path.display())
         }
         None => Next::new("campaign").with(file.display()).options(&format!(

@@ -102,7 +102,12 @@ pub(super) fn run(plan: Plan, file: &Path, how: &How, session: &Session) -> miet
     let aborted = std::mem::take(&mut work.aborted);
     for scenario in &aborted {
         session.remark(format_args!(
-            "scenario {scenario} ends the process that runs it (status aborted): {}",
+            "scenario {scenario} {}: {}",
+            if campaign.plan().foreign.is_some() {
+                "has no result (status aborted, column failure)"
+            } else {
+                "ends the process that runs it (status aborted)"
+            },
             Next::new("campaign")
                 .with(file.display())
                 .options(&format!(" --only {scenario}"))
@@ -159,7 +164,17 @@ impl Work<'_> {
     fn part(&mut self, range: &Range<u64>) -> miette::Result<()> {
         let careful = folder::was_interrupted(self.folder, range);
         let mark = Claim::take(self.folder, &folder::mark(range))?;
-        let rows = if careful {
+        let foreign = self.campaign.plan().foreign.is_some();
+        let rows = if foreign {
+            let bar = &self.bar;
+            let done = |more: u64| bar.inc(more);
+            let rows =
+                careful::rows_of_foreign(self.campaign, self.file, self.folder, range, &done);
+            if interrupt::check().is_err() {
+                return Err(self.stopped().into());
+            }
+            rows?
+        } else if careful {
             let rows = careful::rows(self.campaign, self.file, self.folder, range)?;
             self.bar.inc(range.end - range.start);
             rows
@@ -173,7 +188,9 @@ impl Work<'_> {
             self.campaign.run(range.clone(), &stop).ok_or_else(|| self.stopped())?
         };
         let aborted = rows.aborted();
-        folder::write_traces(self.campaign, self.folder, range, &aborted)?;
+        if !foreign {
+            folder::write_traces(self.campaign, self.folder, range, &aborted)?;
+        }
         self.aborted.extend(aborted);
         let _not_now = interrupt::writing();
         write_part(self.folder, self.campaign, range, &rows).map_err(into_report)?;

@@ -83,6 +83,21 @@ fn faults_are_found_named_and_measured_and_health_raises_no_alarm() {
     assert!(held >= 15, "{held} of 18 intervals of 95 % hold the size");
 }
 
+#[test]
+fn rows_do_not_depend_on_how_the_work_is_split() {
+    let campaign = Campaign::new(plan(PLAN), DESIGNED.clone());
+    // Missing values are not equal to themselves.
+    let text = |rows: &Rows| format!("{:?}", rows.columns);
+    let whole = text(&run(&campaign));
+    let mut joined = Rows::none(campaign.plan());
+    for range in [0..1, 1..18, 18..24] {
+        assert!(joined.append(campaign.run(range, &|_| false).expect("nobody stops it")));
+    }
+    assert_eq!(whole, text(&joined));
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    assert_eq!(whole, one.install(|| text(&run(&campaign))));
+}
+
 /// A bank that learns and watches the kept signals of a scenario by itself.
 #[test]
 fn a_row_says_what_the_bank_says_of_its_signals() {
@@ -94,7 +109,7 @@ fn a_row_says_what_the_bank_says_of_its_signals() {
     assert_eq!((run_up, of_plan.baseline), (1000, 1000));
     for k in 0..rows.len() {
         let scenario = campaign.plan().scenario(k as u64);
-        let signals = rows_of(&campaign.trace(k as u64), bank.per_si);
+        let signals = rows_of(&campaign.trace(k as u64).expect("a native drive"), bank.per_si);
         let limits = of_plan.tails.limits(scenario.settings.arl_0);
         let mut watch = bank.process.learn(&signals[..run_up], limits, horizon).expect("healthy");
         let alarms = signals[run_up..].iter().enumerate().filter_map(|(k, row)| {

@@ -4,6 +4,7 @@
 //! plan's nominal drive, halved, and a scenario that needs shorter ones, or another controller or
 //! sensor than the nominal one, runs alone.
 
+mod foreign;
 mod ready;
 mod recorder;
 mod tally;
@@ -22,6 +23,7 @@ use super::bank::Bank;
 use super::design::Design;
 use super::noise::{Channels, LaneNoise, NoiseLanes};
 use super::plan::{Plan, stream_of_noise};
+use crate::cosimulated::RunError;
 use ready::Ready;
 use recorder::Recorder;
 pub(super) use tally::Found;
@@ -83,8 +85,13 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// Runs scenarios, in their order.
-    pub(super) fn run(&self, scenarios: &[Ready]) -> Vec<Outcome> {
+    /// Runs scenarios, in their order: what became of each, or why there is no result.
+    pub(super) fn run(&self, scenarios: &[Ready]) -> Vec<Result<Outcome, String>> {
+        if let Some(plant) = &self.plan.foreign {
+            let one = |ready| self.of_foreign(plant, ready).transpose();
+            let made = scenarios.iter().filter_map(one);
+            return made.map(|made| made.map_err(|error| error.to_string())).collect();
+        }
         let mut made: Vec<Option<Outcome>> = vec![None; scenarios.len()];
         let together: Vec<usize> =
             (0..scenarios.len()).filter(|k| scenarios[*k].alone.is_none()).collect();
@@ -109,17 +116,23 @@ impl<'a> Blocks<'a> {
                 *made = outcome;
             }
         }
-        made.into_iter().flatten().collect()
+        made.into_iter().flatten().map(Ok).collect()
     }
 
     /// The signals of a scenario.
-    pub(super) fn trace(&self, ready: &Ready) -> Recording {
+    ///
+    /// # Errors
+    /// A foreign FMU gave none.
+    pub(super) fn trace(&self, ready: &Ready) -> Result<Recording, RunError> {
+        if let Some(plant) = &self.plan.foreign {
+            return self.foreign_trace(plant, ready);
+        }
         let longest = ready.alone.unwrap_or(self.longest);
         let integrator = Integrator::paced(ready.model.clone(), longest);
         let drive = ready.drive.as_ref().unwrap_or(&self.drive);
         let mut recorder = Recorder::new(self.noise([ready]), self.inputs([ready]));
         self.through([ready], &mut Sampled::new(drive, integrator, true), &mut recorder);
-        recorder.recording(self.plan, ready.scenario.index)
+        Ok(recorder.recording(self.plan, ready.scenario.index))
     }
 
     /// Runs drives side by side, of which the first `count` are asked for.
@@ -128,6 +141,15 @@ impl<'a> Blocks<'a> {
         (lanes, count): ([&Ready; N], usize),
         mut sampled: Sampled<N, S>,
     ) -> [Option<Outcome>; N] {
+        let Some(mut watch) = self.watch(lanes, count) else {
+            return std::array::from_fn(|_| None);
+        };
+        self.through(lanes, &mut sampled, &mut watch);
+        std::array::from_fn(|l| Some(watch.outcome(l, self.plan)))
+    }
+
+    /// Detectors over scenarios side by side, of which the first `count` are asked for.
+    fn watch<const N: usize>(&self, lanes: [&Ready; N], count: usize) -> Option<Watch<'_, N>> {
         let watched = lanes.map(|ready| {
             let (from, until) = ready.scenario.faulty().unwrap_or((usize::MAX, usize::MAX));
             Watched { settings: ready.scenario.settings, from: from as u64, until: until as u64 }
@@ -135,10 +157,7 @@ impl<'a> Blocks<'a> {
         let (inputs, noise) = (self.inputs(lanes), self.noise(lanes));
         let asked = watched[..count].iter().map(|it| (it.settings, (it.from, it.until)));
         let bank = self.bank.as_ref().map(|bank| bank.lanes(asked));
-        let watch = Watch::new((self.plan, self.design), watched, (inputs, noise), bank);
-        let Some(mut watch) = watch else { return std::array::from_fn(|_| None) };
-        self.through(lanes, &mut sampled, &mut watch);
-        std::array::from_fn(|l| Some(watch.outcome(l, self.plan)))
+        Watch::new((self.plan, self.design), watched, (inputs, noise), bank)
     }
 
     /// What enters the drives and stays.

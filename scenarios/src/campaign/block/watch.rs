@@ -109,7 +109,16 @@ impl<'a, const N: usize> Watch<'a, N> {
         }
     }
 
-    /// The detectors take the signals of sample `k`.
+    /// The detectors take C_m, T and I_m of sample `k`.
+    #[inline(always)]
+    pub(super) fn take(&mut self, k: u64, [c_m, t, i_m]: [&[f64; N]; 3]) {
+        self.judge(k, c_m, t);
+        if let Some(bank) = &mut self.bank {
+            bank.take(k, [c_m, t, i_m]);
+        }
+    }
+
+    /// What tests the residual.
     #[inline(always)]
     fn judge(&mut self, k: u64, c_m: &[f64; N], t: &[f64; N]) {
         let [constant, bands, cusum] = self.methods;
@@ -169,9 +178,6 @@ impl<const N: usize> Samples<N> for Watch<'_, N> {
 
     #[inline(always)]
     fn keep(&mut self, k: usize, signals: &SignalLanes<f64, N>, _: &OutputLanes<f64, N>) {
-        self.judge(k as u64, &signals.c_m, &signals.t);
-        if let Some(bank) = &mut self.bank {
-            bank.take(k as u64, [&signals.c_m, &signals.t, &signals.i_m]);
-        }
+        self.take(k as u64, [&signals.c_m, &signals.t, &signals.i_m]);
     }
 }

@@ -59,6 +59,9 @@ pub enum Problem {
     /// The drive cannot be read.
     #[error(transparent)]
     Drive(#[from] DriveFileError),
+    /// The FMU cannot be read.
+    #[error(transparent)]
+    Fmu(#[from] Box<drivescope_fmu::import::Error>),
     /// Neither a file nor a built-in drive.
     #[error(
         "`drive` = \"{name}\" is neither a file beside the plan nor a built-in drive ({known})"

@@ -22,6 +22,15 @@ pub(super) struct Layout {
     /// The drive: a file, beside the plan or by its whole path, or the name of a built-in one.
     #[schemars(with = "String")]
     pub(super) drive: Spanned<String>,
+    /// An FMU of any tool that is the machine in place of the drive, beside the plan or by its whole path:
+    /// the closed loop, with the inputs and outputs of an exported drive. The drive then gives sampling
+    /// time, set point and noise, and is what the detectors are designed on.
+    #[schemars(with = "Option<String>")]
+    pub(super) fmu: Option<Spanned<String>>,
+    /// Names that the FMU has for variables of an exported drive, where they differ.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, String>")]
+    pub(super) fmu_variables: BTreeMap<Spanned<String>, Spanned<String>>,
     /// Seed of all that is drawn.
     #[serde(default = "first")]
     pub(super) seed: u64,

@@ -19,6 +19,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::parameters::NamedParameter;
 use sha2::{Digest, Sha256};
 
+use super::foreign::ForeignPlant;
 use crate::experiment::Experiment;
 use crate::profile::Profile;
 pub use draw::{Scenario, ScenarioFault, Settings};
@@ -71,6 +72,8 @@ pub struct Plan {
     pub experiment: Experiment,
     /// The drive as the plan names it: one that comes with the program, or a file.
     pub drive_name: String,
+    /// The FMU that is the machine in place of the drive, if the plan has one.
+    pub foreign: Option<ForeignPlant>,
     /// Seed of all that is drawn.
     pub seed: u64,
     /// Samples of a scenario.
@@ -153,6 +156,21 @@ impl Plan {
     /// Faults that a scenario may have at once.
     pub fn most_faults(&self) -> usize {
         self.faults.len()
+    }
+
+    /// Numbers of the mechanisms that its faults may be, in ascending order.
+    pub(super) fn mechanisms(&self) -> Vec<usize> {
+        let kinds = self.faults.iter().flat_map(|fault| fault.kind.values().iter().flatten());
+        let mut kinds: Vec<usize> = kinds.copied().collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        kinds
+    }
+
+    /// Whether a number of the drive that is `nominal` in its file is above 0 in any scenario.
+    pub(super) fn may_be_above_zero(&self, name: &str, nominal: f64) -> bool {
+        let changed = self.parameters.iter().find(|(parameter, _)| parameter.name == name);
+        changed.map_or(nominal, |(_, quantity)| quantity.bounds().1) > 0.0
     }
 
     /// Whether scenarios have numbers of noise beside their own.

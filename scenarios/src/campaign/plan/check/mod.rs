@@ -2,6 +2,7 @@
 
 mod detector;
 mod fault;
+mod foreign;
 
 use std::path::Path;
 
@@ -11,6 +12,7 @@ use toml::Spanned;
 
 use self::detector::detector;
 use self::fault::fault;
+use self::foreign::foreign;
 use super::error::{Flaw, Problem};
 use super::layout::{Given, Layout};
 use super::quantity::Quantity;
@@ -85,7 +87,7 @@ pub(super) fn plan(text: &str, folder: &Path) -> Result<Plan, Flaw> {
     let said: toml::Table = toml::from_str(text).unwrap_or_default();
     let digest = super::digest(&[&said.to_string(), &experiment.drive.to_toml()]);
     let mut plan = Plan {
-        name: layout.name,
+        name: layout.name.clone(),
         seed: layout.seed,
         samples,
         run_up,
@@ -103,8 +105,13 @@ pub(super) fn plan(text: &str, folder: &Path) -> Result<Plan, Flaw> {
         faults,
         detector,
         experiment,
-        drive_name: layout.drive.into_inner(),
+        drive_name: layout.drive.get_ref().clone(),
+        foreign: None,
     };
+    plan.foreign = foreign(&layout, &plan, folder)?;
+    if let Some(foreign) = &plan.foreign {
+        plan.digest = super::digest(&[&plan.digest, &foreign.digest]);
+    }
     let points = plan.all_points();
     let count = points.saturating_mul(u128::from(plan.draws));
     if plan.draws == 0 {

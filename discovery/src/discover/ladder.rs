@@ -159,7 +159,9 @@ fn searched(
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
-            if round == 0 && found.remaining == Verdict::None && !watch.stopped() {
+            // What a comparison sees of a motion that an observer follows is the observer's work too.
+            let free = model.setting.observer.hz == 0.0;
+            if round == 0 && found.remaining == Verdict::None && free && !watch.stopped() {
                 let convicts = |it: &Finding| convicts(rule, it);
                 let contradicted = match watch.compares() {
                     true => found.fails.iter().any(convicts),

@@ -32,7 +32,7 @@ pub enum RunError {
     #[error(transparent)]
     CoSimulation(#[from] Box<cosim::Error>),
     /// The run ended before its time.
-    #[error("the run ended after {samples} of {wanted} samples: {end:?}")]
+    #[error("the run ended after {samples} of {wanted} samples: {}", why(end))]
     Short {
         /// Samples that were run.
         samples: usize,
@@ -41,6 +41,19 @@ pub enum RunError {
         /// Why.
         end: cosim::End,
     },
+}
+
+/// Why a run was short, in words.
+fn why(end: &cosim::End) -> String {
+    match end {
+        cosim::End::Stop => "its stop time was reached".to_owned(),
+        cosim::End::Terminated { component, time } => {
+            format!("the FMU `{component}` asked for the end at {time:.6} s")
+        }
+        cosim::End::Discarded { component, time, reached, .. } => {
+            format!("the FMU `{component}` came from {time:.6} s to {reached:.6} s and no further")
+        }
+    }
 }
 
 impl From<import::Error> for RunError {

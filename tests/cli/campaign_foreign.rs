@@ -167,7 +167,7 @@ fn an_fmu_of_another_tool_is_the_machine_under_its_own_names() {
     let [done_, aborted] = ["\"done\"", "\"aborted\""];
     assert_eq!(status, [done_, done_, aborted, done_, aborted, done_]);
     assert!(rows[4].contains("failure: \"it ended the process that ran it\""), "{}", rows[4]);
-    assert!(value(&rows[2], "failure").contains("Machine.fmu"), "{}", rows[2]);
+    assert!(value(&rows[2], "failure").contains("asked for the end at 0.51"), "{}", rows[2]);
     for row in [&rows[0], &rows[1], &rows[3], &rows[5]] {
         // A reading that is a fifth too high is a fifth of the speed off.
         let residual: f64 = value(row, "residual").parse().expect("a number");

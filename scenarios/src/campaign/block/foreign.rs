@@ -3,7 +3,7 @@
 use drivescope_plant::fault::Faults;
 use drivescope_recording::{Recording, Signal};
 
-use super::super::foreign::{Entering, ForeignPlant};
+use super::super::foreign::ForeignPlant;
 use super::ready::Ready;
 use super::{Blocks, Outcome};
 use crate::cosimulated::RunError;
@@ -36,12 +36,12 @@ impl Blocks<'_> {
         plant: &ForeignPlant,
         ready: &Ready,
     ) -> Result<Recording, RunError> {
-        plant.run(self.entering(ready), &ready.scenario.parameters, self.plan)
+        plant.run(self.entering(ready), &ready.scenario.parameters, &self.plan.experiment)
     }
 
     /// What enters the machine, one row a sample.
     fn entering(&self, ready: &Ready) -> Recording {
-        let entering = Entering::of(self.plan);
+        let entering = self.plan.entering();
         let samples = self.plan.samples;
         let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(samples); entering.len()];
         let (mut noise, mut inputs) = (self.noise([ready]), self.inputs([ready]));

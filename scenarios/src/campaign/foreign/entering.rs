@@ -3,8 +3,6 @@
 use drivescope_plant::fault::{Faults, MECHANISMS};
 use drivescope_plant::sampled::InputLanes;
 
-use super::super::plan::Plan;
-
 /// An input of the closed loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::campaign) enum Entering {
@@ -18,21 +16,6 @@ pub(in crate::campaign) enum Entering {
 }
 
 impl Entering {
-    /// What enters the machine of that plan: the reference, the noises that it has, its faults.
-    pub(in crate::campaign) fn of(plan: &Plan) -> Vec<Self> {
-        let noise = &plan.drive().noise;
-        let noises = [
-            (Self::NoiseReference, "noise.reference", noise.reference),
-            (Self::NoiseSpeed, "noise.omega", noise.omega),
-            (Self::NoiseCurrent, "noise.i", noise.i),
-            (Self::NoiseLoad, "noise.torque", noise.torque),
-        ];
-        let acts = |(_, name, nominal): &(Self, &str, f64)| plan.may_be_above_zero(name, *nominal);
-        let noises = noises.into_iter().filter(acts).map(|(noise, ..)| noise);
-        let faults = plan.mechanisms().into_iter().map(Self::Fault);
-        std::iter::once(Self::Reference).chain(noises).chain(faults).collect()
-    }
-
     /// Its name.
     pub(in crate::campaign) fn name(self) -> String {
         match self {

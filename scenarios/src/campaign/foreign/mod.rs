@@ -12,16 +12,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use drivescope_fmu::import::{Conversion, Fmu, Interface};
 use drivescope_recording::{Recording, Signal};
 
-use super::plan::Plan;
 use crate::cosimulated::{RunError, foreign_loop};
+use crate::experiment::Experiment;
 pub(super) use entering::Entering;
 
 /// What comes out of the machine: names of an exported drive.
 pub(super) const SHOWN: [&str; 3] = ["C_m", "T", "I_m"];
 
-/// Units of [`SHOWN`] in the campaign of a plan.
-pub(super) fn units(plan: &Plan) -> [&'static str; SHOWN.len()] {
-    ["V", plan.experiment.tacho_unit(), "A"]
+/// Units of [`SHOWN`] in a campaign on that drive.
+pub(super) fn units(experiment: &Experiment) -> [&'static str; SHOWN.len()] {
+    ["V", experiment.tacho_unit(), "A"]
 }
 
 /// An FMU in place of the drive.
@@ -56,7 +56,7 @@ impl ForeignPlant {
         &self,
         mut inputs: Recording,
         values: &[f64],
-        plan: &Plan,
+        experiment: &Experiment,
     ) -> Result<Recording, RunError> {
         for signal in &mut inputs.signals {
             signal.name = self.own_name(&signal.name).to_owned();
@@ -67,7 +67,8 @@ impl ForeignPlant {
         let shown = SHOWN.map(|name| self.own_name(name));
         let _turn = self.turn();
         let mut ran = foreign_loop(&self.fmu, &inputs, &shown, &set.collect::<Vec<_>>())?;
-        let signals = ran.signals.into_iter().zip(self.shown).zip(SHOWN.iter().zip(units(plan)));
+        let signals =
+            ran.signals.into_iter().zip(self.shown).zip(SHOWN.iter().zip(units(experiment)));
         ran.signals = signals
             .map(|((signal, to), (name, unit))| Signal {
                 name: (*name).to_owned(),

@@ -19,7 +19,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::parameters::NamedParameter;
 use sha2::{Digest, Sha256};
 
-use super::foreign::ForeignPlant;
+use super::foreign::{Entering, ForeignPlant};
 use crate::experiment::Experiment;
 use crate::profile::Profile;
 pub use draw::{Scenario, ScenarioFault, Settings};
@@ -171,6 +171,22 @@ impl Plan {
     pub(super) fn may_be_above_zero(&self, name: &str, nominal: f64) -> bool {
         let changed = self.parameters.iter().find(|(parameter, _)| parameter.name == name);
         changed.map_or(nominal, |(_, quantity)| quantity.bounds().1) > 0.0
+    }
+
+    /// What enters a foreign machine: the reference, the noises that there are, its faults.
+    pub(super) fn entering(&self) -> Vec<Entering> {
+        let noise = &self.drive().noise;
+        let noises = [
+            (Entering::NoiseReference, "noise.reference", noise.reference),
+            (Entering::NoiseSpeed, "noise.omega", noise.omega),
+            (Entering::NoiseCurrent, "noise.i", noise.i),
+            (Entering::NoiseLoad, "noise.torque", noise.torque),
+        ];
+        let acts =
+            |(_, name, nominal): &(Entering, &str, f64)| self.may_be_above_zero(name, *nominal);
+        let noises = noises.into_iter().filter(acts).map(|(noise, ..)| noise);
+        let faults = self.mechanisms().into_iter().map(Entering::Fault);
+        std::iter::once(Entering::Reference).chain(noises).chain(faults).collect()
     }
 
     /// Whether scenarios have numbers of noise beside their own.

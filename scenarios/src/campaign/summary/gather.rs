@@ -4,6 +4,7 @@ use drivescope_recording::dataset::{Column, Values};
 
 use super::super::rows::Rows;
 use super::naming::Names;
+use super::table::Table;
 
 /// Scenarios whose details are kept, at most.
 const MOST: u64 = 500_000;
@@ -102,7 +103,7 @@ impl Gathered {
 
     /// Takes some rows.
     pub(super) fn take(&mut self, rows: &Rows) {
-        let table = Table(&rows.columns);
+        let table = Table::of(&rows.columns);
         if self.methods.is_empty() {
             let names = rows.columns.iter().filter_map(|it| it.name.strip_suffix("_detected"));
             self.methods = names.map(str::to_owned).collect();
@@ -142,7 +143,8 @@ impl Gathered {
         let kind = table.kind(k);
         self.healthy += u64::from(kind.is_none());
         let healthy_s = table.number("healthy_time", k);
-        let methods: Vec<Judged> = self.methods.iter().map(|name| table.judged(name, k)).collect();
+        let methods: Vec<Judged> =
+            self.methods.iter().map(|name| Judged::of(table, name, k)).collect();
         for (counts, found) in self.counts.iter_mut().zip(&methods) {
             if !found.is_judged() {
                 continue;
@@ -184,52 +186,12 @@ fn number_of(words: &mut Vec<String>, word: &str) -> usize {
     })
 }
 
-/// Rows by the names of their columns.
-pub(super) struct Table<'a>(&'a [Column]);
-
-impl Table<'_> {
-    pub(super) fn column(&self, name: &str) -> Option<&Column> {
-        self.0.iter().find(|column| column.name == name)
-    }
-
-    pub(super) fn text(&self, name: &str, k: usize) -> &str {
-        match self.column(name).map(|column| &column.values) {
-            Some(Values::Texts(values)) => &values[k],
-            _ => "",
-        }
-    }
-
-    pub(super) fn number(&self, name: &str, k: usize) -> f64 {
-        match self.column(name).map(|column| &column.values) {
-            Some(Values::Numbers(values)) => values[k],
-            Some(Values::Integers(values)) => values[k] as f64,
-            _ => f64::NAN,
-        }
-    }
-
-    pub(super) fn flag(&self, name: &str, k: usize) -> Option<bool> {
-        match self.column(name).map(|column| &column.values) {
-            Some(Values::Flags(values)) => values[k],
-            _ => None,
-        }
-    }
-
-    /// What fails; several together are joined.
-    fn kind(&self, k: usize) -> Option<String> {
-        let kinds = self.0.iter().filter(|column| column.name.ends_with("_kind"));
-        let words: Vec<&str> = kinds
-            .filter_map(|column| match &column.values {
-                Values::Texts(values) => Some(values[k].as_str()).filter(|word| *word != "none"),
-                _ => None,
-            })
-            .collect();
-        (!words.is_empty()).then(|| words.join(" + "))
-    }
-
-    fn judged(&self, method: &str, k: usize) -> Judged {
-        let number = |what: &str| self.number(&format!("{method}_{what}"), k);
-        Judged {
-            detected: self.flag(&format!("{method}_detected"), k),
+impl Judged {
+    /// What a method says in row `k`.
+    fn of(table: &Table<'_>, method: &str, k: usize) -> Self {
+        let number = |what: &str| table.number(&format!("{method}_{what}"), k);
+        Self {
+            detected: table.flag(&format!("{method}_detected"), k),
             delay_s: number("delay"),
             false_alarms: number("false_alarms"),
             outside_healthy: number("outside_healthy"),

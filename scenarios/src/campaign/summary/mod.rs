@@ -8,6 +8,7 @@ mod detection;
 mod gather;
 mod naming;
 mod sensitivity;
+mod table;
 mod worst;
 
 use serde::Serialize;

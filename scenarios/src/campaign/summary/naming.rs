@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::super::bank::LEARNED;
-use super::gather::Table;
+use super::table::Table;
 use crate::shares::Share;
 
 /// What stands for health among what fails.

@@ -11,7 +11,7 @@ use super::super::error::{Flaw, Problem};
 use super::super::layout::Layout;
 use super::super::{Plan, places};
 use super::at;
-use crate::campaign::foreign::{Entering, ForeignPlant, SHOWN, units};
+use crate::campaign::foreign::{ForeignPlant, SHOWN, units};
 
 /// How parameters of noise begin: it is drawn outside.
 const NOISE: &str = "noise.";
@@ -51,12 +51,12 @@ pub(super) fn foreign(
         }
     }
     let look = Look { layout, given, fmu: &fmu };
-    for input in Entering::of(plan) {
+    for input in plan.entering() {
         let name = input.name();
         look.at(&name, Causality::Input, plan.experiment.unit_of(&name))?;
     }
     let mut shown = [Conversion::IDENTITY; SHOWN.len()];
-    for ((shown, name), unit) in shown.iter_mut().zip(SHOWN).zip(units(plan)) {
+    for ((shown, name), unit) in shown.iter_mut().zip(SHOWN).zip(units(&plan.experiment)) {
         *shown = look.at(name, Causality::Output, Some(unit))?.1;
     }
     let parameters = plan.parameters().map(|parameter| {

@@ -2,7 +2,7 @@
 //! baseline, AVX2 and AVX-512 and run with the widest that the processor has.
 //!
 //! Two things that the compiler does not do by itself are asked for by name: moving numbers in
-//! pairs ([`turned`]) and fetching ahead ([`prefetch`]).
+//! pairs ([`transposed`]) and fetching ahead ([`prefetch`]).
 //!
 //! No version uses fused multiply-add, so all of them give the same bits.
 #![allow(unsafe_code)]

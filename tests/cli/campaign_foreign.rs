@@ -177,7 +177,7 @@ fn an_fmu_of_another_tool_is_the_machine_under_its_own_names() {
         (
             "C_m = \"control\"",
             "C_m = \"contro\"",
-            "plan.toml:9:7: `fmu`: Machine.fmu has no output `contro`",
+            "plan.toml:10:7: `fmu`: Machine.fmu has no output `contro`",
         ),
         (
             "fault_tacho = \"slip\"\n",
@@ -185,7 +185,7 @@ fn an_fmu_of_another_tool_is_the_machine_under_its_own_names() {
             "plan.toml:3:7: `fmu`: Machine.fmu has no input `fault_tacho`",
         ),
         ("\"noise.i\" = 0\n", "", "or set that noise to 0 under [parameters]"),
-        ("R = \"resistance\"", "Q = \"resistance\"", "plan.toml:7:1: `fmu`: `Q` is no variable"),
+        ("R = \"resistance\"", "Q = \"resistance\"", "`Q` is no variable"),
         ("fmu = \"Machine.fmu\"\n", "", "there is no `fmu` that has variables"),
         ("\"Machine.fmu\"", "\"None.fmu\"", "plan.toml:3:7: `fmu`: there is no file `None.fmu`"),
         (

@@ -365,18 +365,19 @@ def looks(page, check):
 
 
 def faults(page, server, check, pictures):
-    """The study from the page: live progress, the matrix, a trace on a click."""
+    """The study from the page: live progress, its answer, from a fault to its run on a click."""
     page.goto(re.sub(r"/\?.*", "/", server.url))
     page.get_by_role("button", name="Faults").click()
     page.get_by_role("button", name="Run the study").click()
     page.locator("#study progress").wait_for()
-    page.locator("table.matrix").wait_for()
-    check.that(page.locator("table.matrix tbody tr").count() == 12, "the matrix has not 12 faults")
-    page.locator("table.matrix button").first.click()
-    page.locator("#trace svg").first.wait_for()
-    check.that(page.locator("table.heat").count() > 0, "no isolation matrix is shown")
+    rows = page.locator("#detection > div.scroll").first.locator("tbody tr")
+    rows.first.wait_for()
+    check.that(rows.count() == 12, "the table of detection has not 12 faults")
+    page.locator("#detection tbody a").first.click()
+    check.that(page.locator(":target svg, :target ~ figure svg").count() > 0, "a run has no traces")
+    check.that(page.locator("#isolation table").count() > 0, "no isolation matrix is shown")
     fits(page, check, "faults")
-    page.locator("#matrix-h").evaluate("it => it.scrollIntoView()")
+    page.locator("#detection-h").evaluate("it => it.scrollIntoView()")
     picture(page, pictures, "faults.png")
 
 

@@ -77,6 +77,7 @@ mod likelihood;
 mod measured;
 mod noise;
 mod observer;
+mod projection;
 mod residuals;
 mod response;
 #[cfg(test)]

@@ -218,10 +218,9 @@ impl OfBank {
             }
             Cause::Mechanism(j) => {
                 declaration.mechanism = self.id(j);
-                let candidates = &judgement.candidates;
-                let confused = &candidates[..judgement.confused.clamp(1, candidates.len())];
-                declaration.set = confused.iter().map(|it| self.id(it.mechanism)).collect();
-                let named = candidates.iter().find(|it| it.mechanism == j);
+                let confused = judgement.confusion_set().iter();
+                declaration.set = confused.map(|it| self.id(it.mechanism)).collect();
+                let named = judgement.named();
                 declaration.size = named.map(|it| it.size);
                 declaration.interval = named.map(|it| it.interval());
                 declaration.unit = Some(self.about(j).unit.clone());

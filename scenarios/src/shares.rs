@@ -24,6 +24,13 @@ impl Share {
     pub fn new(hits: usize, of: usize) -> Self {
         Self { hits, of, share: hits as f64 / of as f64, interval: wilson_95(hits, of) }
     }
+
+    /// Of all trials together.
+    pub fn pooled<'a>(shares: impl IntoIterator<Item = &'a Self>) -> Self {
+        let add = |(hits, of), it: &Self| (hits + it.hits, of + it.of);
+        let (hits, of) = shares.into_iter().fold((0, 0), add);
+        Self::new(hits, of)
+    }
 }
 
 /// Mean and spread of a figure over the seeds.

@@ -44,7 +44,6 @@ pub(super) fn router(site: Arc<Site>) -> Router {
         .route("/b/{id}/diagnoser/{what}", get(diagnosis_routes::give))
         .route("/study", get(study_routes::view).post(study_routes::command))
         .route("/study/file", post(study_routes::file))
-        .route("/study/trace", get(study_routes::trace))
         .fallback(|| async { (StatusCode::NOT_FOUND, "there is nothing here\n") })
         .layer(middleware::from_fn_with_state(Arc::clone(&site.guard), guard::guard))
         .with_state(site)

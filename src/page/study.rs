@@ -1,6 +1,5 @@
 //! The study behind the faults view: run from the page, or a `study.json` that was dropped.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -34,13 +33,20 @@ pub(super) struct Running {
     cancelled: Arc<AtomicBool>,
 }
 
+impl Running {
+    /// One that begins.
+    pub(super) fn begin() -> Self {
+        Self { doing: "writing the drive as an FMU", done: 0, of: 0, cancelled: Arc::default() }
+    }
+}
+
+/// What a study found, and the traces of its runs; a file may hold none.
+type Found = (StudyResults, Vec<Pictures>);
+
 /// What the faults view shows.
 #[derive(Debug, Default)]
 pub(super) struct Shown {
-    /// The results, as `study.json` holds them: the view draws whatever is there.
-    pub(super) results: Option<Arc<Value>>,
-    /// The traces, where the study ran here.
-    pub(super) traces: Option<Arc<(StudyResults, Vec<Pictures>)>>,
+    pub(super) results: Option<Arc<Found>>,
     pub(super) running: Option<Running>,
     /// What went wrong last.
     pub(super) problem: Option<String>,
@@ -74,7 +80,7 @@ impl FaultStudy {
     /// Shows the results of a file.
     ///
     /// # Errors
-    /// It is no JSON, or no study.
+    /// It is no JSON, no study, one of another version, or more than a page shows.
     pub(super) fn take(&self, text: &str) -> Result<(), String> {
         let mut results: Value =
             serde_json::from_str(text).map_err(|error| format!("it is no JSON: {error}"))?;
@@ -83,13 +89,17 @@ impl FaultStudy {
         }
         let traces = results.as_object_mut().and_then(|results| results.remove("traces"));
         drawable(&results)?;
-        // Of another version's file the figures are shown, without traces.
-        let typed = serde_json::from_value::<StudyResults>(results.clone()).ok();
-        let traces = traces.and_then(|it| serde_json::from_value::<Vec<Pictures>>(it).ok());
-        let traces = typed.zip(traces).map(Arc::new);
+        let another = |error| {
+            format!("another version of drivescope wrote it ({error}): run drivescope study again")
+        };
+        let results: StudyResults = serde_json::from_value(results).map_err(another)?;
+        let traces: Vec<Pictures> =
+            traces.map(serde_json::from_value).transpose().map_err(another)?.unwrap_or_default();
+        if traces.len() > MOST_RUNS {
+            return Err(format!("it has traces of {} runs, more than a page shows", traces.len()));
+        }
         self.change(|shown| {
-            shown.results = Some(Arc::new(results));
-            (shown.traces, shown.problem) = (traces, None);
+            (shown.results, shown.problem) = (Some(Arc::new((results, traces))), None);
         });
         Ok(())
     }
@@ -108,14 +118,13 @@ impl FaultStudy {
     /// # Errors
     /// One is running.
     pub(super) fn start(self: &Arc<Self>, folder: PathBuf, seed: u64) -> Result<(), String> {
-        let cancelled = Arc::new(AtomicBool::new(false));
+        let running = Running::begin();
+        let cancelled = Arc::clone(&running.cancelled);
         let mut begun = false;
         self.change(|shown| {
             if shown.running.is_none() {
                 begun = true;
-                let (doing, cancelled) = ("writing the drive as an FMU", Arc::clone(&cancelled));
-                shown.running = Some(Running { doing, done: 0, of: 0, cancelled });
-                shown.problem = None;
+                (shown.running, shown.problem) = (Some(running), None);
             }
         });
         if !begun {
@@ -130,10 +139,7 @@ impl FaultStudy {
             all.change(|shown| {
                 shown.running = None;
                 match done {
-                    Ok((results, traces)) => {
-                        shown.results = Some(Arc::new(results));
-                        shown.traces = Some(Arc::new(traces));
-                    }
+                    Ok(found) => shown.results = Some(Arc::new(found)),
                     Err(error) => shown.problem = Some(words(&error)),
                 }
             });
@@ -141,12 +147,7 @@ impl FaultStudy {
         Ok(())
     }
 
-    fn run(
-        &self,
-        folder: &Path,
-        seed: u64,
-        cancelled: &AtomicBool,
-    ) -> miette::Result<(Value, Traces)> {
+    fn run(&self, folder: &Path, seed: u64, cancelled: &AtomicBool) -> miette::Result<Found> {
         let drive = drive_source::drive(DRIVE)?;
         let unwritable = |source| Failure::Write { path: folder.to_owned(), source };
         let own = tempfile::Builder::new().tempdir_in(folder).map_err(unwritable)?;
@@ -171,31 +172,23 @@ impl FaultStudy {
         };
         let outcome = study(&options, (&closed, &open), &progress)
             .map_err(|error: StudyError| into_report(error))?;
-        let results = serde_json::to_value(&outcome.results)
-            .map_err(|error| Failure::Print { source: error.into() })?;
-        Ok((results, (outcome.results, outcome.pictures)))
+        Ok((outcome.results, outcome.pictures))
     }
 }
 
-/// Rows of a table, and cells, that the view draws at most.
+/// Rows of a table, cells of a matrix and runs that the view draws at most.
 const MOST_ROWS: usize = 2000;
 const MOST_CELLS: usize = 100_000;
+const MOST_RUNS: usize = 100;
 
-/// Whether the results can be drawn: a table has a column for every key that a row has.
+/// Whether the results can be drawn.
 fn drawable(results: &Value) -> Result<(), String> {
     let Some(sections) = results.as_object() else { return Ok(()) };
     for (name, section) in sections {
         let lists = [Some(section), section.get("matrix"), section.get("classes")];
         for rows in lists.into_iter().flatten().filter_map(Value::as_array) {
-            let mut keys: HashSet<&str> = HashSet::new();
-            let mut widest = 1;
-            for row in rows {
-                keys.extend(row.as_object().into_iter().flatten().map(|(key, _)| key.as_str()));
-                widest = widest.max(row.as_array().map_or(0, Vec::len));
-            }
-            let methods: HashSet<String> =
-                rows.iter().filter_map(|row| row.get("method")).map(Value::to_string).collect();
-            let columns = widest.max(keys.len()).max(methods.len());
+            let lengths = rows.iter().filter_map(Value::as_array).map(Vec::len);
+            let columns = lengths.max().unwrap_or(1);
             if rows.len() > MOST_ROWS || rows.len() * columns > MOST_CELLS {
                 return Err(format!(
                     "`{name}` is a table of {} rows and {columns} columns, more than a page shows: \
@@ -207,8 +200,6 @@ fn drawable(results: &Value) -> Result<(), String> {
     }
     Ok(())
 }
-
-type Traces = (StudyResults, Vec<Pictures>);
 
 fn tell(running: &mut Running, step: Progress) {
     match step {
@@ -231,23 +222,21 @@ mod tests {
         let study = FaultStudy::default();
         assert!(study.take("{").is_err_and(|it| it.contains("JSON")));
         assert!(study.take("{}").is_err_and(|it| it.contains("detection")));
-        study.take(r#"{"detection": []}"#).expect("it is one");
-        // Rows times distinct keys: a megabyte that would become gigabytes.
-        let rows: Vec<_> = (0..2000).map(|k| serde_json::json!({format!("k{k}"): 1})).collect();
-        let hostile = serde_json::json!({"detection": [], "identification": rows}).to_string();
-        let refused = study.take(&hostile).expect_err("more than a page shows");
-        assert!(refused.contains("`identification` is a table of 2000 rows and 2000"), "{refused}");
-        let whole = serde_json::to_string(&crate::report::testing::study()).expect("it is data");
-        study.take(&whole).expect("a study of this program");
-        assert!(study.shown().traces.is_none(), "it holds none");
-        // As `drivescope study` writes it: with its traces.
+        let other = study.take(r#"{"detection": []}"#).expect_err("nothing else is in it");
+        assert!(other.contains("another version") && other.contains("missing field"), "{other}");
+        let rows: Vec<_> = (0..1000).map(|_| vec![0.5; 200]).collect();
+        let hostile = serde_json::json!({"detection": [], "isolation": {"matrix": rows}});
+        let refused = study.take(&hostile.to_string()).expect_err("more than a page shows");
+        assert!(refused.contains("`isolation` is a table of 1000 rows and 200"), "{refused}");
         let mut whole = serde_json::to_value(crate::report::testing::study()).expect("it is data");
+        study.take(&whole.to_string()).expect("a study of this program");
+        let shown = study.shown().results.clone().expect("it is shown");
+        assert!(shown.1.is_empty(), "it holds no traces");
+        // As `drivescope study` writes it: with its traces.
         let pictures = crate::report::testing::pictures();
         whole["traces"] = serde_json::to_value(&pictures).expect("they are data");
         study.take(&whole.to_string()).expect("a study of this program");
-        let traces = study.shown().traces.clone().expect("its traces");
-        assert_eq!(traces.1.len(), pictures.len());
-        assert!(super::super::faults::trace(&traces, 1).is_some_and(|it| it.contains("<svg")));
-        assert!(study.shown().results.is_some());
+        let shown = study.shown().results.clone().expect("it is shown");
+        assert_eq!(shown.1.len(), pictures.len());
     }
 }

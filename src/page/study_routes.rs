@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Query, State as Shared};
+use axum::extract::State as Shared;
 use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -52,21 +51,4 @@ pub(super) async fn file(Shared(site): Shared<Arc<Site>>, body: Body) -> Reply<S
     let text = upload::text(body, Some(MOST_STUDY)).await;
     site.study.take(&text?).map_err(refused)?;
     Ok(StatusCode::NO_CONTENT)
-}
-
-/// Which run.
-#[derive(Debug, Deserialize)]
-pub(super) struct Run {
-    run: usize,
-}
-
-/// The traces of a run.
-pub(super) async fn trace(
-    Shared(site): Shared<Arc<Site>>,
-    Query(Run { run }): Query<Run>,
-) -> Reply<Response> {
-    let traces = site.study.shown().traces.clone();
-    let html = traces.and_then(|traces| faults::trace(&traces, run));
-    let html = html.ok_or_else(|| refused("these results hold no traces of that run"))?;
-    Ok(Json(json!({ "html": html })).into_response())
 }

@@ -57,6 +57,19 @@ pub struct Judgement {
     pub growth: Option<(f64, f64)>,
 }
 
+impl Judgement {
+    /// The candidates that cannot be told apart on these samples, the likeliest first.
+    pub fn confusion_set(&self) -> &[Candidate] {
+        &self.candidates[..self.confused.max(1).min(self.candidates.len())]
+    }
+
+    /// The candidate that is named, if a mechanism is.
+    pub fn named(&self) -> Option<&Candidate> {
+        let Cause::Mechanism(j) = self.cause else { return None };
+        self.candidates.iter().find(|it| it.mechanism == j)
+    }
+}
+
 /// Half width of a 95 % interval in standard deviations.
 pub const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 

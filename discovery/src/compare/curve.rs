@@ -10,10 +10,12 @@
 use drivescope_plant::drive::Motion;
 use drivescope_plant::effects::info::{ActsOn, Variable};
 use drivescope_plant::units::for_motion;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::Serialize;
+
+use crate::projection::pseudo_inverse;
 
 use super::columns::Builder;
 use super::drive_motion::DriveMotion;
@@ -216,7 +218,7 @@ fn curve(plan: Plan, builder: &Builder<'_>, evidence: &Evidence<'_>) -> Curve {
         columns.iter().map(|column| outside(evidence.known, column)).collect();
     let remainder = DMatrix::from_columns(&remainder);
     let e = outside(evidence.known, evidence.residual);
-    let inverse = pseudo_inverse(remainder.tr_mul(&remainder));
+    let inverse = pseudo_inverse(remainder.tr_mul(&remainder), IDENTIFIED);
     let coefficients = &inverse * remainder.tr_mul(&e);
     let remains = &e - &remainder * &coefficients;
     let mut scores = DMatrix::<f64>::zeros(remainder.ncols(), evidence.blocks.1);
@@ -271,22 +273,4 @@ fn curve(plan: Plan, builder: &Builder<'_>, evidence: &Evidence<'_>) -> Curve {
         upper: value.iter().zip(&halves).map(|(value, half)| value + half).collect(),
         value,
     }
-}
-
-/// The inverse of the directions that are told: the smallest solution.
-fn pseudo_inverse(information: DMatrix<f64>) -> DMatrix<f64> {
-    let size = information.nrows();
-    if size == 0 {
-        return information;
-    }
-    let eigen = SymmetricEigen::new(information);
-    let largest = eigen.eigenvalues.max();
-    let mut inverse = DMatrix::zeros(size, size);
-    for k in 0..size {
-        if eigen.eigenvalues[k] > IDENTIFIED * largest {
-            let v = eigen.eigenvectors.column(k);
-            inverse.ger(1.0 / eigen.eigenvalues[k], &v, &v, 1.0);
-        }
-    }
-    inverse
 }

@@ -10,10 +10,10 @@ use super::candidate::Candidate;
 use super::columns::{Columns, FittedDrive};
 use super::ground::Ground;
 use super::judged::Judged;
-use super::projection::beside;
 use super::refit::finer;
 use super::round::Round;
 use crate::likelihood::Weights;
+use crate::projection::beside;
 
 /// Laws that are fitted.
 const FITTED: usize = 2;

@@ -12,13 +12,13 @@ use drivescope_recording::{Clock, NoiseGain};
 use serde::Serialize;
 
 use super::columns::{Columns, FittedDrive};
-use super::projection::beside;
 use super::refit::Model;
 use crate::case::Setting;
 use crate::driving::Driving;
 use crate::estimate::{Evidence, Fit};
 use crate::measured::{Channel, Measured};
 use crate::observer::Observer;
+use crate::projection::beside;
 use crate::start::Start;
 
 /// Length of a scripted experiment, s, and its sampling time.

@@ -65,22 +65,20 @@ pub fn discover_by(
     if wrong.iter().any(SignalFinding::forbids) {
         return Ok(unusable::discovery(drive, estimation, wrong));
     }
-    let search = |balanced: bool| {
-        searched(rule, drive, (estimation, validation), balanced, watch)
-            .map(|found| Discovery { signals: wrong.clone(), ..found })
-    };
-    let found = search(false)?;
+    let search = |balanced| searched(rule, drive, (estimation, validation), balanced, watch);
+    let mut found = search(false)?;
     // Beside a base that follows the motion and explains no torque, every column is that of another
     // machine: what is missing is asked once more beside the one that explains most torque.
-    let lost = |found: &Discovery| found.ladder.first().is_some_and(explains_nothing);
-    if found.verdict == Verdict::Unknown && lost(&found) && !watch.stopped() {
+    let lost = found.ladder.first().is_some_and(explains_nothing);
+    if found.verdict == Verdict::Unknown && lost && !watch.stopped() {
         let again = search(true)?;
         if again.verdict == Verdict::Named
             && again.ladder.last().is_some_and(|it| !explains_nothing(it))
         {
-            return Ok(again);
+            found = again;
         }
     }
+    found.signals = wrong;
     Ok(found)
 }
 

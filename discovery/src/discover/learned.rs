@@ -9,9 +9,9 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::curves::{Balance, Factor, Over};
-use super::projection::beside;
 use crate::formula::Formula;
 use crate::likelihood::CurveWeight;
+use crate::projection::beside;
 
 /// A curve over one variable.
 #[derive(Debug, Clone, PartialEq, Serialize)]

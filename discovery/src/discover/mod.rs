@@ -29,7 +29,6 @@ mod naming;
 mod needless;
 mod other_machine;
 mod probability;
-mod projection;
 mod refit;
 mod report;
 mod round;

@@ -4,6 +4,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_recording::rounded_to;
 
 use super::finding::{Consequence, SignalFinding, Size, What};
+use super::outputs::outputs;
 use crate::estimate::Evidence;
 use crate::measured::{Channel, Measured};
 
@@ -13,8 +14,7 @@ const LEVELS: usize = 16;
 
 /// The findings.
 pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
-    let each = evidence.recordings.iter().flat_map(|it| it.outputs.iter().map(move |y| (it, y)));
-    each.filter_map(|(measured, channel)| of(measured, channel)).collect()
+    outputs(evidence).filter_map(|(measured, channel)| of(measured, channel)).collect()
 }
 
 fn of(measured: &Measured, channel: &Channel) -> Option<SignalFinding> {

@@ -8,6 +8,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_recording::rounded_to;
 
 use super::finding::{Consequence, SignalFinding, Size, What};
+use super::outputs::outputs;
 use crate::estimate::Evidence;
 use crate::measured::{Channel, Measured};
 
@@ -21,8 +22,7 @@ const LEVELS: f64 = 3.0;
 
 /// The findings.
 pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
-    let each = evidence.recordings.iter().flat_map(|it| it.outputs.iter().map(move |y| (it, y)));
-    each.filter_map(|(measured, channel)| of(measured, channel)).collect()
+    outputs(evidence).filter_map(|(measured, channel)| of(measured, channel)).collect()
 }
 
 fn of(measured: &Measured, channel: &Channel) -> Option<SignalFinding> {

@@ -3,6 +3,7 @@
 use drivescope_plant::drive::Drive;
 
 use super::finding::{Consequence, SignalFinding, Size, Stretch, What};
+use super::outputs::outputs;
 use crate::estimate::Evidence;
 use crate::measured::{Channel, Measured};
 
@@ -11,8 +12,7 @@ const MANY: f64 = 0.05;
 
 /// The findings.
 pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
-    let each = evidence.recordings.iter().flat_map(|it| it.outputs.iter().map(move |y| (it, y)));
-    each.filter_map(|(measured, channel)| of(measured, channel)).collect()
+    outputs(evidence).filter_map(|(measured, channel)| of(measured, channel)).collect()
 }
 
 fn of(measured: &Measured, channel: &Channel) -> Option<SignalFinding> {

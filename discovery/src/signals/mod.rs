@@ -18,6 +18,7 @@ mod frozen;
 mod held;
 mod missing;
 mod motion;
+mod outputs;
 mod saturated;
 mod shares;
 mod spikes;

@@ -4,6 +4,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_recording::{limits, rounded_to};
 
 use super::finding::{Consequence, SignalFinding, Size, Stretch, What};
+use super::outputs::outputs;
 use crate::estimate::Evidence;
 use crate::measured::{Channel, Measured, Output};
 
@@ -12,9 +13,9 @@ const STAY: usize = 10;
 
 /// The findings.
 pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
-    let each = evidence.recordings.iter().flat_map(|it| it.outputs.iter().map(move |y| (it, y)));
     // A position at its extreme rests at a stop.
-    let cut = each.filter(|(_, it)| matches!(it.output, Output::Current | Output::Speed));
+    let cut =
+        outputs(evidence).filter(|(_, it)| matches!(it.output, Output::Current | Output::Speed));
     cut.flat_map(|(measured, channel)| of(measured, channel)).collect()
 }
 

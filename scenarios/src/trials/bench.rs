@@ -168,8 +168,11 @@ impl Course {
 /// The printed set, the named mechanism first; empty where none is named.
 pub(super) fn set(process: &dyn AnyProcess, judgement: &Judgement) -> Vec<String> {
     let Cause::Mechanism(_) = judgement.cause else { return Vec::new() };
-    let confused = &judgement.candidates[..judgement.confused.max(1)];
-    confused.iter().map(|it| process.mechanisms()[it.mechanism].id.clone()).collect()
+    judgement
+        .confusion_set()
+        .iter()
+        .map(|it| process.mechanisms()[it.mechanism].id.clone())
+        .collect()
 }
 
 /// A fault from that sample on.

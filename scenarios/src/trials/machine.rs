@@ -1,6 +1,7 @@
 //! Machines of one kind, drawn anew, and what they show.
 
 use drivescope_diagnoser::bank::Row;
+use drivescope_plant::effects::registry::Entry;
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -12,9 +13,8 @@ use crate::seen::rows;
 
 /// Standard deviations over machines of one kind, as fractions.
 const RESISTANCE: f64 = 0.03;
+/// Torques of dry friction and the viscous one share it.
 const FRICTION: f64 = 0.10;
-/// Torques of dry friction, by effect: they share a factor with the viscous one.
-const DRY: [(&str, &str); 2] = [("coulomb", "T_c"), ("stribeck", "T_b")];
 /// Closed loops side by side.
 const LANES: usize = 16;
 
@@ -62,8 +62,10 @@ pub(super) fn machine(experiment: &Experiment, group: Group, number: u64) -> Mac
     let friction = factor(FRICTION);
     drive.motor.b_m *= friction;
     for effect in &mut drive.effects {
-        let dry = |name: &str| DRY.contains(&(effect.kind.as_str(), name));
-        let torques = effect.parameters.iter_mut().filter(|(name, _)| dry(name));
+        let Some(law) = Entry::find(&effect.kind).filter(|law| law.info.dry) else { continue };
+        let torque =
+            |name: &str| law.parameters.iter().any(|it| it.name == name && it.unit == "N m");
+        let torques = effect.parameters.iter_mut().filter(|(name, _)| torque(name));
         torques.for_each(|(_, torque)| *torque *= friction);
     }
     Machine { experiment: experiment.with_drive(drive).with_seed(seed), random }

@@ -87,11 +87,11 @@ impl Html<'_> {
         }
     }
 
-    /// What is done with a key; in a report, a place is gone to.
+    /// What is done with a key: a place is gone to.
     fn act(self, key: Option<&Key>, words: &str) -> Option<Markup> {
-        match (self.medium, key?) {
-            (Medium::Report, Key::Anchor(id)) => Some(link(id, typeset(words))),
-            (_, key) => (self.actions)(key),
+        match key? {
+            Key::Anchor(id) => Some(link(id, typeset(words))),
+            key => (self.actions)(key),
         }
     }
 

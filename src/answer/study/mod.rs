@@ -23,8 +23,6 @@ mod words;
 
 use drivescope_scenarios::results::{Pictures, StudyResults};
 
-pub(crate) use runs::run;
-
 use super::block::{Block, HTML, REPORT, TERMINAL};
 
 /// A section.

@@ -37,7 +37,7 @@ pub(super) fn blocks(study: &StudyResults, pictures: &[Pictures]) -> Vec<Block> 
 }
 
 /// One run: what failed, its traces, their numbers.
-pub(crate) fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Block {
+fn run(study: &StudyResults, picture: &Pictures, place: usize) -> Block {
     let (id, shown) = (id(place), shown(study, picture));
     let label = picture.fault.as_ref().map(|name| format!(" \u{2002}{}", name.label));
     let title = capital(&name(picture)) + &label.unwrap_or_default();

@@ -1,4 +1,4 @@
-// The faults view: what the server drew of a study, and the traces of a run on a click.
+// The faults view: what the server drew of a study.
 
 export class Faults {
   constructor(place, tell) {
@@ -20,16 +20,8 @@ export class Faults {
   file(file) { return this.post("/study/file", file); }
 
   async clicked(event) {
-    const button = event.target.closest("button");
-    if (!button) return;
-    if (button.dataset.study) await this.post("/study", JSON.stringify({ do: button.dataset.study }));
-    if (button.dataset.run) {
-      const answer = await fetch(`/study/trace?run=${encodeURIComponent(button.dataset.run)}`);
-      const said = await answer.json();
-      const place = this.place.querySelector("#trace");
-      if (answer.ok) { place.innerHTML = said.html; place.scrollIntoView({ block: "nearest" }); }
-      else this.tell(said.problem);
-    }
+    const button = event.target.closest("button[data-study]");
+    if (button) await this.post("/study", JSON.stringify({ do: button.dataset.study }));
   }
 
   // Draws again if something changed.

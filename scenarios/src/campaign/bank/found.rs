@@ -50,12 +50,11 @@ impl Named {
     /// What a judgement at sample `k` names among those mechanisms.
     pub(super) fn new(judgement: &Judgement, k: u64, mechanisms: &[Mechanism]) -> Self {
         let id = |j: usize| mechanisms[j].id.clone();
-        let candidates = &judgement.candidates;
         let (mechanism, set, size) = match judgement.cause {
             Cause::Mechanism(j) => {
-                let confused = &candidates[..judgement.confused.clamp(1, candidates.len())];
-                let set = confused.iter().map(|it| id(it.mechanism)).collect();
-                let size = candidates.iter().find(|it| it.mechanism == j).map(|it| {
+                let confused = judgement.confusion_set().iter();
+                let set = confused.map(|it| id(it.mechanism)).collect();
+                let size = judgement.named().map(|it| {
                     let [low, high] = it.interval();
                     [it.size, low, high]
                 });

@@ -143,13 +143,13 @@ pub enum Problem {
         "the plan has {count} scenarios ({points} points of the grid, {draws} draws at each): {most} are the most; make the grid coarser or draw less"
     )]
     TooMany {
-        /// Scenarios.
+        /// Scenarios of the plan.
         count: u128,
         /// Points of the grid.
         points: u128,
-        /// Draws.
+        /// Draws at each point of the grid.
         draws: u64,
-        /// The most.
+        /// Scenarios that a campaign may have.
         most: u64,
     },
     /// Healthy runs of the design and of the campaign would have one seed.

@@ -16,7 +16,7 @@ const STEP: &str = "step";
 /// Scenarios of which something is said.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Count {
-    /// What.
+    /// What is said of them.
     pub what: String,
     /// In how many.
     pub scenarios: usize,

@@ -36,8 +36,8 @@ pub(super) fn proven(found: &[Trials]) -> usize {
 
 /// The same share over all designs.
 fn pooled<'a>(shares: impl Iterator<Item = &'a Share>) -> Option<f64> {
-    let (hits, all) = shares.fold((0, 0), |(hits, all), it| (hits + it.hits, all + it.of));
-    (all > 0).then(|| hits as f64 / all as f64)
+    let all = Share::pooled(shares);
+    (all.of > 0).then_some(all.share)
 }
 
 /// The same root mean square over all designs, each from its value and the number it rests on.

@@ -11,7 +11,7 @@ use clap::Args;
 use drivescope_fmu::description::Version;
 use drivescope_fmu::import::Fmu;
 use drivescope_scenarios::experiment::Experiment;
-use drivescope_scenarios::parity::{Broken, FaultRow, IN_TIME, MethodRows, Parity, parity};
+use drivescope_scenarios::parity::{Broken, FaultRow, IN_TIME, MethodRows, Parity, Share, parity};
 use drivescope_scenarios::results::{DetectorKind, TorqueReading};
 use drivescope_scenarios::study::design;
 use drivescope_scenarios::trials::{Curves, TrialOptions, detector_steps, detectors};
@@ -134,10 +134,10 @@ fn bars(found: &[Parity]) -> Vec<Bar> {
     let mut bars = Vec::new();
     for method in DetectorKind::ALL {
         let of = found.iter().flat_map(|parity| &parity.methods);
-        let of = of.filter(|rows| rows.method == method).map(|rows| rows.all_detected);
-        let (hits, all) = of.fold((0, 0), |(hits, all), it| (hits + it.hits, all + it.of));
+        let of = of.filter(|rows| rows.method == method).map(|rows| &rows.all_detected);
+        let all = Share::pooled(of).share;
         let what = format!("{}: share of seeds with all twelve faults detected", method.label());
-        bars.push(Bar::at_least(what, hits as f64 / all as f64, LEAST_DETECTED));
+        bars.push(Bar::at_least(what, all, LEAST_DETECTED));
     }
     bars.extend(found.iter().flat_map(of_mem));
     bars

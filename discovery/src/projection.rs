@@ -8,29 +8,30 @@ const ROUNDING: f64 = 1e-11;
 /// The values without what the columns (one a row) hold of them.
 pub(crate) fn beside(columns: &DMatrix<f64>, values: &[f64]) -> Vec<f64> {
     let values = DVector::from_column_slice(values);
-    let step = pseudo_inverse(&(columns * columns.transpose())) * (columns * &values);
+    let information = columns * columns.transpose();
+    let scale = information.diagonal().map(|it| if it > 0.0 { 1.0 / it.sqrt() } else { 0.0 });
+    let scale = DMatrix::from_diagonal(&scale);
+    let scaled = &scale * information * &scale;
+    let step = &scale * pseudo_inverse(scaled, ROUNDING) * &scale * (columns * &values);
     (values - columns.tr_mul(&step)).as_slice().to_vec()
 }
 
-/// Inverse of a symmetric positive matrix, scaled to a unit diagonal, without the directions that
-/// are rounding.
-fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+/// Inverse of a symmetric positive matrix without the directions that hold at most that share of the
+/// largest one: the smallest solution.
+pub(crate) fn pseudo_inverse(matrix: DMatrix<f64>, least: f64) -> DMatrix<f64> {
     let n = matrix.nrows();
     if n == 0 {
-        return matrix.clone();
+        return matrix;
     }
-    let scale = DVector::from_fn(n, |k, _| {
-        let d = matrix[(k, k)];
-        if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 }
-    });
-    let scaled = DMatrix::from_fn(n, n, |j, k| matrix[(j, k)] * scale[j] * scale[k]);
-    let eigen = scaled.symmetric_eigen();
-    let largest = eigen.eigenvalues.iter().fold(0.0_f64, |most, value| most.max(*value));
-    let inverted =
-        eigen.eigenvalues.map(|value| if value > ROUNDING * largest { 1.0 / value } else { 0.0 });
-    let v = &eigen.eigenvectors;
-    let inner = v * DMatrix::from_diagonal(&inverted) * v.transpose();
-    DMatrix::from_fn(n, n, |j, k| inner[(j, k)] * scale[j] * scale[k])
+    let eigen = matrix.symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let mut inverse = DMatrix::zeros(n, n);
+    for (value, v) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > least * largest {
+            inverse.ger(1.0 / value, &v, &v, 1.0);
+        }
+    }
+    inverse
 }
 
 #[cfg(test)]

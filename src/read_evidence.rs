@@ -6,10 +6,10 @@ use drivescope_discovery::signals::{SignalFinding, findings, repaired};
 use drivescope_discovery::{Evidence, Measured, NoiseSource, Purpose, doubts, noise};
 use drivescope_plant::drive::Drive;
 use drivescope_plant::units::name_for_motion;
-use drivescope_recording::Recording;
+use drivescope_recording::{NoiseGain, Recording, rounded};
 use serde::Serialize;
 
-use crate::commands::RecordingOptions;
+use crate::commands::{RecordingOptions, is_near};
 use crate::failure::{Failure, into_report};
 use crate::session::Session;
 
@@ -84,12 +84,15 @@ pub(crate) fn evidence_of(
     given: &[(String, f64)],
 ) -> miette::Result<ReadEvidence> {
     let mut read = ReadEvidence::none();
+    let period_s = common_period(recordings.iter().map(|(_, recording)| recording));
     for (name, recording) in recordings {
-        let (recording, mut spoiled) = repaired(recording.clone());
+        let (recording, remark) = at_common(recording.clone(), period_s)?;
+        let (recording, mut spoiled) = repaired(recording);
         spoiled.iter_mut().for_each(|it| it.recording.clone_from(name));
         read.signals.extend(spoiled);
         let measured = Measured::of(drive, &recording, purpose).map_err(into_report)?;
-        let measured = Measured { name: name.clone(), ..measured };
+        let mut measured = Measured { name: name.clone(), ..measured };
+        measured.remarks.extend(remark);
         read.doubts
             .extend(doubts(drive, &measured).map_err(into_report)?.iter().map(ToString::to_string));
         let found = noise(drive, &measured, given);
@@ -107,6 +110,35 @@ pub(crate) fn evidence_of(
     read.signals.sort_by_key(|it| it.consequence);
     read.doubts.splice(0..0, read.signals.iter().map(ToString::to_string));
     Ok(read)
+}
+
+/// The sampling time of recordings that belong together, s: that of the first whose rows are samples,
+/// or of the first.
+fn common_period<'a>(mut recordings: impl Iterator<Item = &'a Recording> + Clone) -> Option<f64> {
+    let as_sampled = recordings.clone().find(|it| it.noise_gain == NoiseGain::NONE);
+    as_sampled.or_else(|| recordings.next()).map(|it| it.period_s)
+}
+
+/// A recording that was put on a grid of its own, for its rows come unevenly, on the common one where
+/// that is near, and what was done; any other as it is.
+fn at_common(
+    recording: Recording,
+    period_s: Option<f64>,
+) -> miette::Result<(Recording, Option<String>)> {
+    let own_s = recording.period_s;
+    let Some(period_s) = period_s.filter(|it| is_near(own_s, *it)) else {
+        return Ok((recording, None));
+    };
+    if recording.noise_gain == NoiseGain::NONE {
+        return Ok((recording, None));
+    }
+    let moved = recording.resample(period_s).map_err(into_report)?;
+    let remark = format!(
+        "its rows come unevenly: resampled from {} s to the {} s of the recordings beside it",
+        rounded(own_s),
+        rounded(period_s)
+    );
+    Ok((moved, Some(remark)))
 }
 
 /// Names of files without their folders, as results show them; with the last folder where two
@@ -162,6 +194,8 @@ pub(crate) fn given_noise(drive: &Drive, text: Option<&str>) -> miette::Result<V
 
 #[cfg(test)]
 mod tests {
+    use drivescope_recording::{ReadOptions, Signal};
+
     use super::*;
 
     #[test]
@@ -170,6 +204,34 @@ mod tests {
             |files: &[&str]| short_names(&files.iter().map(PathBuf::from).collect::<Vec<_>>());
         assert_eq!(names(&["/home/me/a.csv", "b.csv"]), ["a.csv", "b.csv"]);
         assert_eq!(names(&["/x/1/a.csv", "/x/2/a.csv"]), ["1/a.csv", "2/a.csv"]);
+    }
+
+    #[test]
+    fn uneven_rows_go_on_the_grid_of_the_recordings_beside_them() {
+        let even = |period_s: f64| {
+            let values = (0..200).map(|k| (f64::from(k) * period_s).sin()).collect();
+            let speed = Signal { name: "omega".into(), unit: "rad/s".into(), values };
+            Recording::new("run", 0.0, period_s, vec![speed])
+        };
+        let uneven = |period_s: f64| {
+            let stamp = |k: u32| (f64::from(k) + 0.3 * f64::from(k % 2)) * period_s;
+            let rows = (0..200).map(|k| format!("{},{}\n", stamp(k), stamp(k).sin()));
+            let folder = tempfile::tempdir().expect("a folder");
+            let file = folder.path().join("run.csv");
+            let text = "t [s],omega [rad/s]\n".to_owned() + &rows.collect::<String>();
+            std::fs::write(&file, text).expect("written");
+            drivescope_recording::read(&file, &ReadOptions::default()).expect("read").0
+        };
+        let moved = |all: &[Recording], at: usize| {
+            let period_s = common_period(all.iter());
+            let (recording, remark) = at_common(all[at].clone(), period_s).expect("long enough");
+            (recording.period_s, remark.is_some())
+        };
+        let both = [uneven(0.0103), even(0.01)];
+        assert_eq!((moved(&both, 0), moved(&both, 1)), ((0.01, true), (0.01, false)));
+        // Rows that are samples stay as they are, and so does another rate.
+        let apart = [even(0.01), even(0.0104), uneven(0.02)];
+        assert_eq!((moved(&apart, 1).1, moved(&apart, 2).1), (false, false));
     }
 
     #[test]

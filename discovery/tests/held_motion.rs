@@ -93,6 +93,21 @@ fn a_weight_that_the_loop_holds_is_named() {
     assert_eq!(answer.named, ["unbalance"], "{:?}", answer.ranking);
 }
 
+/// A first drive file without dry friction: its signs count although the base has none.
+#[test]
+fn the_dry_friction_that_a_file_lacks_is_named() {
+    let greased = DRIVE.replace("[[effect]]\nkind = \"coulomb\"\nT_c = 0.01\n", "");
+    let drive = Drive::parse(&greased, "servo.toml").expect("right");
+    assert!(drive.effects.is_empty());
+    let [estimation, validation] =
+        [(4.0, 1), (3.0, 2)].map(|(speed, seed)| evidence(&drive, &recorded(speed, seed, |_| 0.0)));
+    let answer = discover(&drive, &estimation, &validation, &Unwatched).expect("it can be fitted");
+    assert_eq!(answer.named, ["coulomb"], "{:?}", answer.ranking);
+    let first = answer.ranking.iter().find(|it| it.refused.is_none()).expect("it was named");
+    let t_c = first.parameters["coulomb.T_c"].value;
+    assert!((t_c / 6e-3 - 1.0).abs() < 0.1, "{t_c}");
+}
+
 /// A joint that goes to and fro over less than a radian, as that of an arm.
 fn found_in_a_joint(disturbs: impl Fn(f64) -> f64) -> Discovery {
     let drive = Drive::parse(DRIVE, "joint.toml").expect("right");

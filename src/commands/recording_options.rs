@@ -133,11 +133,17 @@ impl RecordingOptions {
     }
 }
 
-/// Departure of a sampling time from that of a diagnoser that is resampled away: rows with jitter
-/// have one of their own in every file.
+/// Departure of a sampling time from another that is resampled away: rows with jitter have one of
+/// their own in every file.
 const NEAR: f64 = 0.1;
 /// Departure that is none: printed times are rounded.
 const SAME: f64 = 1e-4;
+
+/// Whether a sampling time is near enough to another to be resampled to it, and is not the same. Not
+/// a number either way is neither: left to be refused.
+pub(crate) fn is_near(own_s: f64, period_s: f64) -> bool {
+    (SAME..NEAR).contains(&(own_s / period_s - 1.0).abs())
+}
 
 /// The recording at the sampling time that a diagnoser has, where its own is near; one of another
 /// rate is left as it is, to be refused with its name.
@@ -149,9 +155,7 @@ pub(crate) fn at_period(
     period_s: f64,
     session: &Session,
 ) -> miette::Result<Recording> {
-    let off = (recording.period_s / period_s - 1.0).abs();
-    // Not a number either way: left to be refused.
-    if !(SAME..NEAR).contains(&off) {
+    if !is_near(recording.period_s, period_s) {
         return Ok(recording);
     }
     session.remark(format_args!(

@@ -2,7 +2,7 @@
 //! error and leaves the balances as well explained.
 
 use drivescope_discovery::{
-    Case, Estimate, Evidence, Fit as OfRecording, Options, Setting, begin, evaluate, fit,
+    Case, Estimate, Evidence, Fit as OfRecording, Identified, Options, Setting, begin, evaluate, fit,
     small_inertia, unexplained, with_own,
 };
 use drivescope_plant::drive::{Drive, Input};
@@ -15,6 +15,8 @@ use super::usual::template;
 use super::{Choice, FirstDrive, FirstDriveError, Given, Origin, Quality, Value};
 use crate::simulation::replay::Fit;
 
+/// Standard error of an inertia over its value, below which a motion tells it.
+const KNOWN: f64 = 0.2;
 /// A fit may leave at most this many times what least squares leave of a balance unexplained.
 const AS_WELL: f64 = 1.05;
 
@@ -31,15 +33,27 @@ pub(super) fn first_drive(
     if let Some(with_load) = with_constant_load(&template, recording, &begun)? {
         begun = with_load;
     }
-    // An inertia that nothing tells is kept so small that it hardly matters.
     let stated = begun.identified.iter().any(|it| it.name == "J");
     let untold = !stated && given.value("J", choice.input).is_none();
+    let mut by_motion = None;
     if let Some(j) = small_inertia(&begun.drive, &evidence).filter(|_| untold) {
         begun.drive.motor.j = j;
-        begun.drive.fixed.push("J".to_owned());
+        // Steps that are over within a few samples leave windows of the balance nothing; the motion
+        // tells their time all the same.
+        let evidence = seen(&begun.drive, recording)?;
+        by_motion = refined(&begun.drive, &evidence);
+        let told = by_motion.as_ref().and_then(|(_, estimates)| inertia(estimates));
+        match told {
+            Some(told) => begun.identified.push(told),
+            None => {
+                // An inertia that nothing tells is kept so small that it hardly matters.
+                begun.drive.fixed.push("J".to_owned());
+                by_motion = None;
+            }
+        }
     }
     let evidence = seen(&begun.drive, recording)?;
-    let refined = refined(&begun.drive, &evidence);
+    let refined = by_motion.or_else(|| refined(&begun.drive, &evidence));
     let drive = refined.as_ref().map_or(&begun.drive, |it| &it.0);
     let values = values(drive, &begun, refined.as_ref().map(|it| it.1.as_slice()), &choice, given);
     let fixed = values.iter().filter(|it| !matches!(it.origin, Origin::Estimated(_)));
@@ -51,6 +65,12 @@ pub(super) fn first_drive(
     let fixed = fixed.filter(|name| !(by_voltage && *name == "K_m")).collect();
     let quality = quality(drive, &evidence)?;
     Ok(FirstDrive { recording: recording.name.clone(), choice, values, fixed, quality })
+}
+
+/// The inertia, where a fit knows it.
+fn inertia(estimates: &[Estimate]) -> Option<Identified> {
+    let known = estimates.iter().find(|it| it.name == "J" && it.std_error < KNOWN * it.value)?;
+    Some(Identified { name: known.name.clone(), std_error: known.std_error })
 }
 
 /// The drive after a fit, with the estimates; none where least squares alone are the better answer.

@@ -169,8 +169,12 @@ impl Round<'_> {
         laws: &[&LawWeight],
         judged: &mut Vec<Judged>,
     ) -> bool {
+        // In the order that was decided where nothing joins.
+        if laws.is_empty() {
+            return false;
+        }
         self.judge(ground, weights, self.at_their_best(ground, laws), judged);
-        !laws.is_empty()
+        true
     }
 
     fn convincing(&self, ground: &Ground, weights: &Weights, laws: &[&LawWeight]) -> Vec<Judged> {

@@ -61,7 +61,10 @@ impl Round<'_> {
             {
                 one.model = model;
                 one.weighed.by_balance = true;
-                break;
+                if self.stands_apart(one) {
+                    break;
+                }
+                continue;
             }
             let Some(model) = self.in_free_run(one) else {
                 one.refused = Some("no fit with it ends".to_owned());
@@ -77,19 +80,23 @@ impl Round<'_> {
             let falls = fits && is <= (1.0 - FALLS) * was;
             let removed = self.removed_of_validation(&one.model);
             let raises = self.raises_torque(candidate, of_model, &one.model);
-            if falls && removed >= self.rule.size && !raises {
-                break;
-            }
-            if self.explains_torque(&one.model.fitted.drive) {
-                one.weighed.by_balance = true;
-                break;
+            let lowers = falls && removed >= self.rule.size && !raises;
+            if lowers || self.explains_torque(&one.model.fitted.drive) {
+                one.weighed.by_balance = !lowers;
+                if self.stands_apart(one) {
+                    break;
+                }
+                continue;
             }
             let less_torque = both.is_some_and(|(before, after)| after < (1.0 - FALLS) * before);
             let unfitted = less_torque.then(unfitted).and_then(Result::ok);
             if let Some(model) = unfitted.filter(|model| error(model) <= was) {
                 one.model = model;
                 one.weighed.by_balance = true;
-                break;
+                if self.stands_apart(one) {
+                    break;
+                }
+                continue;
             }
             let removed = 100.0 * removed;
             one.refused = Some(if raises {

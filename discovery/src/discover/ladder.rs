@@ -1,6 +1,6 @@
 //! The loop: weigh, fit, decide, add, until nothing is left or nobody knows.
 
-use drivescope_plant::drive::Drive;
+use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_plant::effects::registry::Entry;
 use drivescope_plant::file::LEARNED;
 
@@ -14,13 +14,14 @@ use super::other_machine;
 use super::refit::Model;
 use super::report::{Discovery, LadderStep, Step, Unwatched, Verdict, Watch, seen_by};
 use super::round::{Formula, Outcome, Round};
-use super::spans::spans;
+use super::spans::{are_possible, spans};
 use super::typed;
 use super::unusable;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
-use crate::estimate::{Evidence, Options};
+use crate::estimate::{AS_WELL, Evidence, Options};
+use crate::observer::Observer;
 use crate::signals::SignalFinding;
 
 /// Why no curve is added.
@@ -65,16 +66,25 @@ pub fn discover_by(
     if wrong.iter().any(SignalFinding::forbids) {
         return Ok(unusable::discovery(drive, estimation, wrong));
     }
-    let search = |balanced| searched(rule, drive, (estimation, validation), balanced, watch);
-    let mut found = search(false)?;
-    // Beside a base that follows the motion and explains no torque, every column is that of another
-    // machine: what is missing is asked once more beside the one that explains most torque.
-    let lost = found.ladder.first().is_some_and(explains_nothing);
-    if found.verdict == Verdict::Unknown && lost && !watch.stopped() {
-        let again = search(true)?;
-        if again.verdict == Verdict::Named
-            && again.ladder.last().is_some_and(|it| !explains_nothing(it))
-        {
+    let both = (estimation, validation);
+    let (drive_alone, typed) = &typed::apart(drive);
+    let (model, begun) = begin(drive_alone, both, watch)?;
+    let of_balances = model.by_balances(estimation, validation, &|error| seen_by(watch, error));
+    let search = |model, begun| searched(rule, drive, typed, both, (model, begun), watch);
+    let mut found = search(model, begun);
+    // Beside a base that follows the motion and explains less torque than another, every column is that
+    // of another machine: what is missing is asked once more beside the one that explains most torque,
+    // and the answer that leaves less of it counts.
+    if let Some(other) = of_balances.filter(|_| !watch.stopped()) {
+        let begun = first_step(&other, both, watch);
+        let mut again = search(other, begun);
+        if again.verdict == Verdict::None && found.verdict != Verdict::None {
+            // Two bases that contradict each other do not say that nothing is missing.
+            (again.verdict, again.remaining) = (Verdict::Unknown, Verdict::Unknown);
+        }
+        let left =
+            |of: &Discovery| of.ladder.last()?.validation_unexplained.torque.map(|it| it.rms);
+        if left(&again).zip(left(&found)).is_some_and(|(new, old)| AS_WELL * new < old) {
             found = again;
         }
     }
@@ -82,22 +92,23 @@ pub fn discover_by(
     Ok(found)
 }
 
-/// Whether a step leaves more torque unexplained than was applied, in the recordings held out: that nothing
-/// is missing cannot be said of it.
-fn explains_nothing(step: &LadderStep) -> bool {
-    step.validation_unexplained.torque.is_some_and(|it| it.share > 1.0)
+/// Whether a step leaves so much of the applied torque unexplained, in the recordings held out, that it
+/// cannot be said of it that nothing is missing: more than there was, and behind an observer, where the
+/// torque is what tells, more than half.
+fn explains_little(step: &LadderStep, observer: Observer) -> bool {
+    let most = if observer.hz > 0.0 { 0.5 } else { 1.0 };
+    step.validation_unexplained.torque.is_some_and(|it| it.share > most)
 }
 
-/// The loop, from a base that is `balanced` on.
+/// The loop, from a base and the first step of its ladder.
 fn searched(
     rule: &Rule,
     of_user: &Drive,
+    typed: &[EffectData],
     (estimation, validation): (&Evidence, &Evidence),
-    balanced: bool,
+    (mut model, mut found): (Model, Discovery),
     watch: &dyn Watch,
-) -> Result<Discovery, Error> {
-    let (drive, typed) = &typed::apart(of_user);
-    let (mut model, mut found) = begin(drive, (estimation, validation), balanced, watch)?;
+) -> Discovery {
     let mut added: Vec<Added> = Vec::new();
     let mut randomness = None;
     let mut rebased = false;
@@ -144,7 +155,10 @@ fn searched(
             // the balances do.
             if !rebased && let Some(last) = added.last() {
                 rebased = true;
-                if let Some(better) = model.by_balances(estimation, validation, &seen) {
+                let better = model.by_balances(estimation, validation, &seen);
+                let named = |id: &str| added.iter().any(|it| it.id == id);
+                let possible = |it: &Model| are_possible(&it.fitted.drive, named, turn.spans);
+                if let Some(better) = better.filter(possible) {
                     found.ladder.pop();
                     let kind = Some(last.kind.clone());
                     found.climb(kind, &better, (estimation, validation), watch);
@@ -152,7 +166,8 @@ fn searched(
                     continue;
                 }
             }
-            let lost = found.ladder.last().is_some_and(explains_nothing);
+            let observer = model.setting.observer;
+            let lost = found.ladder.last().is_some_and(|it| explains_little(it, observer));
             let missing = unknown.is_some() || !proposed.is_empty() || lost;
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
@@ -214,7 +229,7 @@ fn searched(
     }
     found.end(model.fitted.drive, of_user);
     found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };
-    Ok(found)
+    found
 }
 
 /// Adds one effect that the user chose, whatever speaks for it; `learned` is the curve that
@@ -232,7 +247,7 @@ pub fn add(
 ) -> Result<Discovery, Error> {
     let of_user = drive;
     let (drive, typed) = &typed::apart(of_user);
-    let (model, mut found) = begin(drive, (estimation, validation), false, watch)?;
+    let (model, mut found) = begin(drive, (estimation, validation), watch)?;
     let seen = |error| seen_by(watch, error);
     let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
     let spans = spans(&model.fitted.drive, estimation);
@@ -301,7 +316,7 @@ pub fn bic_of(
     validation: &Evidence,
 ) -> Result<f64, Error> {
     let (drive, typed) = &typed::apart(drive);
-    let (model, _) = begin(drive, (estimation, validation), false, &Unwatched)?;
+    let (model, _) = begin(drive, (estimation, validation), &Unwatched)?;
     let spans = spans(&model.fitted.drive, estimation);
     let all = [match typed.iter().find(|effect| effect.id == kind) {
         Some(effect) => typed::candidate(effect),
@@ -332,26 +347,33 @@ pub fn bic_of(
     Ok(evidence().unwrap_or(0.0))
 }
 
-/// The base, fitted, with the first step of its ladder; where it is `balanced`, at the values of its
-/// balances if the fit leaves more of them unexplained.
+/// The base, fitted to the motion, with the first step of its ladder.
 fn begin(
     drive: &Drive,
     (estimation, validation): (&Evidence, &Evidence),
-    balanced: bool,
     watch: &dyn Watch,
 ) -> Result<(Model, Discovery), Error> {
     let setting = Setting::of_fit(drive, estimation);
     watch.step(&Step::Doing("fitting the base drive"));
-    let options = Options { starts: STARTS, balanced, ..Options::default() };
+    let options = Options { starts: STARTS, balanced: false, ..Options::default() };
     let seen = |error| seen_by(watch, error);
     let model = Model::fit(drive, estimation, validation, setting, &options, &seen)?;
-    let drive = &model.fitted.drive;
-    let mut found = Discovery {
-        doubts: other_machine::doubt(&model, validation).into_iter().collect(),
-        ..Discovery::of(drive, Verdict::None, setting.observer)
-    };
-    found.climb(None, &model, (estimation, validation), watch);
+    let found = first_step(&model, (estimation, validation), watch);
     Ok((model, found))
+}
+
+/// The first step of a ladder.
+fn first_step(
+    base: &Model,
+    (estimation, validation): (&Evidence, &Evidence),
+    watch: &dyn Watch,
+) -> Discovery {
+    let mut found = Discovery {
+        doubts: other_machine::doubt(base, validation).into_iter().collect(),
+        ..Discovery::of(&base.fitted.drive, Verdict::None, base.setting.observer)
+    };
+    found.climb(None, base, (estimation, validation), watch);
+    found
 }
 
 /// Whether a comparison of the base shows that something is missing, whatever the library says of it:

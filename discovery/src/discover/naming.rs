@@ -6,8 +6,13 @@ use super::candidate::Candidate;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::round::{Outcome, Round};
+use super::spans::are_possible;
 use crate::likelihood::{CurveWeight, Law};
 use crate::measured::Measured;
+
+/// Standard errors by which a value differs from 0 at least, where it is told from it: its 95 % interval
+/// does not hold 0.
+const TOLD: f64 = 2.0;
 
 impl Round<'_> {
     /// Whether its kind was named: a harmonic of what was named is no other effect.
@@ -50,7 +55,10 @@ impl Round<'_> {
         let (evidence, size) = self.asked(self.is_further(one));
         let share = curve.map_or(1.0, |(_, explains)| it.fitted / explains.max(f64::MIN_POSITIVE));
         let asked = evidence - self.rule.law_odds.ln();
-        if it.evidence <= asked {
+        let own = |id: &str| id == self.all[one.candidate].id;
+        if !are_possible(&one.model.fitted.drive, own, self.spans) {
+            Some("no machine has such values at what was recorded".to_owned())
+        } else if it.evidence <= asked {
             Some(format!("its evidence is {:.1} only, and {asked:.1} is asked for", it.evidence))
         } else if self.is_disturbance(one) {
             Some(
@@ -65,15 +73,32 @@ impl Round<'_> {
         {
             let share = 100.0 * share.max(0.0);
             Some(format!("it has {share:.0} % of the evidence of a free curve"))
-        } else if (it.size.is_nan() || it.size < size)
-            && !self.acts_beside(&self.all[one.candidate])
-        {
+        } else if it.size.is_nan() && !self.acts_beside(&self.all[one.candidate]) {
+            Some("what it makes of the balance cannot be told".to_owned())
+        } else if it.size < size && !self.acts_beside(&self.all[one.candidate]) {
             one.weighed.small = true;
             let (is, asked) = (100.0 * it.size, 100.0 * size);
             Some(format!("it makes {is:.1} % of the balance only, and {asked} % are asked for"))
         } else {
             None
         }
+    }
+
+    /// Refuses it unless one of its fitted coefficients is told from 0, or none of their errors is known;
+    /// whether it stands.
+    pub(super) fn stands_apart(&self, one: &mut Judged) -> bool {
+        let it = &self.all[one.candidate];
+        let fitted = &one.model.fitted.parameters;
+        let own = it.coefficients.iter().filter_map(|name| {
+            let name = format!("{}.{name}", it.id);
+            fitted.iter().find(|it| it.name == name && it.std_error.is_finite())
+        });
+        let told: Vec<bool> = own.map(|it| it.value.abs() > TOLD * it.std_error).collect();
+        let stands = told.is_empty() || told.contains(&true);
+        if !stands {
+            one.refused = Some("its values are not told from 0".to_owned());
+        }
+        stands
     }
 
     /// Whether a curve explains something else, over other variables, so that the evidence of the law

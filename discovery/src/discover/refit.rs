@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::columns::FittedDrive;
-use crate::balances::unexplained;
+use crate::balances::{begin, unexplained};
 use crate::case::Setting;
 use crate::error::Error;
-use crate::estimate::{AS_WELL, Evaluated, Evidence, Fitted, Options, Seen, evaluate, fit_seen};
+use crate::estimate::{Evaluated, Evidence, Fitted, Options, Seen, evaluate, fit_seen, is_worse};
 
 /// A drive with its fit, on the recordings it was fitted to and on others.
 #[derive(Debug, Clone)]
@@ -48,22 +48,22 @@ impl Model {
     }
 
     /// At the values of the balances, where those leave less torque unexplained in the recordings held out
-    /// than a fit that follows the motion with an observer; nothing where they do not.
+    /// than a fit that follows the motion; nothing where they do not.
     pub(crate) fn by_balances(
         &self,
         estimation: &Evidence,
         validation: &Evidence,
         seen: Seen<'_>,
     ) -> Option<Self> {
-        if self.setting.observer.hz == 0.0 {
+        let drive = &self.fitted.drive;
+        let left = |of: &Drive| unexplained(of, validation)[0];
+        let is_better = |of: &Drive| is_worse(&self.setting, left(drive), left(of));
+        if !is_better(&begin(drive, estimation).drive) {
             return None;
         }
         let options = Options { starts: 2, balanced: true, ..Options::NEAR };
-        let drive = &self.fitted.drive;
         let other = Self::fit(drive, estimation, validation, self.setting, &options, seen).ok()?;
-        let left = |of: &Self| unexplained(&of.fitted.drive, validation)[0].map(|it| it.rms);
-        let (own, others) = left(self).zip(left(&other))?;
-        (AS_WELL * others < own).then_some(other)
+        is_better(&other.fitted.drive).then_some(other)
     }
 
     /// At the recordings it was fitted to.

@@ -2,6 +2,7 @@
 
 use drivescope_plant::drive::{Drive, Input, Motion};
 use drivescope_plant::effects::grid::{SLOW_SPEED, Spans};
+use drivescope_plant::effects::registry::Entry;
 use drivescope_plant::model::{Applied, at_rest};
 
 use crate::estimate::Evidence;
@@ -25,9 +26,19 @@ pub(crate) fn spans(drive: &Drive, evidence: &Evidence) -> Spans {
         heat: most(&|one| current(drive, one).map(|i| i * i).sum::<f64>() * one.period_s),
         voltage: most(&|one| largest(one.u.iter().copied())),
         travel: most(&travel),
+        step: step(evidence, speed),
         duration_s: most(&|one| one.len() as f64 * one.period_s),
         slow: slow(evidence, SLOW_SPEED * speed),
     }
+}
+
+/// Whether a machine may have the values of those effects of a drive, by their ids, as far as recordings
+/// go.
+pub(super) fn are_possible(drive: &Drive, those: impl Fn(&str) -> bool, spans: &Spans) -> bool {
+    drive.effects.iter().filter(|effect| those(&effect.id)).all(|effect| {
+        let values: Vec<f64> = effect.parameters.iter().map(|(_, value)| *value).collect();
+        Entry::find(&effect.kind).is_none_or(|law| (law.info.possible)(&values, spans))
+    })
 }
 
 /// Mean level of dry friction of both directions at rest, N m (N).
@@ -87,6 +98,29 @@ fn slow(evidence: &Evidence, below: f64) -> f64 {
         }
     }
     slow / all.max(1.0)
+}
+
+/// Way from one sample to the next, rad (m), that a tenth of the motion stays below.
+fn step(evidence: &Evidence, fastest: f64) -> f64 {
+    /// Share of the fastest speed from which on a shaft moves.
+    const MOVES: f64 = 0.01;
+    const TENTH: f64 = 0.1;
+    let each = evidence.recordings.iter().flat_map(|it| {
+        let shown = it.output(Output::Speed).map(|speed| speed.values.iter().map(|v| v.abs()));
+        let steps: Vec<f64> = match (shown, it.output(Output::Position)) {
+            (Some(speeds), _) => speeds.map(|speed| speed * it.period_s).collect(),
+            (None, Some(x)) => x.values.windows(2).map(|two| (two[1] - two[0]).abs()).collect(),
+            (None, None) => Vec::new(),
+        };
+        let least = MOVES * fastest * it.period_s;
+        steps.into_iter().filter(move |step| *step > least)
+    });
+    let mut steps: Vec<f64> = each.collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let at = (TENTH * steps.len() as f64) as usize;
+    *steps.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
 fn travel(measured: &Measured) -> f64 {

@@ -16,8 +16,11 @@ use crate::balances::{Begun, Unexplained, begin, unexplained};
 use crate::case::Setting;
 use crate::error::Error;
 
-/// Times what least squares leave of a balance unexplained that a fit may leave.
+/// Times what least squares leave of a balance unexplained that a fit may leave, behind an observer.
 pub(crate) const AS_WELL: f64 = 1.2;
+/// The same in free run, which weighs the noise better than least squares do: only a motion that the
+/// model cannot make draws its parameters so far away.
+const IN_FREE_RUN: f64 = 3.0;
 /// The same of a drive that has the values of least squares, but for the digits of its file.
 const NEARLY: f64 = 1.01;
 
@@ -29,16 +32,24 @@ pub(super) fn balanced(
     evidence: &Evidence,
     setting: &Setting,
 ) -> Result<Fitted, Error> {
-    if setting.observer.hz == 0.0 {
-        return Ok(fitted);
+    let remainder = |drive: &Drive| unexplained(drive, evidence);
+    let pairs = remainder(&fitted.drive).into_iter().zip(remainder(&begun.drive));
+    if pairs.into_iter().any(|(of_fit, least)| is_worse(setting, of_fit, least)) {
+        at_balances(&fitted, begun, base, evidence, setting)
+    } else {
+        Ok(fitted)
     }
-    let by_balances = at_balances(&fitted, begun, base, evidence, setting)?;
-    let remainder = |fitted: &Fitted| unexplained(&fitted.drive, evidence);
-    let mut pairs = remainder(&fitted).into_iter().zip(remainder(&by_balances));
-    let worse = |(by_fit, by_balances): (Option<Unexplained>, Option<Unexplained>)| {
-        by_fit.zip(by_balances).is_some_and(|(fit, least)| fit.rms > AS_WELL * least.rms)
-    };
-    Ok(if pairs.any(worse) { by_balances } else { fitted })
+}
+
+/// Whether a drive leaves more of a balance unexplained than a fit may beside least squares, which leave
+/// `least`.
+pub(crate) fn is_worse(
+    setting: &Setting,
+    left: Option<Unexplained>,
+    least: Option<Unexplained>,
+) -> bool {
+    let may = if setting.observer.hz > 0.0 { AS_WELL } else { IN_FREE_RUN };
+    left.zip(least).is_some_and(|(left, least)| left.rms > may * least.rms)
 }
 
 /// Whether the drive explains its balances as well as least squares on them: a fit of the observed

@@ -35,7 +35,7 @@ use crate::case::{Setting, Squares};
 use crate::error::Error;
 use crate::start::{Start, first_starts};
 use balanced::balanced;
-pub(crate) use balanced::{AS_WELL, at_its_balances};
+pub(crate) use balanced::{AS_WELL, at_its_balances, is_worse};
 use problem::Problem;
 pub(crate) use scale::recorded_speeds;
 use search::Found;

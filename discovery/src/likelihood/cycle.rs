@@ -129,7 +129,7 @@ mod tests {
         let recorded = Recorded {
             drive: drive.clone(),
             own: Vec::new(),
-            direction: Arc::new(Direction::of(&drive, &measured, &SDS)),
+            direction: Arc::new(Direction::of(&measured, &SDS)),
             measured: Arc::new(measured),
             noise: SDS,
             held_out: false,

@@ -6,8 +6,6 @@
 
 use std::ops::Range;
 
-use drivescope_plant::drive::Drive;
-
 use super::state::SENSORS;
 use crate::measured::{Measured, Output};
 
@@ -38,12 +36,7 @@ pub(crate) struct Direction {
 
 impl Direction {
     /// Along a recording whose sensors have that noise.
-    pub(super) fn of(drive: &Drive, measured: &Measured, noise: &[f64; SENSORS]) -> Self {
-        let forward =
-            || Self { signs: vec![1.0; measured.len()], loose: vec![0.0; measured.len()] };
-        if !drive.model().directed() {
-            return forward();
-        }
+    pub(super) fn of(measured: &Measured, noise: &[f64; SENSORS]) -> Self {
         let shown = |output| measured.output(output).map(|channel| &channel.values);
         match (shown(Output::Speed), shown(Output::Position)) {
             (Some(speed), _) => Self::of_speeds(measured, speed, noise[Output::Speed as usize]),
@@ -51,7 +44,9 @@ impl Direction {
                 let (speeds, sd) = slopes(measured, x, noise[Output::Position as usize]);
                 Self::of_smooth(measured, &speeds, sd)
             }
-            (None, None) => forward(),
+            (None, None) => {
+                Self { signs: vec![1.0; measured.len()], loose: vec![0.0; measured.len()] }
+            }
         }
     }
 
@@ -149,7 +144,7 @@ mod tests {
         let drive = dr300();
         let recording = noisy(bench(&drive, 2.0, 0.001), [0.01, 0.3], 7);
         let measured = Measured::new(&drive, &recording).expect("it can be used");
-        let direction = Direction::of(&drive, &measured, &[0.01, 0.3, 1.0]);
+        let direction = Direction::of(&measured, &[0.01, 0.3, 1.0]);
         let speed = &measured.output(Output::Speed).expect("it was measured").values;
         let fastest = fastest(speed);
         let (mut moving, mut turning) = (0, 0);
@@ -166,9 +161,5 @@ mod tests {
             assert_eq!(direction.loose(k) > 0.0, sign == 0.0);
         }
         assert!(moving > speed.len() / 2 && turning > 0, "{moving} {turning}");
-        let mut greased = drive;
-        greased.effects.clear();
-        let free = Direction::of(&greased, &measured, &[0.01, 0.3, 1.0]);
-        assert!((0..speed.len()).all(|k| free.at(k) == 1.0 && free.loose(k) == 0.0));
     }
 }

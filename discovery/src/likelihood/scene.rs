@@ -111,7 +111,7 @@ impl Scene {
                 Recorded {
                     drive: with_own(drive, fit),
                     own: fit.own.iter().map(|it| it.name.clone()).collect(),
-                    direction: Arc::new(Direction::of(drive, &measured, &noise)),
+                    direction: Arc::new(Direction::of(&measured, &noise)),
                     measured: Arc::new(measured),
                     noise,
                     held_out,

@@ -35,12 +35,12 @@ fn measured(drive: &Drive) -> Measured {
     Measured::new(drive, &recording).expect("it can be used")
 }
 
-fn direction(drive: &Drive, measured: &Measured) -> Direction {
-    Direction::of(drive, measured, &NOISE.sensors)
+fn direction(measured: &Measured) -> Direction {
+    Direction::of(measured, &NOISE.sensors)
 }
 
 fn filtered(drive: &Drive, measured: &Measured) -> Track {
-    let direction = direction(drive, measured);
+    let direction = direction(measured);
     track(drive, (measured, &direction), &NOISE).expect("it does not overflow")
 }
 
@@ -54,7 +54,7 @@ fn innovations(track: &Track) -> Vec<f64> {
 }
 
 fn column(drive: &Drive, measured: &Measured, track: &Track, source: Source<'_>) -> Vec<f64> {
-    let direction = direction(drive, measured);
+    let direction = direction(measured);
     let mut pass = Pass::new(drive, (measured, &direction), source);
     let mut blocks = vec![vec![0.0; pass.len() * 2 * track.ticks.len()]];
     pass.fill(&[track], 0..track.ticks.len(), &mut blocks, |_| ());
@@ -76,7 +76,7 @@ fn innovations_of_the_true_drive_are_white_and_of_size_one() {
     // No random load in the recording: the filter is told so.
     let noise = Noise { load_sd: 1e-9, voltage_sd: 1e-9, ..NOISE };
     let measured = measured(&drive);
-    let direction = direction(&drive, &measured);
+    let direction = direction(&measured);
     let track = track(&drive, (&measured, &direction), &noise).expect("it does not overflow");
     let w: Vec<f64> = innovations(&track).split_off(100);
     let n = w.len() as f64;
@@ -162,7 +162,7 @@ fn evidence_is_that_of_a_normal_prior_and_finds_the_coefficient() {
     let names = ["R".to_owned(), "J".to_owned()];
     let source = [Source::Parameters { drive: &drive, names: &names }];
     let references = References { torque: 0.02, voltage: 4.0, shown: [1.0; SENSORS] };
-    let direction = direction(&drive, &measured);
+    let direction = direction(&measured);
     let gram =
         gram(&drive, (&measured, &direction), &[&track], &references, (&source, &[]), &[], &|| {
             false

@@ -27,8 +27,8 @@ const BEST: f64 = 0.02;
 /// Explained shares: from here on a relation is plain. Friction and a rigid inertia explain more of
 /// every good recording looked at but those of slow turns at one speed.
 const PLAIN: f64 = 0.6;
-/// Above this no shift is doubted, whatever another explains: that is periodic.
-const SURE: f64 = 0.97;
+/// Above this no shift is doubted, whatever another explains: slow motion over the angle goes with many.
+const FOLLOWS: f64 = 0.7;
 /// A reversed sign or another shift must leave at most this share of what is left without it.
 const CLEARLY: f64 = 0.3;
 /// What the signs of inertia and friction must explain themselves of it: gravity has no sign.
@@ -82,6 +82,9 @@ struct Look {
     at_once: Explained,
     /// Whether what is lost in friction and back-EMF has the reversed sign.
     gains: bool,
+    /// Whether the motion gives more power to what drives than it takes: no sign of a controller's
+    /// answer to disturbances does that.
+    gives_power: bool,
     far: Option<Far>,
 }
 
@@ -219,13 +222,17 @@ impl Look {
         let lost = averaged.columns(true).explained(&y, squares, 0);
         let gains =
             lost.reversed >= LOST * (1.0 - lost.free) && lost.reversed >= LOST_TIMES * lost.right;
+        let gives_power =
+            driver.iter().zip(&averaged.speed).map(|(driver, speed)| driver * speed).sum::<f64>()
+                < 0.0;
         let first = (SECONDS / window_s).max(FAR_WINDOWS).ceil() as isize;
         let step = ((STEP_S / window_s) as isize).max(1);
         let half = n as isize / 2;
         let lags = (first..half).step_by(step as usize).flat_map(|lag| [lag, -lag]);
         let far: Vec<(isize, Explained)> = lags.map(|lag| (lag, explained(lag))).collect();
         let signed_here = most(|it| it.right, &near).right;
-        Some(Self { windows: n, here, signed_here, at_once, gains, far: Far::of(&far, window_s) })
+        let far = Far::of(&far, window_s);
+        Some(Self { windows: n, here, signed_here, at_once, gains, gives_power, far })
     }
 
     /// Of a relation that is plain with one sign and shift.
@@ -236,12 +243,13 @@ impl Look {
         let late = far.filter(|(whole, far)| {
             let here = self.here.right_whole();
             let clear = 1.0 - whole <= CLEARLY * (1.0 - here) && far.best.right >= SIGNED;
-            here < SURE && *whole >= PLAIN && clear
+            here < FOLLOWS && *whole >= PLAIN && clear
         });
         let is_reversed = reversed >= PLAIN
             && 1.0 - reversed <= CLEARLY * remainder
             && self.at_once.reversed >= SIGNED
-            && self.gains;
+            && self.gains
+            && self.gives_power;
         match late {
             // A sine that is half a period late is reversed too.
             Some((whole, far)) if !is_reversed || 1.0 - whole <= CLEARLY * (1.0 - reversed) => {

@@ -3,6 +3,7 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::has_flux;
 use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Flux 1 - c |i| of the nominal flux, in both balances.
@@ -16,6 +17,7 @@ impl Effect<1, 0> for ArmatureReaction {
         aliases: &["saturation"],
         excludes: &["armature_reaction"],
         nulls: &[("c", 0.0)],
+        possible: |values, spans| has_flux(1.0 - values[0] * spans.current),
         ..Info::new("armature_reaction", "K_m, K_e times 1 - c |i|", "i, even, from zero on")
     };
     const PARAMETERS: [Parameter; 1] = [Parameter {

@@ -1,7 +1,7 @@
 //! Grids of shapes: what a law depends on besides its coefficients, scaled to a drive and to how far
 //! its recordings go. A discovery weighs the law at each of them.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// How far the recordings of a drive go, as greatest magnitudes, and the drive's own scales.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +24,9 @@ pub struct Spans {
     pub voltage: f64,
     /// Way from the least to the greatest position, rad (m); 0 where none is known.
     pub travel: f64,
+    /// Way from one sample to the next, rad (m), that a tenth of the motion stays below; 0 where none is
+    /// known.
+    pub step: f64,
     /// Length of the longest recording, s.
     pub duration_s: f64,
     /// Share of the time in which the shaft moves, but slower than [`SLOW_SPEED`].
@@ -55,8 +58,10 @@ pub(super) fn each(name: &'static str, values: impl IntoIterator<Item = f64>) ->
     values.into_iter().map(|value| vec![(name, value)]).collect()
 }
 
-/// Most periods a revolution that are searched.
+/// Most periods a revolution of which all are searched.
 const MOST_PERIODS: usize = 48;
+/// Further ones: the least common multiples of usual numbers of slots and poles, and six a pair of poles.
+const FURTHER: [usize; 13] = [54, 60, 66, 72, 84, 90, 96, 108, 120, 126, 132, 144, 168];
 /// Periods that must have passed by for a repetition to be seen: along fewer a wave is any smooth curve.
 const REPEATED: f64 = 2.0;
 
@@ -65,13 +70,35 @@ fn least_repeated(spans: &Spans) -> usize {
     if spans.travel > 0.0 { (REPEATED * TAU / spans.travel).ceil() as usize } else { 0 }
 }
 
+/// Whether samples lie close enough for a wave of that many periods a revolution, or that wave number,
+/// rad/m: two in a period, or it is not told from slower ones.
+fn is_resolved(periods: f64, spans: &Spans) -> bool {
+    periods * spans.step < PI
+}
+
+/// Numbers of periods a revolution that recordings can show.
+fn countable(least: usize, spans: &Spans) -> impl Iterator<Item = f64> {
+    let least = least.max(least_repeated(spans));
+    let all = (1..=MOST_PERIODS).chain(FURTHER).filter(move |n| *n >= least);
+    all.map(|n| n as f64).filter(|n| is_resolved(*n, spans))
+}
+
 /// Why the way of a rotor shows no repetition.
 pub(super) fn never_repeats(spans: &Spans) -> Option<String> {
-    (spans.rotary && least_repeated(spans) > MOST_PERIODS).then(|| {
+    if !spans.rotary || countable(1, spans).next().is_some() {
+        return None;
+    }
+    Some(if is_resolved(1.0, spans) {
         format!(
             "shows in what repeats with the angle, and the shaft turns by {:.2e} rad only: record \
              longer ways",
             spans.travel
+        )
+    } else {
+        format!(
+            "shows in what repeats with the angle, and the shaft turns by {:.1} rad from one sample to \
+             the next: record slower motion",
+            spans.step
         )
     })
 }
@@ -84,11 +111,23 @@ pub(super) fn periods(name: &'static str, least: usize, spans: &Spans) -> Vec<Sh
     /// Steps of the search a wave over the travel: two neighbours differ by half a wave at its end.
     const STEPS: f64 = 2.0;
     if spans.rotary {
-        let least = least.max(least_repeated(spans)).min(MOST_PERIODS);
-        return each(name, (least..=MOST_PERIODS).map(|n| n as f64));
+        let some = countable(least, spans).next().is_some();
+        // A grid is never empty; what it holds then is not weighed, for it is never seen.
+        let none = (!some).then_some(least as f64);
+        return each(name, countable(least, spans).chain(none));
     }
     let one = TAU / spans.travel.max(f64::MIN_POSITIVE);
-    each(name, (4..=(FINEST * STEPS) as usize).map(|k| k as f64 / STEPS * one))
+    let wave = |k: usize| k as f64 / STEPS * one;
+    let shown = (4..=(FINEST * STEPS) as usize).filter(|k| *k == 4 || is_resolved(wave(*k), spans));
+    each(name, shown.map(wave))
+}
+
+/// Whether a motor that was run up to its greatest current may have that share of its flux left there.
+pub(super) fn has_flux(share: f64) -> bool {
+    /// What is left of less is no motor any more: makers' curves end at about half of the torque
+    /// constant.
+    const LEAST: f64 = 0.3;
+    share >= LEAST
 }
 
 /// Currents over which a voltage drop is rounded.
@@ -121,6 +160,7 @@ mod tests {
         heat: 30.0,
         voltage: 24.0,
         travel: 500.0,
+        step: 0.01,
         duration_s: 8.0,
         slow: 0.2,
     };
@@ -131,8 +171,17 @@ mod tests {
         let least = |travel: f64| periods("N", 2, &within(travel))[0][0].1;
         assert_eq!((least(0.0), least(500.0), least(2.0)), (2.0, 2.0, 7.0));
         assert!(never_repeats(&within(2.0)).is_none() && never_repeats(&within(0.0)).is_none());
-        assert!(never_repeats(&within(0.2)).is_some_and(|why| why.contains("2.00e-1 rad")));
+        assert!(never_repeats(&within(0.05)).is_some_and(|why| why.contains("5.00e-2 rad")));
         assert!(never_repeats(&Spans { rotary: false, ..within(0.2) }).is_none());
+    }
+
+    #[test]
+    fn what_passes_between_two_samples_is_not_searched() {
+        let most = |step: f64| periods("N", 2, &Spans { step, ..SPANS }).last().expect("one")[0].1;
+        assert_eq!((most(0.0), most(0.04), most(0.1), most(0.3)), (168.0, 72.0, 31.0, 10.0));
+        let fast = Spans { step: 4.0, ..SPANS };
+        assert!(never_repeats(&fast).is_some_and(|why| why.contains("4.0 rad from one sample")));
+        assert_eq!(periods("N", 2, &fast).len(), 1);
     }
 
     /// A shape that no grid names would be weighed at its nominal value alone.

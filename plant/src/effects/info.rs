@@ -151,6 +151,9 @@ pub struct Info {
     pub grid: fn(&Spans) -> Vec<Shape>,
     /// Why recordings that go so far cannot show it, for a person; nothing where they can.
     pub unseen: fn(&Spans) -> Option<String>,
+    /// Whether a machine may have those values, in the order of the parameters, as far as recordings
+    /// go.
+    pub possible: fn(&[f64], &Spans) -> bool,
     /// Why no discovery weighs it, for a person.
     pub unweighed: Option<&'static str>,
     /// What the sensor shows that it distorts, where it stands at one: without that signal it is not
@@ -193,6 +196,7 @@ impl Info {
             counts: &[],
             grid: nominal,
             unseen: |_| None,
+            possible: |_, _| true,
             unweighed: None,
             distorts: None,
             delays: false,

@@ -2,6 +2,7 @@
 
 use drivescope_numerics::Real;
 
+use super::grid::has_flux;
 use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Flux 1 / (1 + c i^2) of the nominal flux, in both balances.
@@ -14,6 +15,7 @@ impl Effect<1, 0> for Saturation {
         aliases: &["armature_reaction"],
         excludes: &["saturation"],
         nulls: &[("c", 0.0)],
+        possible: |values, spans| has_flux(1.0 / (1.0 + values[0] * spans.current.powi(2))),
         ..Info::new("saturation", "K_m, K_e times 1 / (1 + c i^2)", "i, even")
     };
     const PARAMETERS: [Parameter; 1] = [Parameter {

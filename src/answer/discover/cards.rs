@@ -200,6 +200,8 @@ fn facts(one: &Ranked) -> Vec<Fact> {
         share => format!("{} %", percent(share, 1)),
     };
     let of_balance = match one.size.is_finite() {
+        // Its own size over that of the balance: of more than all of it no reader learns anything.
+        true if one.size > 1.0 => "> 100 %".to_owned(),
         true => format!("{} %", percent(one.size, 1)),
         false => "-".to_owned(),
     };

@@ -36,6 +36,10 @@ use windows::{Windows, every, way};
 const KNOWN: f64 = 0.1;
 /// Fewest windows in which the shaft moves.
 const FEWEST: usize = 100;
+/// Share of the torque that drives that an inertia takes at least.
+const LEAST_INERTIA: f64 = 0.01;
+/// The inertia, by its name in a drive.
+const INERTIA: &str = "J";
 /// Rounds of a fit and a search for the noise: each moves the other.
 const ROUNDS: usize = 3;
 
@@ -75,6 +79,7 @@ impl Inverse {
     ) -> Option<Self> {
         for _ in 0..ROUNDS {
             let (moved, table, _) = fitted::refined(scene.clone(), &windows, torque, &noise)?;
+            let (moved, table) = heavy_enough(moved, &windows, torque, table);
             let searched = noise.searched(table.apart_s(), |it| table.probability(it, true));
             let same = moved.drive == scene.drive && searched == noise;
             (scene, noise) = (moved, searched);
@@ -170,6 +175,31 @@ fn known_motion(scene: &Scene) -> Option<Vec<Windows>> {
     let lasts = each().map(|it| it.measured.len() as f64 * it.measured.period_s);
     let longest_s = lasts.fold(0.0, f64::max);
     each().map(|it| Windows::of(it, every(&it.measured, longest_s))).collect()
+}
+
+/// The scene, with a greater inertia where it has less than what takes [`LEAST_INERTIA`] of the torque:
+/// along a motion that tells none it would fall without end, and no step of time would resolve the drive.
+fn heavy_enough(
+    mut scene: Scene,
+    windows: &[Windows],
+    torque: f64,
+    table: Table,
+) -> (Scene, Table) {
+    let acceleration = rms(windows.iter().flat_map(|it| it.acceleration.iter().copied()));
+    let driving = rms(scene.recordings.iter().flat_map(|it| {
+        let k_m = it.drive.motor.k_m;
+        it.measured.u.iter().map(move |u| k_m * u)
+    }));
+    let least = LEAST_INERTIA * driving / acceleration;
+    if !(scene.names.iter().any(|it| it == INERTIA)
+        && scene.drive.motor.j < least
+        && least.is_finite())
+    {
+        return (scene, table);
+    }
+    scene.set(INERTIA, least);
+    let table = Table::of(&scene, windows, torque, &[], |_| Columns::default());
+    (scene, table)
 }
 
 /// Size of the balance of a drive: rms of the torque that drives less that of the inertia.

@@ -62,7 +62,7 @@ pub enum FolderError {
     /// Scenarios that two parts hold.
     #[error("scenario {scenario} is in two parts, one of them {}: remove one", path.display())]
     Twice {
-        /// The scenario.
+        /// By its number in the plan.
         scenario: u64,
         /// A part that holds it.
         path: PathBuf,

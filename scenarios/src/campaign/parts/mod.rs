@@ -37,7 +37,7 @@ const SAID: [&str; 5] = [PLAN, PLAN_DIGEST, DESIGN_DIGEST, VERSION, SCENARIOS];
 /// A file with the rows of some scenarios.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
-    /// Where it is.
+    /// Of the Parquet file.
     pub path: PathBuf,
     /// Scenarios that it holds.
     pub range: Range<u64>,

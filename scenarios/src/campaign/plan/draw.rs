@@ -79,7 +79,7 @@ pub struct Scenario {
 pub struct ScenarioFault {
     /// Number among [`MECHANISMS`].
     pub mechanism: usize,
-    /// Its size.
+    /// In the unit of the mechanism.
     pub size: f64,
     /// First faulty sample.
     pub from: usize,

@@ -24,9 +24,9 @@ pub enum PlanError {
     /// The content is wrong.
     #[error("{place}: {problem}")]
     Content {
-        /// Where.
+        /// File, line and column.
         place: Location,
-        /// What.
+        /// What is wrong there.
         problem: Box<Problem>,
     },
 }
@@ -78,7 +78,7 @@ pub enum Problem {
     /// A value that says nothing that can be drawn.
     #[error("`{key}`: {what}")]
     Value {
-        /// The key.
+        /// With the tables that it stands in.
         key: String,
         /// What is wrong.
         what: String,
@@ -86,7 +86,7 @@ pub enum Problem {
     /// A value that is not possible.
     #[error("`{key}` may be {value}: it takes {allowed}")]
     OutOfRange {
-        /// The key.
+        /// With the tables that it stands in.
         key: String,
         /// The offending end of its range.
         value: f64,
@@ -99,7 +99,7 @@ pub enum Problem {
     /// No such mechanism.
     #[error("`{key}`: there is no fault `{kind}`; known are none, {known}")]
     Kind {
-        /// The key.
+        /// With the tables that it stands in.
         key: String,
         /// What was given.
         kind: String,
@@ -109,7 +109,7 @@ pub enum Problem {
     /// No profile.
     #[error("`{key}`: {error}")]
     Profile {
-        /// The key.
+        /// With the tables that it stands in.
         key: String,
         /// Why not.
         error: ProfileError,

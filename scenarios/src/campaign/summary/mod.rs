@@ -25,7 +25,7 @@ pub use worst::Worst;
 /// What a campaign found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// Digest of the plan.
+    /// SHA-256 of what it ran with: see [`crate::campaign::Plan`].
     pub plan_digest: String,
     /// Version of the program that made it.
     pub version: String,

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::drive::{Drive, EffectData, Input};
+use drivescope_plant::effects::registry::Entry;
 use serde::Serialize;
 
 use crate::error::Error;
@@ -113,7 +114,9 @@ pub fn doubts(drive: &Drive, measured: &Measured) -> Result<Vec<Doubt>, Error> {
     }
     let longest = measured.pieces.iter().map(|piece| piece.len()).max().unwrap_or(0);
     let (duration_s, time_s) = (longest as f64 * measured.period_s, mechanical_time_s(drive));
-    if duration_s < time_s {
+    // Dry friction brakes where nothing brakes the more the faster.
+    let braked = time_s.is_infinite() && drive.effects.iter().any(brakes);
+    if duration_s < time_s && !braked {
         doubts.push(Doubt::Short { recording: recording(), duration_s, time_s });
     }
     if measured.len() > LONG {
@@ -121,6 +124,11 @@ pub fn doubts(drive: &Drive, measured: &Measured) -> Result<Vec<Doubt>, Error> {
         doubts.push(Doubt::Long { recording: recording(), samples, period_s });
     }
     Ok(doubts)
+}
+
+/// Whether an effect takes power from the moving shaft.
+fn brakes(effect: &EffectData) -> bool {
+    Entry::find(&effect.kind).is_some_and(|law| law.info.dissipates)
 }
 
 /// A voltage-driven motor does not turn much faster than u / K_e.
@@ -189,6 +197,24 @@ mod tests {
         let Doubt::Short { duration_s, time_s, .. } = found[1] else { panic!("{found:?}") };
         assert!(duration_s == 0.05 && (0.06..0.08).contains(&time_s), "{found:?}");
         assert!(found.iter().all(|doubt| doubt.to_string().contains("record")));
+    }
+
+    #[test]
+    fn dry_friction_brakes_too() {
+        let mut drive = dr300();
+        (drive.motor.b_m, drive.motor.r, drive.motor.k_e) = (0.0, None, None);
+        drive.motor.input = Input::Force;
+        drive.effects.retain(|effect| effect.kind == "coulomb");
+        let mut recording = bench(&dr300(), 3.0, 0.001);
+        recording.signals.retain(|it| it.name != "u");
+        let short = |drive: &Drive| {
+            let measured = Measured::new(drive, &recording).expect("usable");
+            let doubts = doubts(drive, &measured).expect("a possible speed");
+            doubts.iter().any(|it| matches!(it, Doubt::Short { .. }))
+        };
+        assert!(!short(&drive));
+        drive.effects.clear();
+        assert!(short(&drive));
     }
 
     #[test]

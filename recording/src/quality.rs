@@ -15,7 +15,7 @@ const LIMIT_SHARE: f64 = 0.01;
 const LIMIT_RUN: usize = 5;
 /// How many times the usual stay at other values that is.
 const LONGER: f64 = 3.0;
-/// Part of the range about its middle that a swing has to cross.
+/// Part of the range that a swing goes through.
 const SWING: f64 = 0.1;
 /// Speed below this share of the largest does not count as a direction.
 const DIRECTION: f64 = 0.02;
@@ -40,7 +40,7 @@ pub struct SignalQuality {
     pub limits: Vec<Limit>,
     /// The grid that the values lie on.
     pub quantum: Option<Quantum>,
-    /// How often the signal swings through the middle of its range.
+    /// How often the signal goes one way by a tenth of its range.
     pub swings: usize,
     /// Whether it takes both signs.
     pub both_signs: bool,
@@ -173,15 +173,20 @@ fn limit(extreme: f64, values: &[f64], lines: &Lines) -> Option<Limit> {
     })
 }
 
-/// Passages through the middle of the range, each from beyond one side of a band to the other.
+/// Ways in one direction of at least [`SWING`] of the range.
 fn swings(values: &[f64], min: f64, max: f64) -> usize {
-    let (middle, half) = (0.5 * (min + max), 0.5 * SWING * (max - min));
-    let (mut side, mut count) = (0, 0);
-    for value in values {
-        let now = i32::from(*value > middle + half) - i32::from(*value < middle - half);
-        if now != 0 && now != side {
-            count += usize::from(side != 0);
-            side = now;
+    let least = SWING * (max - min);
+    if least.is_nan() || least <= 0.0 {
+        return 0;
+    }
+    // The ends of the way since the signal turned last, and where to it goes.
+    let (mut low, mut high, mut side, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0, 0);
+    for value in values.iter().copied().filter(|value| value.is_finite()) {
+        (low, high) = (low.min(value), high.max(value));
+        let rises = side != 1 && value - low >= least;
+        if rises || (side != -1 && high - value >= least) {
+            side = if rises { 1 } else { -1 };
+            (low, high, count) = (value, value, count + 1);
         }
     }
     count
@@ -216,6 +221,10 @@ mod tests {
             (0..1000).map(|k| if k / 50 % 2 == 0 { 5.0 } else { -5.0 }).collect();
         assert_eq!(of(&square).limits, []);
         assert_eq!(of(&square).swings, 19);
+        // Once to where it swings, and then there.
+        let switched = |k: i32| if k < 100 { 0.0 } else { 15.0 + f64::from((k / 100) % 2) * 3.0 };
+        assert_eq!(of(&(0..2000).map(switched).collect::<Vec<_>>()).swings, 19);
+        assert_eq!(of(&(0..100).map(f64::from).collect::<Vec<_>>()).swings, 1);
         let warming: Vec<f64> = (0..2000).map(|k| (f64::from(k) * 0.005).round()).collect();
         assert_eq!(of(&warming).limits, []);
         let resting: Vec<f64> = sine(1.0).iter().map(|value| value.max(0.0)).collect();

@@ -2,8 +2,8 @@
 //! error and leaves the balances as well explained.
 
 use drivescope_discovery::{
-    Case, Estimate, Evidence, Fit as OfRecording, Identified, Options, Setting, begin, evaluate, fit,
-    small_inertia, unexplained, with_own,
+    Case, Estimate, Evidence, Fit as OfRecording, Identified, Options, Setting, begin, evaluate,
+    fit, small_inertia, unexplained, with_own,
 };
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_recording::Recording;

@@ -72,10 +72,13 @@ pub fn discover_by(
     let of_balances = model.by_balances(estimation, validation, &|error| seen_by(watch, error));
     let search = |model, begun| searched(rule, drive, typed, both, (model, begun), watch);
     let mut found = search(model, begun);
-    // Beside a base that follows the motion and explains less torque than another, every column is that
-    // of another machine: what is missing is asked once more beside the one that explains most torque,
-    // and the answer that leaves less of it counts.
-    if let Some(other) = of_balances.filter(|_| !watch.stopped()) {
+    // Beside a base that follows the motion and explains less torque than another, every column may be
+    // that of another machine: where no name comes of it, or none that explains torque, what is missing
+    // is asked once more beside the one that explains most, and the answer that leaves less of it counts.
+    let share = |of: &Discovery| Some(of.ladder.last()?.validation_unexplained.torque?.share);
+    let convinces =
+        found.verdict == Verdict::Named && share(&found).is_none_or(|share| share <= 1.0);
+    if let Some(other) = of_balances.filter(|_| !convinces && !watch.stopped()) {
         let begun = first_step(&other, both, watch);
         let mut again = search(other, begun);
         if again.verdict == Verdict::None && found.verdict != Verdict::None {

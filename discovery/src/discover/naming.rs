@@ -10,6 +10,8 @@ use super::spans::are_possible;
 use crate::likelihood::{CurveWeight, Law};
 use crate::measured::Measured;
 
+/// Why a law is not named whose values are impossible.
+const IMPOSSIBLE: &str = "no machine has such values at what was recorded";
 /// Standard errors by which a value differs from 0 at least, where it is told from it: its 95 % interval
 /// does not hold 0.
 const TOLD: f64 = 2.0;
@@ -57,7 +59,7 @@ impl Round<'_> {
         let asked = evidence - self.rule.law_odds.ln();
         let own = |id: &str| id == self.all[one.candidate].id;
         if !are_possible(&one.model.fitted.drive, own, self.spans) {
-            Some("no machine has such values at what was recorded".to_owned())
+            Some(IMPOSSIBLE.to_owned())
         } else if it.evidence <= asked {
             Some(format!("its evidence is {:.1} only, and {asked:.1} is asked for", it.evidence))
         } else if self.is_disturbance(one) {
@@ -84,9 +86,19 @@ impl Round<'_> {
         }
     }
 
-    /// Refuses it unless one of its fitted coefficients is told from 0, or none of their errors is known;
-    /// whether it stands.
+    /// Refuses it where no machine has its fitted values; in free run, unless one of its coefficients is
+    /// told from 0, or none of their errors is known. Whether it stands.
     pub(super) fn stands_apart(&self, one: &mut Judged) -> bool {
+        let own = |id: &str| id == self.all[one.candidate].id;
+        if !are_possible(&one.model.fitted.drive, own, self.spans) {
+            one.refused = Some(IMPOSSIBLE.to_owned());
+            return false;
+        }
+        let observed = self.model.setting.observer.hz > 0.0;
+        if observed {
+            // Its motion tells little of the values, and so do their errors.
+            return true;
+        }
         let it = &self.all[one.candidate];
         let fitted = &one.model.fitted.parameters;
         let own = it.coefficients.iter().filter_map(|name| {

@@ -34,6 +34,8 @@ pub enum What {
     Coarse,
     /// A sensor slower than the recording keeps its value in between.
     Held,
+    /// Speed or position shows the motion later than the other.
+    Late,
     /// Values that are not there.
     Missing,
 }

@@ -16,6 +16,7 @@ mod coarse;
 mod finding;
 mod frozen;
 mod held;
+mod late;
 mod missing;
 mod motion;
 mod outputs;
@@ -38,13 +39,14 @@ const REPAIRS: [Repair; 2] = [spikes::repair, frozen::repair];
 
 /// Looks at the recordings of a drive.
 type Check = fn(&Drive, &Evidence) -> Vec<SignalFinding>;
-const CHECKS: [Check; 7] = [
+const CHECKS: [Check; 8] = [
     answering::check,
     unit::check,
     motion::check,
     saturated::check,
     coarse::check,
     held::check,
+    late::check,
     missing::check,
 ];
 

@@ -18,6 +18,8 @@ impl Effect<1, 0> for LoadFriction {
         fails_over: &[Variable::Current, Variable::OmegaSign],
         aliases: &["K_m"],
         nulls: &[("c", 0.0)],
+        // Of a motor whose torque is all but rubbed away no drive is made.
+        possible: |values, _| values[0] < 0.9,
         ..Info::new(
             "load_friction",
             "torque = -c * abs(K_m * i) * sign(omega)",

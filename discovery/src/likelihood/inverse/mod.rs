@@ -65,7 +65,7 @@ impl Inverse {
             TorqueNoise { white: 0.5 * missing, load: 0.5 * missing, load_s: 5.0 * apart_s };
         let found = Self::at(scene, windows, torque, noise)?;
         let moving = found.windows.iter().flat_map(|it| &it.moves).filter(|it| **it).count();
-        let driving = found.driving();
+        let driving = driving(&found.scene);
         let inertia = found.scene.drive.motor.j;
         let noisy = |it: &Windows| inertia * it.acceleration_sd > KNOWN * driving;
         (moving >= FEWEST && !found.windows.iter().any(noisy)).then_some(found)
@@ -154,12 +154,12 @@ impl Inverse {
     pub(crate) fn tells(&self, candidate: &Candidate) -> bool {
         candidate.is_linear() && !candidate.info.stiff && candidate.acts_at_motor()
     }
+}
 
-    /// Root of the mean square of the torque that drives, N m (N).
-    fn driving(&self) -> f64 {
-        let k_m = self.scene.drive.motor.k_m;
-        rms(self.scene.recordings.iter().flat_map(|it| it.measured.u.iter().map(|u| k_m * u)))
-    }
+/// Root of the mean square of the torque that drives, N m (N).
+fn driving(scene: &Scene) -> f64 {
+    let k_m = scene.drive.motor.k_m;
+    rms(scene.recordings.iter().flat_map(|it| it.measured.u.iter().map(|u| k_m * u)))
 }
 
 /// The recordings in windows, where torque and position were measured and nothing beside the motor.
@@ -186,11 +186,7 @@ fn heavy_enough(
     table: Table,
 ) -> (Scene, Table) {
     let acceleration = rms(windows.iter().flat_map(|it| it.acceleration.iter().copied()));
-    let driving = rms(scene.recordings.iter().flat_map(|it| {
-        let k_m = it.drive.motor.k_m;
-        it.measured.u.iter().map(move |u| k_m * u)
-    }));
-    let least = LEAST_INERTIA * driving / acceleration;
+    let least = LEAST_INERTIA * driving(&scene) / acceleration;
     if !(scene.names.iter().any(|it| it == INERTIA)
         && scene.drive.motor.j < least
         && least.is_finite())

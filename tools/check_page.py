@@ -373,8 +373,11 @@ def faults(page, server, check, pictures):
     rows = page.locator("#detection > div.scroll").first.locator("tbody tr")
     rows.first.wait_for()
     check.that(rows.count() == 12, "the table of detection has not 12 faults")
-    page.locator("#detection tbody a").first.click()
-    check.that(page.locator(":target svg, :target ~ figure svg").count() > 0, "a run has no traces")
+    fault = page.locator("#detection tbody a").first
+    run = fault.get_attribute("href")
+    fault.click()
+    expect(page.locator(run)).to_be_in_viewport()
+    expect(page.locator(f"{run} ~ figure svg").first).to_be_visible()
     check.that(page.locator("#isolation table").count() > 0, "no isolation matrix is shown")
     fits(page, check, "faults")
     page.locator("#detection-h").evaluate("it => it.scrollIntoView()")

@@ -20,6 +20,13 @@ export class Faults {
   file(file) { return this.post("/study/file", file); }
 
   async clicked(event) {
+    // The address holds the view, so that a place in it is gone to without it.
+    const link = event.target.closest('a[href^="#"]');
+    if (link) {
+      event.preventDefault();
+      document.getElementById(link.getAttribute("href").slice(1))?.scrollIntoView();
+      return;
+    }
     const button = event.target.closest("button[data-study]");
     if (button) await this.post("/study", JSON.stringify({ do: button.dataset.study }));
   }

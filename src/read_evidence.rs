@@ -9,7 +9,7 @@ use drivescope_plant::units::name_for_motion;
 use drivescope_recording::{NoiseGain, Recording, rounded};
 use serde::Serialize;
 
-use crate::commands::{RecordingOptions, is_near};
+use crate::commands::{RecordingOptions, resampled_near};
 use crate::failure::{Failure, into_report};
 use crate::session::Session;
 
@@ -125,20 +125,18 @@ fn at_common(
     recording: Recording,
     period_s: Option<f64>,
 ) -> miette::Result<(Recording, Option<String>)> {
-    let own_s = recording.period_s;
-    let Some(period_s) = period_s.filter(|it| is_near(own_s, *it)) else {
+    let Some(period_s) = period_s.filter(|_| recording.noise_gain != NoiseGain::NONE) else {
         return Ok((recording, None));
     };
-    if recording.noise_gain == NoiseGain::NONE {
-        return Ok((recording, None));
-    }
-    let moved = recording.resample(period_s).map_err(into_report)?;
-    let remark = format!(
-        "its rows come unevenly: resampled from {} s to the {} s of the recordings beside it",
-        rounded(own_s),
-        rounded(period_s)
-    );
-    Ok((moved, Some(remark)))
+    let (recording, from_s) = resampled_near(recording, period_s)?;
+    let remark = from_s.map(|from_s| {
+        format!(
+            "its rows come unevenly: resampled from {} s to the {} s of the recordings beside it",
+            rounded(from_s),
+            rounded(period_s)
+        )
+    });
+    Ok((recording, remark))
 }
 
 /// Names of files without their folders, as results show them; with the last folder where two

@@ -27,7 +27,7 @@ use clap::{Args, Subcommand};
 
 pub(crate) use campaign::{campaign_in, campaign_traces};
 pub(crate) use diagnose::{Diagnose, Stream};
-pub(crate) use recording_options::{RecordingOptions, at_period, is_near};
+pub(crate) use recording_options::{RecordingOptions, at_period, resampled_near};
 pub(crate) use train::{Material as TrainMaterial, Plan, Trained, interface, train};
 
 use crate::failure::Ending;

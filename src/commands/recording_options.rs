@@ -139,32 +139,42 @@ const NEAR: f64 = 0.1;
 /// Departure that is none: printed times are rounded.
 const SAME: f64 = 1e-4;
 
-/// Whether a sampling time is near enough to another to be resampled to it, and is not the same. Not
-/// a number either way is neither: left to be refused.
-pub(crate) fn is_near(own_s: f64, period_s: f64) -> bool {
-    (SAME..NEAR).contains(&(own_s / period_s - 1.0).abs())
-}
-
-/// The recording at the sampling time that a diagnoser has, where its own is near; one of another
-/// rate is left as it is, to be refused with its name.
+/// The recording at a sampling time to which its own is near, with what its own was, s, where it had to
+/// be resampled; one of another rate is left as it is, to be refused with its name.
 ///
 /// # Errors
 /// A recording that cannot be resampled.
+pub(crate) fn resampled_near(
+    recording: Recording,
+    period_s: f64,
+) -> miette::Result<(Recording, Option<f64>)> {
+    let own_s = recording.period_s;
+    // Not a number either way is neither near nor the same.
+    if !(SAME..NEAR).contains(&(own_s / period_s - 1.0).abs()) {
+        return Ok((recording, None));
+    }
+    Ok((recording.resample(period_s).map_err(into_report)?, Some(own_s)))
+}
+
+/// The recording at the sampling time that a diagnoser has, where its own is near.
+///
+/// # Errors
+/// As of [`resampled_near`].
 pub(crate) fn at_period(
     recording: Recording,
     period_s: f64,
     session: &Session,
 ) -> miette::Result<Recording> {
-    if !is_near(recording.period_s, period_s) {
-        return Ok(recording);
+    let (recording, from_s) = resampled_near(recording, period_s)?;
+    if let Some(from_s) = from_s {
+        session.remark(format_args!(
+            "{}: resampled from {} s to the diagnoser's {} s",
+            recording.name,
+            rounded(from_s),
+            rounded(period_s)
+        ));
     }
-    session.remark(format_args!(
-        "{}: resampled from {} s to the diagnoser's {} s",
-        recording.name,
-        rounded(recording.period_s),
-        rounded(period_s)
-    ));
-    recording.resample(period_s).map_err(into_report)
+    Ok(recording)
 }
 
 /// Says what was assumed and what deserves attention.

@@ -2,14 +2,14 @@
 //! error and leaves the balances as well explained.
 
 use drivescope_discovery::{
-    Case, Estimate, Evidence, Fit as OfRecording, Identified, Options, Setting, begin, evaluate,
-    fit, small_inertia, unexplained, with_own,
+    Begun, Case, Estimate, Evidence, Fit as OfRecording, Identified, Options, Setting, begin,
+    evaluate, fit, small_inertia, unexplained, with_own,
 };
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_recording::Recording;
 
 use super::evidence::seen;
-use super::offset::with_constant_load;
+use super::loads::{inertia_beside_weight, with_constant_load};
 use super::origins::values;
 use super::usual::template;
 use super::{Choice, FirstDrive, FirstDriveError, Given, Origin, Quality, Value};
@@ -33,8 +33,19 @@ pub(super) fn first_drive(
     if let Some(with_load) = with_constant_load(&template, recording, &begun)? {
         begun = with_load;
     }
-    let stated = begun.identified.iter().any(|it| it.name == "J");
-    let untold = !stated && given.value("J", choice.input).is_none();
+    let is_told = |begun: &Begun| begun.identified.iter().any(|it| it.name == "J");
+    let is_given = given.value("J", choice.input).is_some();
+    let mut hidden = None;
+    if !is_told(&begun) && !is_given {
+        hidden = inertia_beside_weight(&begun.drive, recording, &begun)?;
+    }
+    if let Some((j, told)) = &hidden {
+        begun.drive.motor.j = *j;
+        begun.identified.push(told.clone());
+        // Without the weight a fit would move it away.
+        begun.drive.fixed.push(told.name.clone());
+    }
+    let untold = !is_told(&begun) && !is_given;
     let mut by_motion = None;
     if let Some(j) = small_inertia(&begun.drive, &evidence).filter(|_| untold) {
         begun.drive.motor.j = j;
@@ -111,6 +122,7 @@ fn quality(drive: &Drive, evidence: &Evidence) -> miette::Result<Quality> {
 
 #[cfg(test)]
 mod tests {
+    use drivescope_plant::drive::EffectData;
     use drivescope_recording::Quantity;
     use indicatif::ProgressBar;
 
@@ -226,6 +238,23 @@ mod tests {
         let by_torque = of(&recording, &["torque", "omega"], "");
         near(&by_torque, "J", motor.j, 0.05);
         assert!(by_torque.guesses().is_empty(), "{:?}", by_torque.guesses());
+    }
+
+    #[test]
+    fn a_weight_does_not_hide_the_inertia() {
+        let mut truth = drive("dr300");
+        let heavy = [("a", 0.02), ("b", 0.3)].map(|(name, torque)| (name.to_owned(), torque));
+        truth.effects.push(EffectData {
+            kind: "unbalance".to_owned(),
+            id: "unbalance".to_owned(),
+            parameters: heavy.into(),
+            law: None,
+        });
+        // It swings below its own frequency: the balance without the weight tells no inertia.
+        let recording = recorded(&truth, "2 * sin(5 * t) + 2 * sin(31 * t) + sign(sin(20 * t))");
+        let first = of(&recording, &["i", "theta"], "");
+        near(&first, "J", truth.motor.j / truth.motor.k_m, 0.2);
+        assert!(!first.fixed.contains(&"J"), "{:?}", first.fixed);
     }
 
     #[test]

@@ -1,8 +1,9 @@
-//! Parameters of effects that a first drive may have.
+//! Effects, and parameters of effects, that a first drive may have.
 
 pub(super) use drivescope_plant::effects::constant_load::OFFSET;
 /// Dry friction's, which every first drive has.
 pub(super) use drivescope_plant::effects::coulomb::LEVEL as FRICTION;
+pub(super) use drivescope_plant::effects::unbalance::WEIGHT;
 
 /// Kind of the effect and key of the parameter.
 pub(super) fn split(name: &'static str) -> (&'static str, &'static str) {

@@ -17,6 +17,7 @@
 
 mod approximation;
 mod ars;
+mod free_run_error;
 mod layers;
 mod run;
 mod select;

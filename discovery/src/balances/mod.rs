@@ -34,7 +34,7 @@ use windows::{Reading, Windows};
 pub use begin::begin;
 
 /// Share of the applied torque that an inertia which nothing tells may take.
-const UNIDENTIFIED_INERTIA: f64 = 0.01;
+pub(crate) const UNIDENTIFIED_INERTIA: f64 = 0.01;
 
 /// What a balance leaves unexplained.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -93,6 +93,11 @@ impl Curve {
             || self.balance == Balance::Flux
     }
 
+    /// Whether the speed is its variable.
+    pub(crate) fn is_over_speed(&self) -> bool {
+        matches!(self.over, Over::Speed | Over::SpeedMagnitude)
+    }
+
     /// What it adds to the balances of one recording, a hat at a time.
     pub(crate) fn forcings(
         &self,

@@ -73,7 +73,7 @@ impl Round<'_> {
         let removed = [self.model, &with].map(|it| turn.removed_of_validation(it));
         let of_kind = removed[0] >= (1.0 - self.rule.formula) * removed[1];
         let refused = (!of_kind).then(|| {
-            let curve = turn.weights(&ground).and_then(|weights| turn.unknown(&weights));
+            let curve = turn.weights(&ground).and_then(|weights| turn.unknown(&ground, &weights));
             let learned = curve.map(|curve| turn.drawn(&curve, &formulas));
             let [own, more] = removed.map(|it| 100.0 * it.max(0.0));
             let why = format!(

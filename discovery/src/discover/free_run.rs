@@ -10,7 +10,7 @@ use super::judged::Judged;
 use super::learned::effect;
 use super::refit::{Model, finer, refit, with_learned};
 use super::round::Round;
-use crate::balances::unexplained;
+use crate::balances::{begin, unexplained};
 use crate::estimate::{Evidence, Options};
 use crate::likelihood::{CurveWeight, LawWeight};
 use crate::measured::Measured;
@@ -23,17 +23,19 @@ const AT_FLOOR: f64 = 1.02;
 /// a slow drive does, and its error says little of it.
 const MUCH: f64 = 0.5;
 
+/// Why the error does not fall with a candidate.
+enum NotLower {
+    /// There is no fit to be judged.
+    NoFit(&'static str),
+    /// It was fitted.
+    Fitted(String),
+}
+
 impl Round<'_> {
     /// Fits the candidates that are not refused in free run, the first first, until one makes less
     /// of the validation data unexplained: the last word is that of the error. Where the motion
     /// hides what drives it, in a closed loop or behind an observer, that is the error of the torque.
     pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
-        let seen = |_| self.watch.stopped();
-        let (estimation, validation) = (self.estimation, self.validation);
-        let before = self.torque_left(ground.drive());
-        // Where no observer follows the motion, its error says what a drive leaves.
-        let observed = self.model.setting.observer.hz > 0.0;
-        let of_model = observed.then(|| self.torque_left(&self.model.fitted.drive)).flatten();
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
@@ -45,75 +47,79 @@ impl Round<'_> {
                 one.refused = Some("a better one does not lower the error".to_owned());
                 continue;
             }
-            let drive = one.model.fitted.drive.clone();
-            let setting = finer(&self.model.setting, &drive);
-            let as_it_is = Options { steps: 0, ..Options::NEAR };
-            let unfitted = || Model::fit(&drive, estimation, validation, setting, &as_it_is, &seen);
-            let both = before.zip(self.torque_left(&drive));
-            let error = |model: &Model| model.validation.squares.error();
-            let was = error(self.model);
-            // Where the torque was the datum, its error decides, and a fit to the motion would only
-            // move the parameters away.
-            let less = 1.0 - self.rule.size;
-            if ground.filtered().is_none()
-                && both.is_some_and(|(before, after)| after * after <= less * before * before)
-                && let Some(model) = unfitted().ok().filter(|model| error(model) <= was)
-            {
-                one.model = model;
-                one.weighed.by_balance = true;
-                if self.stands_apart(one) {
-                    break;
+            match self.fitted_lowers(ground, one) {
+                Ok(()) if self.stands_apart(one) => break,
+                Ok(()) => {}
+                Err(NotLower::NoFit(why)) => one.refused = Some(why.to_owned()),
+                Err(NotLower::Fitted(why)) => {
+                    one.refused = Some(why);
+                    // Of what stands for dry friction the filter knows too little at each reversal.
+                    if !candidate.info.replaces_dry {
+                        let least = self.rule.share * one.weighed.evidence;
+                        failed.push((&candidate.fails_over, least));
+                    }
                 }
-                continue;
-            }
-            let Some(model) = self.in_free_run(one) else {
-                one.refused = Some("no fit with it ends".to_owned());
-                continue;
-            };
-            let is = error(&model);
-            if candidate.vanishes_in(&model.fitted.drive) {
-                one.refused = Some("its fit ends where it vanishes".to_owned());
-                continue;
-            }
-            let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
-            one.model = model;
-            let falls = fits && is <= (1.0 - FALLS) * was;
-            let removed = self.removed_of_validation(&one.model);
-            let raises = self.raises_torque(candidate, of_model, &one.model);
-            let lowers = falls && removed >= self.rule.size && !raises;
-            if lowers || self.explains_torque(&one.model.fitted.drive) {
-                one.weighed.by_balance = !lowers;
-                if self.stands_apart(one) {
-                    break;
-                }
-                continue;
-            }
-            let less_torque = both.is_some_and(|(before, after)| after < (1.0 - FALLS) * before);
-            let unfitted = less_torque.then(unfitted).and_then(Result::ok);
-            if let Some(model) = unfitted.filter(|model| error(model) <= was) {
-                one.model = model;
-                one.weighed.by_balance = true;
-                if self.stands_apart(one) {
-                    break;
-                }
-                continue;
-            }
-            let removed = 100.0 * removed;
-            one.refused = Some(if raises {
-                "the torque that nothing explains rises with it".to_owned()
-            } else if falls {
-                format!(
-                    "it takes {removed:.1} % of the excess error on the validation data away only"
-                )
-            } else {
-                let where_not = if fits { "on the validation data " } else { "" };
-                format!("the error {where_not}does not fall")
-            });
-            // Of what stands for dry friction the filter knows too little at each reversal.
-            if !candidate.info.replaces_dry {
-                failed.push((&candidate.fails_over, self.rule.share * one.weighed.evidence));
             }
         }
+    }
+
+    /// Fits a candidate and keeps the model; `Err` where the error does not fall with it.
+    fn fitted_lowers(&self, ground: &Ground, one: &mut Judged) -> Result<(), NotLower> {
+        let candidate = &self.all[one.candidate];
+        let drive = one.model.fitted.drive.clone();
+        let unfitted = || self.as_it_is(&drive);
+        let both = self.torque_left(ground.drive()).zip(self.torque_left(&drive));
+        let error = |model: &Model| model.validation.squares.error();
+        let was = error(self.model);
+        // Where the torque was the datum, its error decides, and a fit to the motion would only
+        // move the parameters away.
+        let less = 1.0 - self.rule.size;
+        if ground.filtered().is_none()
+            && both.is_some_and(|(before, after)| after * after <= less * before * before)
+            && let Some(model) = unfitted().filter(|model| error(model) <= was)
+        {
+            one.model = model;
+            one.weighed.by_balance = true;
+            return Ok(());
+        }
+        let model = self.in_free_run(one).ok_or(NotLower::NoFit("no fit with it ends"))?;
+        if candidate.vanishes_in(&model.fitted.drive) {
+            return Err(NotLower::NoFit("its fit ends where it vanishes"));
+        }
+        let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
+        let falls = fits && error(&model) <= (1.0 - FALLS) * was;
+        one.model = model;
+        let removed = self.removed_of_validation(&one.model);
+        let raises = self.raises_torque(candidate, &one.model);
+        let lowers = falls && removed >= self.rule.size && !raises;
+        if lowers || self.explains_torque(&one.model.fitted.drive) {
+            one.weighed.by_balance = !lowers;
+            return Ok(());
+        }
+        if both.is_some_and(|(before, after)| after < (1.0 - FALLS) * before)
+            && let Some(model) = unfitted().filter(|model| error(model) <= was)
+        {
+            one.model = model;
+            one.weighed.by_balance = true;
+            return Ok(());
+        }
+        let removed = 100.0 * removed;
+        Err(NotLower::Fitted(if raises {
+            "the torque that nothing explains rises with it".to_owned()
+        } else if falls {
+            format!("it takes {removed:.1} % of the excess error on the validation data away only")
+        } else {
+            let where_not = if fits { "on the validation data " } else { "" };
+            format!("the error {where_not}does not fall")
+        }))
+    }
+
+    /// A drive of the round as it is, with starts of its own.
+    fn as_it_is(&self, drive: &Drive) -> Option<Model> {
+        let setting = finer(&self.model.setting, drive);
+        let unmoved = Options { steps: 0, ..Options::NEAR };
+        let seen = |_| self.watch.stopped();
+        Model::fit(drive, self.estimation, self.validation, setting, &unmoved, &seen).ok()
     }
 
     /// Torque that a drive leaves unexplained in the recordings held out, rms; none where they do not
@@ -125,13 +131,15 @@ impl Round<'_> {
     /// Whether more torque stays unexplained with a law than without, in the recordings held out: an
     /// observer follows what a model does not predict, and its error may fall by a wrong inertia.
     /// What has states of its own, or stands at a sensor, is no part of that balance.
-    fn raises_torque(&self, candidate: &Candidate, before: Option<f64>, with: &Model) -> bool {
-        let Some(before) = before.filter(|_| !candidate.has_states() && candidate.acts_at_motor())
-        else {
+    fn raises_torque(&self, candidate: &Candidate, with: &Model) -> bool {
+        // Where no observer follows the motion, its error says what a drive leaves.
+        let observed = self.model.setting.observer.hz > 0.0;
+        if !observed || candidate.has_states() || !candidate.acts_at_motor() {
             return false;
-        };
-        let after = self.torque_left(&with.fitted.drive);
-        after.is_some_and(|after| after > (1.0 + self.rule.size) * before)
+        }
+        let both = self.torque_left(&self.model.fitted.drive);
+        let both = both.zip(self.torque_left(&with.fitted.drive));
+        both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before)
     }
 
     /// Whether a drive explains most of the torque that the round's own leaves.
@@ -147,6 +155,11 @@ impl Round<'_> {
             return;
         }
         let Some(one) = judged.iter_mut().find(|one| one.weighed.small) else { return };
+        // Behind an observer the error falls by other values of the base too.
+        let observed = self.model.setting.observer.hz > 0.0;
+        if observed && !self.explains_torque(&one.model.fitted.drive) {
+            return;
+        }
         let Some(model) = self.in_free_run(one) else { return };
         if self.explains_all(&model) {
             one.model = model;
@@ -211,6 +224,16 @@ impl Round<'_> {
         let seen = |_| self.watch.stopped();
         let effect = effect(&self.model.fitted.drive, curve);
         with_learned(self.model, effect, self.estimation, self.validation, &seen).ok()
+    }
+
+    /// Whether less torque stays unexplained with a curve, in the recordings held out, each drive at the
+    /// values of the balances.
+    pub(super) fn lowers_torque(&self, curve: &CurveWeight) -> bool {
+        let mut with = self.model.fitted.drive.clone();
+        with.effects.push(effect(&with, curve).0);
+        let left = |drive: &Drive| self.torque_left(&begin(drive, self.estimation).drive);
+        let both = left(&self.model.fitted.drive).zip(left(&with));
+        both.is_none_or(|(before, after)| after * after <= (1.0 - self.rule.size) * before * before)
     }
 
     /// Share of the error above the noise floor that goes with that model.

@@ -45,12 +45,16 @@ impl Ground {
         }
     }
 
+    fn scene(&self) -> &Scene {
+        match self {
+            Self::Filtered(it) => &it.scene,
+            Self::Inverse(it) => &it.scene,
+        }
+    }
+
     /// The drive of its fit.
     pub(crate) fn drive(&self) -> &Drive {
-        match self {
-            Self::Filtered(it) => &it.scene.drive,
-            Self::Inverse(it) => it.drive(),
-        }
+        &self.scene().drive
     }
 
     /// Evidence of the base.
@@ -125,7 +129,8 @@ impl Ground {
         }
     }
 
-    /// ln of the evidence of a law, fitted in that drive, where a curve explains what it can.
+    /// ln of the evidence of a law, fitted in that drive, in all recordings, where a curve explains
+    /// what it can; nothing where the drive overflows.
     pub(crate) fn beside_curve(
         &self,
         drive: &Drive,
@@ -133,10 +138,14 @@ impl Ground {
         estimated: &[String],
         curve: &CurveWeight,
     ) -> Option<f64> {
-        match self {
-            Self::Filtered(it) => it.beside_curve(drive, law, estimated, curve),
-            Self::Inverse(it) => it.beside_curve(drive, law, estimated, curve),
-        }
+        let effect = drive.effects.iter().find(|effect| effect.id == law.id)?;
+        let scene = self.scene();
+        let with = scene.with(effect, estimated.iter().cloned()).with_values_in(drive);
+        let of = |scene: &Scene, law: Option<&Law<'_>>| match self {
+            Self::Filtered(it) => it.beside_curve(scene, law, curve),
+            Self::Inverse(it) => it.beside_curve(scene, law, curve),
+        };
+        Some(of(&with, Some(law))?.all - of(scene, None)?.all)
     }
 
     /// Formulas for what nobody knows, of more than that evidence.

@@ -69,30 +69,40 @@ pub fn discover_by(
     let both = (estimation, validation);
     let (drive_alone, typed) = &typed::apart(drive);
     let (model, begun) = begin(drive_alone, both, watch)?;
-    let of_balances = model.by_balances(estimation, validation, &|error| seen_by(watch, error));
     let search = |model, begun| searched(rule, drive, typed, both, (model, begun), watch);
-    let mut found = search(model, begun);
+    let seen = |error| seen_by(watch, error);
     // Beside a base that follows the motion and explains less torque than another, every column may be
-    // that of another machine: where no name comes of it, or none that explains torque, what is missing
-    // is asked once more beside the one that explains most, and the answer that leaves less of it counts.
-    let share = |of: &Discovery| Some(of.ladder.last()?.validation_unexplained.torque?.share);
-    let convinces =
-        found.verdict == Verdict::Named && share(&found).is_none_or(|share| share <= 1.0);
-    if let Some(other) = of_balances.filter(|_| !convinces && !watch.stopped()) {
-        let begun = first_step(&other, both, watch);
-        let mut again = search(other, begun);
-        if again.verdict == Verdict::None && found.verdict != Verdict::None {
-            // Two bases that contradict each other do not say that nothing is missing.
-            (again.verdict, again.remaining) = (Verdict::Unknown, Verdict::Unknown);
-        }
-        let left =
-            |of: &Discovery| of.ladder.last()?.validation_unexplained.torque.map(|it| it.rms);
-        if left(&again).zip(left(&found)).is_some_and(|(new, old)| AS_WELL * new < old) {
-            found = again;
-        }
+    // that of another machine.
+    if model.setting.observer.hz > 0.0 {
+        // Behind an observer the torque is what tells.
+        let found = match model.by_balances(estimation, validation, &seen) {
+            Some(other) => search(other.clone(), first_step(&other, both, watch)),
+            None => search(model, begun),
+        };
+        return Ok(Discovery { signals: wrong, ..found });
     }
-    found.signals = wrong;
-    Ok(found)
+    let found = search(model.clone(), begun);
+    // Where no name comes of it, or none that explains torque, what is missing is asked once more beside
+    // the base that explains most, and the answer that leaves less of it counts.
+    let left = |of: &Discovery| of.ladder.last()?.validation_unexplained.torque;
+    let convinces =
+        found.verdict == Verdict::Named && left(&found).is_none_or(|torque| torque.share <= 1.0);
+    if convinces || watch.stopped() {
+        return Ok(Discovery { signals: wrong, ..found });
+    }
+    let Some(other) = model.by_balances(estimation, validation, &seen) else {
+        return Ok(Discovery { signals: wrong, ..found });
+    };
+    let begun = first_step(&other, both, watch);
+    let mut again = search(other, begun);
+    if again.verdict == Verdict::None && found.verdict != Verdict::None {
+        // Two bases that contradict each other do not say that nothing is missing.
+        (again.verdict, again.remaining) = (Verdict::Unknown, Verdict::Unknown);
+    }
+    let better = left(&again)
+        .zip(left(&found))
+        .is_some_and(|(again, found)| AS_WELL * again.rms < found.rms);
+    Ok(Discovery { signals: wrong, ..if better { again } else { found } })
 }
 
 /// Whether a step leaves so much of the applied torque unexplained, in the recordings held out, that it
@@ -123,6 +133,11 @@ fn searched(
         let spans = spans(&model.fitted.drive, estimation);
         let (all, not) = candidates(&model.fitted.drive, estimation, &spans, typed);
         let formulas: Vec<Formula> = added.iter().map(|it| it.formula.clone()).collect();
+        let balanced = |model: &Model, added: &[Added]| {
+            let named = |id: &str| added.iter().any(|it| it.id == id);
+            let better = model.by_balances(estimation, validation, &seen)?;
+            are_possible(&better.fitted.drive, named, &spans).then_some(better)
+        };
         let turn = Round {
             rule,
             model: &model,
@@ -158,10 +173,7 @@ fn searched(
             // the balances do.
             if !rebased && let Some(last) = added.last() {
                 rebased = true;
-                let better = model.by_balances(estimation, validation, &seen);
-                let named = |id: &str| added.iter().any(|it| it.id == id);
-                let possible = |it: &Model| are_possible(&it.fitted.drive, named, turn.spans);
-                if let Some(better) = better.filter(possible) {
+                if let Some(better) = balanced(&model, &added) {
                     found.ladder.pop();
                     let kind = Some(last.kind.clone());
                     found.climb(kind, &better, (estimation, validation), watch);
@@ -220,8 +232,10 @@ fn searched(
         } else {
             named.polished(estimation, validation, &seen).unwrap_or(named)
         };
-        found.climb(Some(kind), &named, (estimation, validation), watch);
-        model = named;
+        // Behind an observer, what comes next is asked beside what explains most torque.
+        let observed = named.setting.observer.hz > 0.0;
+        model = observed.then(|| balanced(&named, &added)).flatten().unwrap_or(named);
+        found.climb(Some(kind), &model, (estimation, validation), watch);
         while let Some((place, fewer)) = needless(&model, &added, (estimation, validation), watch) {
             let it = added.remove(place);
             found.take_back(&it.kind, &added);

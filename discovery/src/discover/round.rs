@@ -16,9 +16,12 @@ use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
 use crate::estimate::Evidence;
 use crate::formula;
 use crate::likelihood::{CurveWeight, LawWeight, Randomness, Weights};
+use crate::signals::is_one_speed;
 
 /// Disturbances locked to the position that recordings may have besides.
 const DISTURBANCES: usize = 3;
+/// Curves that are tried for what nobody knows.
+const CURVES: usize = 5;
 
 /// What a round has to go on.
 pub(crate) struct Round<'a> {
@@ -111,7 +114,7 @@ impl Round<'_> {
         let nothing = judged.iter().all(|one| one.refused.is_some());
         // Where the noise alone is left, what a curve takes of it is nothing.
         let open = nothing && !self.is_at_floor();
-        let unknown = if open { self.unknown(&weights) } else { None };
+        let unknown = if open { self.unknown(&ground, &weights) } else { None };
         let proposed = match unknown {
             Some(_) => self.formulas_beyond(&ground, self.rule.evidence),
             None if open && self.named.is_empty() => self.formulas_alone(&ground),
@@ -180,9 +183,19 @@ impl Round<'_> {
         judged
     }
 
-    /// The curve that shows that something is missing.
-    pub(super) fn unknown(&self, weights: &Weights) -> Option<CurveWeight> {
-        weights.repeating().next().filter(|curve| self.stands(curve)).cloned()
+    /// The curve that shows that something is missing: the most probable that leaves less torque
+    /// unexplained, where the torque is what tells. Over a speed that hardly changes, that torque is the
+    /// answer of a controller.
+    pub(super) fn unknown(&self, ground: &Ground, weights: &Weights) -> Option<CurveWeight> {
+        let mut standing = weights.repeating().take_while(|curve| self.stands(curve)).take(CURVES);
+        if self.model.setting.observer.hz == 0.0 && ground.filtered().is_some() {
+            return standing.next().cloned();
+        }
+        let one_speed = is_one_speed(self.estimation);
+        let shown = |curve: &&CurveWeight| {
+            !(one_speed && curve.curve.is_over_speed()) && self.lowers_torque(curve)
+        };
+        standing.find(shown).cloned()
     }
 
     /// Formulas that have more than that evidence, less what choosing one costs.

@@ -1,6 +1,6 @@
 //! A fitted drive at its own best, and structures beside it, each at its own.
 
-use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::drive::EffectData;
 
 use super::base::Known;
 use super::gram::References;
@@ -136,21 +136,14 @@ impl Filtered {
         ends.max_by(|a, b| a.1.all.total_cmp(&b.1.all))
     }
 
-    /// ln of the evidence of a law, fitted in that drive, in all recordings, where a curve explains
-    /// what it can; nothing where the drive overflows.
+    /// Evidence of a fitted scene where a curve explains what it can; nothing where the drive overflows.
     pub(crate) fn beside_curve(
         &self,
-        drive: &Drive,
-        law: &Law<'_>,
-        estimated: &[String],
+        scene: &Scene,
+        law: Option<&Law<'_>>,
         curve: &CurveWeight,
-    ) -> Option<f64> {
-        let effect = drive.effects.iter().find(|effect| effect.id == law.id)?;
-        let with = self.scene.with(effect, estimated.iter().cloned()).with_values_in(drive);
-        let of = |scene: &Scene, law: Option<&Law<'_>>| {
-            at_its_best(scene, (law, Some(curve)), &self.randomness, &self.references)
-        };
-        Some(of(&with, Some(law))?.all - of(&self.scene, None)?.all)
+    ) -> Option<Optimum> {
+        at_its_best(scene, (law, Some(curve)), &self.randomness, &self.references)
     }
 
     /// The same where the search begins with that randomness, beside the probability of the base

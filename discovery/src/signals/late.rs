@@ -21,6 +21,8 @@ const MOST: usize = 250;
 /// What may be left at the shift, of what is left without one; and of the change itself.
 const CLEARLY: f64 = 0.5;
 const LITTLE: f64 = 0.1;
+/// What rounding leaves of it.
+const ROUNDING: f64 = 1e-12;
 /// Fewest samples.
 const FEWEST: usize = 100;
 
@@ -55,10 +57,10 @@ fn of(measured: &Measured) -> Option<SignalFinding> {
 fn shift(speed: &[f64], angle: &[f64], measured: &Measured) -> Option<f64> {
     let most = ((LONGEST_S / measured.period_s) as usize).clamp(1, MOST) as isize;
     let left = |lag: isize| left_at(speed, angle, &measured.pieces, (lag, most));
-    let at_once = left(0)?;
+    // A position that was integrated from the speed comes at once.
+    let at_once = left(0).filter(|share| *share > ROUNDING)?;
     let all: Vec<f64> = (-most..=most).map(left).collect::<Option<_>>()?;
     let best = (0..all.len()).min_by(|a, b| all[*a].total_cmp(&all[*b]))?;
-    // A position that was integrated from the speed comes at once, to rounding.
     if best as isize == most || all[best] > CLEARLY * at_once || all[best] > LITTLE {
         return None;
     }

@@ -32,6 +32,7 @@ use drivescope_recording::Recording;
 use crate::estimate::Evidence;
 
 pub use finding::{Consequence, SignalFinding, Size, Stretch, What};
+pub(crate) use motion::is_one_speed;
 
 /// Sets what is no measurement to missing, and says so.
 type Repair = fn(&mut Recording) -> Vec<SignalFinding>;

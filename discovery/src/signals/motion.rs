@@ -33,15 +33,33 @@ pub(super) fn check(drive: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
     if still.clone().all(|(measured, sds)| rests(measured, sds)) {
         return evidence.recordings.first().map(|it| at_rest(it, evidence)).into_iter().collect();
     }
-    let speeds: Vec<f64> = evidence
-        .recordings
-        .iter()
-        .filter_map(|it| Averaged::of(it, WINDOWS))
-        .flat_map(|it| it.speed)
-        .collect();
+    let speeds = speeds(evidence);
     let Some(shown) = evidence.recordings.first().and_then(shown) else { return Vec::new() };
     let several = Several { evidence, channel: shown.name, drive };
     [several.one_speed(&speeds), several.one_direction(&speeds)].into_iter().flatten().collect()
+}
+
+/// Whether the speed hardly changes.
+pub(crate) fn is_one_speed(evidence: &Evidence) -> bool {
+    changes(&speeds(evidence)).is_some_and(|(_, share)| share < ONE_SPEED)
+}
+
+/// Speeds, averaged over windows.
+fn speeds(evidence: &Evidence) -> Vec<f64> {
+    let averaged = evidence.recordings.iter().filter_map(|it| Averaged::of(it, WINDOWS));
+    averaged.flat_map(|it| it.speed).collect()
+}
+
+/// Mean magnitude of the speeds, and the share of it by which it changes.
+fn changes(speeds: &[f64]) -> Option<(f64, f64)> {
+    let mut all: Vec<f64> = speeds.iter().map(|speed| speed.abs()).collect();
+    all.sort_by(f64::total_cmp);
+    let few = (FEW * all.len() as f64) as usize;
+    let usual = &all[few..all.len() - few];
+    let n = usual.len() as f64;
+    let mean = usual.iter().sum::<f64>() / n;
+    let variance = usual.iter().map(|speed| (speed - mean).powi(2)).sum::<f64>() / n;
+    (n > 0.0).then(|| (mean, variance.sqrt() / mean))
 }
 
 /// The channel that shows the motion.
@@ -106,14 +124,7 @@ struct Several<'a> {
 
 impl Several<'_> {
     fn one_speed(&self, speeds: &[f64]) -> Option<SignalFinding> {
-        let mut all: Vec<f64> = speeds.iter().map(|speed| speed.abs()).collect();
-        all.sort_by(f64::total_cmp);
-        let few = (FEW * all.len() as f64) as usize;
-        let usual = &all[few..all.len() - few];
-        let n = usual.len() as f64;
-        let mean = usual.iter().sum::<f64>() / n;
-        let variance = usual.iter().map(|speed| (speed - mean).powi(2)).sum::<f64>() / n;
-        let share = variance.sqrt() / mean;
+        let (mean, share) = changes(speeds)?;
         (share < ONE_SPEED).then(|| {
             self.limits(
                 What::OneSpeed,

@@ -111,10 +111,12 @@ pub(super) fn periods(name: &'static str, least: usize, spans: &Spans) -> Vec<Sh
     /// Steps of the search a wave over the travel: two neighbours differ by half a wave at its end.
     const STEPS: f64 = 2.0;
     if spans.rotary {
-        let some = countable(least, spans).next().is_some();
-        // A grid is never empty; what it holds then is not weighed, for it is never seen.
-        let none = (!some).then_some(least as f64);
-        return each(name, countable(least, spans).chain(none));
+        let mut counted: Vec<f64> = countable(least, spans).collect();
+        if counted.is_empty() {
+            // A grid is never empty; what it holds then is not weighed, for it is never seen.
+            counted.push(least as f64);
+        }
+        return each(name, counted);
     }
     let one = TAU / spans.travel.max(f64::MIN_POSITIVE);
     let wave = |k: usize| k as f64 / STEPS * one;

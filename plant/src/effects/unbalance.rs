@@ -4,6 +4,9 @@ use drivescope_numerics::Real;
 
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
+/// Its name, for those who ask whether gravity pulls in particular.
+pub const WEIGHT: &str = "unbalance";
+
 /// Torque a cos(theta) + b sin(theta); m g r = sqrt(a^2 + b^2).
 pub struct Unbalance;
 
@@ -14,7 +17,7 @@ impl Effect<2, 0> for Unbalance {
         aliases: &["cogging"],
         nulls: &[("a", 0.0), ("b", 0.0)],
         ..Info::new(
-            "unbalance",
+            WEIGHT,
             "torque = -(a * cos(theta) + b * sin(theta))",
             "theta, once a revolution, at every speed and current",
         )

@@ -243,14 +243,14 @@ mod tests {
     #[test]
     fn delays_and_alarms_are_counted_and_an_early_alarm_is_no_detection() {
         let values = [0.0, 0.5, 0.0, 0.0, 2.0, 3.0];
-        let limits = [0.4, 1.0, 2.5, 5.0, 5.0];
+        let limits = [0.4, 1.0, 2.5, 5.0, 5.0, 5.0];
         let found = first_over(&values, 3, &limits);
-        assert_eq!(found, [None, Some(1), Some(2), None, None]);
-        assert_eq!(alarms(&values, &limits), [1, 1, 1, 0, 0]);
+        assert_eq!(found, [None, Some(1), Some(2), None, None, None]);
+        assert_eq!(alarms(&values, &limits), [1, 1, 1, 0, 0, 0]);
         let mut apart = vec![0.0; 2000];
         (apart[10], apart[300], apart[1500]) = (1.0, 1.0, 1.0);
-        assert_eq!(alarms(&apart, &[0.5; 5]), [2; 5]);
-        let row = of_fault("tacho", 0.05, &[found, [Some(3); 5]]);
+        assert_eq!(alarms(&apart, &[0.5; ARL_0.len()]), [2; ARL_0.len()]);
+        let row = of_fault("tacho", 0.05, &[found, [Some(3); ARL_0.len()]]);
         assert_eq!((row.detected[0].hits, row.detected[1].hits), (1, 2));
         assert_eq!((row.delay[1].mean, row.delay[3].mean), (2.0, 3.0));
     }

@@ -1,5 +1,6 @@
 //! Ten mechanisms at random size and set point: detected, within the printed set, how large.
 
+use drivescope_diagnoser::bank::Cause;
 use drivescope_plant::sampled::rated_torque;
 use rand::RngExt;
 use serde::Serialize;
@@ -35,7 +36,7 @@ const AFTER: usize = 2000;
 /// Mechanisms whose sizes have a bar of their own.
 const SIZED: [&str; 3] = ["tacho", "flux", "actuator"];
 
-/// Estimated sizes against the true ones.
+/// Estimated sizes against the true ones, where the answer is not "unknown".
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sizes {
     /// What is estimated.
@@ -156,9 +157,11 @@ fn of_set_point(bench: &Bench, machine: &mut Machine, set_point: usize) -> Vec<C
     let of_run = |(kind, rows): (usize, &Vec<_>)| {
         let judgement = bench.seen(process, bench.limits(true), rows, onset).judgement;
         let set = judgement.as_ref().map(|judgement| set(process, judgement));
-        let candidates = judgement.iter().flat_map(|judgement| &judgement.candidates);
+        // To what is unknown no size is told.
+        let told = judgement.iter().filter(|it| matches!(it.cause, Cause::Mechanism(_)));
+        let mut candidates = told.flat_map(|judgement| &judgement.candidates);
         let scale = scale(bench, KINDS[kind]);
-        let error = candidates.into_iter().find(|it| id(it.mechanism) == KINDS[kind]).map(|it| {
+        let error = candidates.find(|it| id(it.mechanism) == KINDS[kind]).map(|it| {
             let [low, high] = it.interval();
             (it.size / scale - shares[kind], 0.5 * (high - low) / scale)
         });

@@ -56,7 +56,7 @@ pub use mechanisms::{MechanismRow, Mechanisms, Sizes};
 pub use unknown::{Unknown, UnknownRow};
 
 /// Mean samples between false alarms that delays are compared at.
-pub const ARL_0: [f64; 5] = [1e3, 1e4, 1e5, 1e6, 1e7];
+pub const ARL_0: [f64; 6] = [1e3, 1e4, 1e5, 1e6, 3e6, 1e7];
 
 /// How much is tried.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -199,11 +199,11 @@ fn facts(one: &Ranked) -> Vec<Fact> {
         0.0 => "-".to_owned(),
         share => format!("{} %", percent(share, 1)),
     };
-    let of_balance = match one.size.is_finite() {
+    let of_balance = match one.size {
+        size if !size.is_finite() => "-".to_owned(),
         // Its own size over that of the balance: of more than all of it no reader learns anything.
-        true if one.size > 1.0 => "> 100 %".to_owned(),
-        true => format!("{} %", percent(one.size, 1)),
-        false => "-".to_owned(),
+        size if size > 1.0 => "> 100 %".to_owned(),
+        size => format!("{} %", percent(size, 1)),
     };
     let mut facts = vec![
         Fact::new(ALL, "Probability", probability(one.probability)),

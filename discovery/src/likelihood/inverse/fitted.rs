@@ -22,7 +22,7 @@ pub(super) fn refined(
     noise: &TorqueNoise,
 ) -> Option<(Scene, Table, f64)> {
     let at = |scene: &Scene| {
-        let table = Table::of(scene, windows, torque, &[], |_| Columns::default());
+        let table = Table::of_drive(scene, windows, torque);
         let probability = table.probability(noise, false);
         probability.is_finite().then_some((table, probability))
     };

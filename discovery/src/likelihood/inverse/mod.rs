@@ -25,6 +25,7 @@ use drivescope_plant::drive::{Drive, EffectData, Input};
 use super::optimum::{Law, Optimum};
 use super::scene::{Scene, rms};
 use super::weights::CurveWeight;
+use crate::balances::UNIDENTIFIED_INERTIA;
 use crate::discover::{Candidate, RandomLoad};
 use crate::measured::Output;
 
@@ -36,8 +37,6 @@ use windows::{Windows, every, way};
 const KNOWN: f64 = 0.1;
 /// Fewest windows in which the shaft moves.
 const FEWEST: usize = 100;
-/// Share of the torque that drives that an inertia takes at least.
-const LEAST_INERTIA: f64 = 0.01;
 /// The inertia, by its name in a drive.
 const INERTIA: &str = "J";
 /// Rounds of a fit and a search for the noise: each moves the other.
@@ -58,7 +57,7 @@ impl Inverse {
     pub(crate) fn of(scene: Scene) -> Option<Self> {
         let windows = known_motion(&scene)?;
         let torque = resisting(&scene, &windows);
-        let table = Table::of(&scene, &windows, torque, &[], |_| Columns::default());
+        let table = Table::of_drive(&scene, &windows, torque);
         let missing = table.missing();
         let apart_s = table.apart_s();
         let noise =
@@ -90,11 +89,6 @@ impl Inverse {
         let torque = resisting(&scene, &windows);
         let base = fitted::optimum(&scene, &windows, torque, &noise, (None, None))?;
         Some(Self { scene, windows, torque, noise, base })
-    }
-
-    /// The drive of the fit.
-    pub(crate) fn drive(&self) -> &Drive {
-        &self.scene.drive
     }
 
     /// What is random in the load.
@@ -133,21 +127,14 @@ impl Inverse {
         Some((scene.drive, optimum))
     }
 
-    /// ln of the evidence of a law, fitted in that drive, in all recordings, where a curve explains
-    /// what it can; nothing where the drive overflows.
+    /// Evidence of a fitted scene where a curve explains what it can; nothing where the drive overflows.
     pub(crate) fn beside_curve(
         &self,
-        drive: &Drive,
-        law: &Law<'_>,
-        estimated: &[String],
+        scene: &Scene,
+        law: Option<&Law<'_>>,
         curve: &CurveWeight,
-    ) -> Option<f64> {
-        let effect = drive.effects.iter().find(|effect| effect.id == law.id)?;
-        let with = self.scene.with(effect, estimated.iter().cloned()).with_values_in(drive);
-        let of = |scene: &Scene, law: Option<&Law<'_>>| {
-            fitted::optimum(scene, &self.windows, self.torque, &self.noise, (law, Some(curve)))
-        };
-        Some(of(&with, Some(law))?.all - of(&self.scene, None)?.all)
+    ) -> Option<Optimum> {
+        fitted::optimum(scene, &self.windows, self.torque, &self.noise, (law, Some(curve)))
     }
 
     /// Whether the balance of torques along a known motion tells of that law.
@@ -177,7 +164,7 @@ fn known_motion(scene: &Scene) -> Option<Vec<Windows>> {
     each().map(|it| Windows::of(it, every(&it.measured, longest_s))).collect()
 }
 
-/// The scene, with a greater inertia where it has less than what takes [`LEAST_INERTIA`] of the torque:
+/// The scene, with a greater inertia where it has less than what takes [`UNIDENTIFIED_INERTIA`] of the torque:
 /// along a motion that tells none it would fall without end, and no step of time would resolve the drive.
 fn heavy_enough(
     mut scene: Scene,
@@ -186,7 +173,7 @@ fn heavy_enough(
     table: Table,
 ) -> (Scene, Table) {
     let acceleration = rms(windows.iter().flat_map(|it| it.acceleration.iter().copied()));
-    let least = LEAST_INERTIA * driving(&scene) / acceleration;
+    let least = UNIDENTIFIED_INERTIA * driving(&scene) / acceleration;
     if !(scene.names.iter().any(|it| it == INERTIA)
         && scene.drive.motor.j < least
         && least.is_finite())
@@ -194,7 +181,7 @@ fn heavy_enough(
         return (scene, table);
     }
     scene.set(INERTIA, least);
-    let table = Table::of(&scene, windows, torque, &[], |_| Columns::default());
+    let table = Table::of_drive(&scene, windows, torque);
     (scene, table)
 }
 

@@ -55,6 +55,11 @@ pub(super) struct Columns {
 }
 
 impl Table {
+    /// Of the scene's drive alone.
+    pub(super) fn of_drive(scene: &Scene, windows: &[Windows], torque: f64) -> Self {
+        Self::of(scene, windows, torque, &[], |_| Columns::default())
+    }
+
     /// Of the scene's drive; `torque` is the size of the balance, N m (N), `further` gives the columns
     /// beside the base of each recording, the judged ones in `groups`.
     pub(super) fn of(

@@ -33,7 +33,7 @@ pub(super) struct OfBank {
     #[arg(long, value_name = "N", default_value_t = 100)]
     machines: usize,
     /// Healthy samples on which false alarms are counted, under each design.
-    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    #[arg(long, value_name = "N", default_value_t = 4_000_000)]
     healthy: usize,
     /// Mean samples between false alarms that the bank is designed for.
     #[arg(long = "arl0", value_name = "N", default_value_t = 1e6)]

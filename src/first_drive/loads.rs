@@ -1,0 +1,74 @@
+//! Loads that least squares on the balances are tried beside.
+//!
+//! A constant one (an offset of the current sensor, a slope, a cable) belongs to a first model where the
+//! drive moves both ways and the torque balance is explained clearly better with it. A weight that
+//! turns with the shaft is named by a discovery, and does not belong to it; but it hides an inertia
+//! that the balance tells beside it.
+
+use drivescope_discovery::{Begun, Identified, begin, unexplained};
+use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::effects::registry::Entry;
+use drivescope_recording::Recording;
+
+use super::evidence::seen;
+use super::names::{OFFSET, WEIGHT, split};
+
+/// A load must leave at most this share of what was unexplained without it.
+const CLEARLY_LESS: f64 = 0.9;
+
+/// The same drive with a constant load, where that explains the torque clearly better.
+pub(super) fn with_constant_load(
+    template: &Drive,
+    recording: &Recording,
+    without: &Begun,
+) -> miette::Result<Option<Begun>> {
+    let mut drive = template.clone();
+    drive.effects.push(absent(split(OFFSET).0));
+    drive.per_recording.push(OFFSET.to_owned());
+    let begun = clearly_better(&drive, recording, without)?;
+    Ok(begun.filter(|it| it.identified.iter().any(|it| it.name == OFFSET)))
+}
+
+/// The inertia that the torque balance tells beside a weight that turns with the shaft, where that
+/// explains the torque clearly better.
+pub(super) fn inertia_beside_weight(
+    drive: &Drive,
+    recording: &Recording,
+    without: &Begun,
+) -> miette::Result<Option<(f64, Identified)>> {
+    if recording.signal("theta").is_none() {
+        return Ok(None);
+    }
+    let mut drive = drive.clone();
+    drive.effects.push(absent(WEIGHT));
+    let begun = clearly_better(&drive, recording, without)?;
+    Ok(begun.and_then(|it| {
+        let told = it.identified.into_iter().find(|it| it.name == "J")?;
+        Some((it.drive.motor.j, told))
+    }))
+}
+
+/// An effect that does nothing yet.
+fn absent(kind: &str) -> EffectData {
+    let parameters = Entry::find(kind).map_or(&[][..], |entry| entry.parameters);
+    EffectData {
+        kind: kind.to_owned(),
+        id: kind.to_owned(),
+        parameters: parameters.iter().map(|it| (it.name.to_owned(), 0.0)).collect(),
+        law: None,
+    }
+}
+
+/// What least squares give of a drive, where that explains the torque clearly better.
+fn clearly_better(
+    drive: &Drive,
+    recording: &Recording,
+    without: &Begun,
+) -> miette::Result<Option<Begun>> {
+    let evidence = seen(drive, recording)?;
+    let begun = begin(drive, &evidence);
+    let remainder = |drive: &Drive| unexplained(drive, &evidence)[0].map(|it| it.rms);
+    let both = remainder(&without.drive).zip(remainder(&begun.drive));
+    let clearly = both.is_some_and(|(before, after)| after < CLEARLY_LESS * before);
+    Ok(clearly.then_some(begun))
+}

@@ -23,11 +23,9 @@ const AT_FLOOR: f64 = 1.02;
 /// a slow drive does, and its error says little of it.
 const MUCH: f64 = 0.5;
 
-/// Why the error does not fall with a candidate.
+/// Why the error does not fall with a candidate: nothing could be fitted, or it does not with the fit.
 enum NotLower {
-    /// There is no fit to be judged.
     NoFit(&'static str),
-    /// It was fitted.
     Fitted(String),
 }
 
@@ -73,7 +71,8 @@ impl Round<'_> {
         let was = error(self.model);
         // Where the torque was the datum, its error decides, and a fit to the motion would only
         // move the parameters away.
-        let less = 1.0 - self.rule.size;
+        let (_, size) = self.asked(self.is_further(one));
+        let less = 1.0 - size;
         if ground.filtered().is_none()
             && both.is_some_and(|(before, after)| after * after <= less * before * before)
             && let Some(model) = unfitted().filter(|model| error(model) <= was)
@@ -91,7 +90,7 @@ impl Round<'_> {
         one.model = model;
         let removed = self.removed_of_validation(&one.model);
         let raises = self.raises_torque(candidate, &one.model);
-        let lowers = falls && removed >= self.rule.size && !raises;
+        let lowers = falls && removed >= size && !raises;
         if lowers || self.explains_torque(&one.model.fitted.drive) {
             one.weighed.by_balance = !lowers;
             return Ok(());
@@ -151,7 +150,8 @@ impl Round<'_> {
     /// Names one that is small where the error falls to its floor with it: what the formulas of the
     /// base leave would stay.
     pub(super) fn fit_small(&self, judged: &mut [Judged]) {
-        if judged.iter().any(|one| one.refused.is_none()) {
+        // Where the noise alone is left, the error falls to its floor with anything.
+        if judged.iter().any(|one| one.refused.is_none()) || self.is_at_floor() {
             return;
         }
         let Some(one) = judged.iter_mut().find(|one| one.weighed.small) else { return };
@@ -243,11 +243,12 @@ impl Round<'_> {
         ((was - is) / excess.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
     }
 
-    /// The same on the validation data, negative where the error rises; all where there was none.
+    /// The same on the validation data, negative where the error rises; of all of it where that is below
+    /// its floor.
     pub(super) fn removed_of_validation(&self, with: &Model) -> f64 {
         let (was, is) = (self.model.validation.squares.sum, with.validation.squares.sum);
         let excess = was - self.floor(self.validation);
-        if excess > 0.0 { (was - is) / excess } else { 1.0 }
+        (was - is) / if excess > 0.0 { excess } else { was }
     }
 
     /// Whether the errors of the round's model are those of a perfect one.

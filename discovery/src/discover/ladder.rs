@@ -71,26 +71,30 @@ pub fn discover_by(
     let (model, begun) = begin(drive_alone, both, watch)?;
     let search = |model, begun| searched(rule, drive, typed, both, (model, begun), watch);
     let seen = |error| seen_by(watch, error);
+    let left = |of: &Discovery| of.ladder.last()?.validation_unexplained.torque;
+    let explains = |of: &Discovery| left(of).is_none_or(|torque| torque.share <= 1.0);
     // Beside a base that follows the motion and explains less torque than another, every column may be
     // that of another machine.
+    let balanced = || model.by_balances(estimation, validation, &seen);
+    let mut other = None;
     if model.setting.observer.hz > 0.0 {
-        // Behind an observer the torque is what tells.
-        let found = match model.by_balances(estimation, validation, &seen) {
-            Some(other) => search(other.clone(), first_step(&other, both, watch)),
-            None => search(model, begun),
-        };
-        return Ok(Discovery { signals: wrong, ..found });
+        other = balanced();
+        // Behind an observer the torque is what tells, where any of it is explained.
+        if let Some(other) = &other {
+            let begun = first_step(other, both, watch);
+            if explains(&begun) {
+                return Ok(Discovery { signals: wrong, ..search(other.clone(), begun) });
+            }
+        }
     }
     let found = search(model.clone(), begun);
     // Where no name comes of it, or none that explains torque, what is missing is asked once more beside
     // the base that explains most, and the answer that leaves less of it counts.
-    let left = |of: &Discovery| of.ladder.last()?.validation_unexplained.torque;
-    let convinces =
-        found.verdict == Verdict::Named && left(&found).is_none_or(|torque| torque.share <= 1.0);
+    let convinces = found.verdict == Verdict::Named && explains(&found);
     if convinces || watch.stopped() {
         return Ok(Discovery { signals: wrong, ..found });
     }
-    let Some(other) = model.by_balances(estimation, validation, &seen) else {
+    let Some(other) = other.or_else(balanced) else {
         return Ok(Discovery { signals: wrong, ..found });
     };
     let begun = first_step(&other, both, watch);
@@ -107,9 +111,9 @@ pub fn discover_by(
 
 /// Whether a step leaves so much of the applied torque unexplained, in the recordings held out, that it
 /// cannot be said of it that nothing is missing: more than there was, and behind an observer, where the
-/// torque is what tells, more than half.
+/// torque is what tells, more than a third.
 fn explains_little(step: &LadderStep, observer: Observer) -> bool {
-    let most = if observer.hz > 0.0 { 0.5 } else { 1.0 };
+    let most = if observer.hz > 0.0 { 1.0 / 3.0 } else { 1.0 };
     step.validation_unexplained.torque.is_some_and(|it| it.share > most)
 }
 

@@ -30,13 +30,13 @@ impl Round<'_> {
     }
 
     /// Whether something was named before of another kind.
-    fn is_further(&self, one: &Judged) -> bool {
+    pub(super) fn is_further(&self, one: &Judged) -> bool {
         let candidate = &self.all[one.candidate];
         !self.named.is_empty() && !self.is_named(candidate) && !self.refines(candidate)
     }
 
     /// Evidence, beside its odds, and size that are asked for.
-    fn asked(&self, further: bool) -> (f64, f64) {
+    pub(super) fn asked(&self, further: bool) -> (f64, f64) {
         let rule = self.rule;
         if further {
             (rule.further_evidence, rule.further_size)

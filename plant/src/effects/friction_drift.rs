@@ -3,7 +3,7 @@
 
 use drivescope_numerics::Real;
 
-use super::grid::{each, slow_times};
+use super::grid::{each, is_slow, slow_times};
 use super::law::{Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Coulomb and viscous friction that change with time.
@@ -16,6 +16,7 @@ impl Effect<3, 0> for FrictionDrift {
         excludes: &["friction_drift"],
         nulls: &[("T_d", 0.0), ("B_d", 0.0)],
         grid: |spans| each("tau", slow_times(spans)),
+        possible: |values, spans| is_slow(values[2], spans),
         ..Info::new(
             "friction_drift",
             "torque = -(T_d * sign(omega) + B_d * omega) * (1 - exp(-t / tau))",

@@ -146,6 +146,13 @@ pub(super) fn slow_times(spans: &Spans) -> [f64; 3] {
     SLOW.map(|share| share * spans.duration_s)
 }
 
+/// Whether a change with that time constant, s, is still going on when a start is over.
+pub(super) fn is_slow(tau_s: f64, spans: &Spans) -> bool {
+    /// Of the length of the recording: what is over sooner belongs to its beginning, not to warming.
+    const START: f64 = 0.1;
+    tau_s >= START * spans.duration_s
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

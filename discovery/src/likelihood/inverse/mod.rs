@@ -164,8 +164,9 @@ fn known_motion(scene: &Scene) -> Option<Vec<Windows>> {
     each().map(|it| Windows::of(it, every(&it.measured, longest_s))).collect()
 }
 
-/// The scene, with a greater inertia where it has less than what takes [`UNIDENTIFIED_INERTIA`] of the torque:
-/// along a motion that tells none it would fall without end, and no step of time would resolve the drive.
+/// The scene, with a greater inertia where it has less than what takes [`UNIDENTIFIED_INERTIA`] of the
+/// torque: along a motion that tells none it would fall without end, and no step of time would resolve
+/// the drive.
 fn heavy_enough(
     mut scene: Scene,
     windows: &[Windows],

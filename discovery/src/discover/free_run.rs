@@ -19,6 +19,9 @@ use crate::measured::Measured;
 pub(super) const FALLS: f64 = 1e-3;
 /// Squared error over that of a perfect model up to which nothing is left: 1 % of the error.
 const AT_FLOOR: f64 = 1.02;
+/// Squared error over the floor below which the noise was taken for larger than it is: estimates of it
+/// scatter by less than a tenth.
+const BELOW_FLOOR: f64 = 0.8;
 /// Share of the unexplained torque that may be left where that alone decides: an observer follows what
 /// a slow drive does, and its error says little of it.
 const MUCH: f64 = 0.5;
@@ -150,8 +153,9 @@ impl Round<'_> {
     /// Names one that is small where the error falls to its floor with it: what the formulas of the
     /// base leave would stay.
     pub(super) fn fit_small(&self, judged: &mut [Judged]) {
-        // Where the noise alone is left, the error falls to its floor with anything.
-        if judged.iter().any(|one| one.refused.is_none()) || self.is_at_floor() {
+        // Below the floor, for the noise was taken for larger than it is, anything falls to it.
+        let (was, floor) = (self.model.fitted.squares.sum, self.floor(self.estimation));
+        if judged.iter().any(|one| one.refused.is_none()) || was < BELOW_FLOOR * floor {
             return;
         }
         let Some(one) = judged.iter_mut().find(|one| one.weighed.small) else { return };
@@ -243,12 +247,18 @@ impl Round<'_> {
         ((was - is) / excess.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
     }
 
-    /// The same on the validation data, negative where the error rises; of all of it where that is below
-    /// its floor.
+    /// The same on the validation data, negative where the error rises; all where there was none, and of
+    /// the whole error where that is far below its floor.
     pub(super) fn removed_of_validation(&self, with: &Model) -> f64 {
         let (was, is) = (self.model.validation.squares.sum, with.validation.squares.sum);
-        let excess = was - self.floor(self.validation);
-        (was - is) / if excess > 0.0 { excess } else { was }
+        let floor = self.floor(self.validation);
+        if was > floor {
+            (was - is) / (was - floor)
+        } else if was < BELOW_FLOOR * floor {
+            (was - is) / was
+        } else {
+            1.0
+        }
     }
 
     /// Whether the errors of the round's model are those of a perfect one.

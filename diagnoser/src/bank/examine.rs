@@ -7,7 +7,7 @@
 use drivescope_numerics::ljung_box;
 
 use super::columns::Columns;
-use super::hypothesis::{Acting, Case, Fit};
+use super::hypothesis::{Case, Fit};
 use super::process::{Belief, MECHANISMS, Process, SENSORS};
 
 /// Columns: the mechanisms, and the growth of the named fault.
@@ -35,10 +35,13 @@ pub(crate) struct Examined<const N: usize> {
     pub(crate) explains: bool,
     /// Normal score of the sum of squares that is left.
     pub(crate) excess: f64,
-    /// Change of the size a row and its standard deviation, where it grows.
-    pub(crate) growth: Option<(f64, f64)>,
-    /// Logarithm of the likelihood that the growth gains.
+    /// The fit, with the growth that was found.
+    pub(crate) fit: Fit,
+    /// Logarithm of the likelihood that a growth gains of a fit that has none; 0 where it does not
+    /// grow.
     pub(crate) gained: f64,
+    /// Logarithm of the likelihood of all rows.
+    pub(crate) log_likelihood: f64,
     /// Belief about the row after the last.
     pub(crate) end: Belief<N>,
 }
@@ -85,17 +88,17 @@ pub(crate) fn normal_score(squares: f64, n: f64) -> f64 {
 }
 
 impl<const N: usize, P: Process<N>> Case<'_, N, P> {
-    /// Examines what a fit leaves.
+    /// Examines what a fit leaves; one that stands is given the chance to grow.
     pub(crate) fn examine(&self, fit: &Fit) -> Examined<N> {
-        let Fit { mechanism, onset, size, .. } = *fit;
+        let Fit { mechanism, onset, .. } = *fit;
+        // Growth about the middle of the rows, so that it is apart from the size.
+        let middle = 0.5 * (self.kept.len() - 1 - onset) as f64;
         let mut columns = Columns::<N, COLUMNS>::new();
         let mut innovations: [Vec<f64>; SENSORS] = Default::default();
-        let run = self.run(Acting::Fault { mechanism, size }, onset, |k, s, c, a| {
+        let run = self.run(self.acting(fit), onset, |k, s, c, a| {
             if k < onset {
                 return;
             }
-            // Growth about the middle of the rows, so that it is apart from the size.
-            let middle = 0.5 * (self.rows.len() - 1 - onset) as f64;
             let grown = (k - onset) as f64 - middle;
             let with_growth = |columns: &[f64; MECHANISMS]| -> [f64; COLUMNS] {
                 std::array::from_fn(|j| {
@@ -113,24 +116,31 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
         let mut p = Projection { score, gram, whole: std::array::from_fn(|j| gram[j][j]) };
         let mut squares: f64 = innovations.iter().flatten().map(|w| w * w).sum();
         let measured = innovations.iter().map(Vec::len).sum::<usize>() as f64;
+        let (shared, whole) = (p.gram[mechanism][GROWTH], p.gram[mechanism][mechanism]);
         p.take_out(mechanism);
-        let grows = p.ratio(GROWTH) > GROWS;
-        let (mut growth, mut gained) = (None, 0.0);
-        if grows {
+        let (mut fit, mut gained, mut run) = (*fit, 0.0, run);
+        if fit.growth.is_some() {
+            p.take_out(GROWTH);
+        } else if p.ratio(GROWTH) > GROWS {
             gained = p.ratio(GROWTH);
             squares -= 2.0 * gained;
             let remainder = p.gram[GROWTH][GROWTH];
-            growth = Some((p.score[GROWTH] / remainder, 1.0 / remainder.sqrt()));
+            let (rate, sd) = (p.score[GROWTH] / remainder, 1.0 / remainder.sqrt());
+            let until_last = middle - shared / whole;
+            fit.size += rate * until_last;
+            fit.sd = fit.sd.hypot(sd * until_last);
+            fit.growth = Some((rate, sd));
             p.take_out(GROWTH);
+            run = self.run(self.acting(&fit), onset, |_, _, _, _| ());
         }
         let second = (0..self.healthy.mechanisms().len()).map(|j| p.ratio(j));
         let alone = second.fold(0.0, f64::max) < SECOND;
         let white = innovations.iter().all(|of_sensor| {
             let test = ljung_box(of_sensor, LAGS);
-            grows || test.is_none_or(|test| test.p_value > NOT_WHITE)
+            gained > 0.0 || test.is_none_or(|test| test.p_value > NOT_WHITE)
         });
         let excess = normal_score(squares, measured);
         let explains = alone && white && excess < TOO_LARGE;
-        Examined { explains, excess, growth, gained, end: run.end }
+        Examined { explains, excess, fit, gained, log_likelihood: run.log_likelihood, end: run.end }
     }
 }

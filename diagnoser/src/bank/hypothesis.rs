@@ -1,4 +1,4 @@
-//! A fault of one mechanism from one onset: its size of greatest likelihood.
+//! A fault of one mechanism that stands from one onset on: its size of greatest likelihood.
 //!
 //! The filter runs over the rows with the fault in the process, so that nothing is linearised in
 //! the size at the end; Gauss-Newton steps in the size take the derivative of the innovations,
@@ -7,6 +7,7 @@
 use super::columns::Columns;
 use super::filter::Correction;
 use super::process::{Advanced, Belief, Process, Row, SENSORS, Sensed};
+use crate::memory::{Memory, MemoryError, Walk};
 
 /// Gauss-Newton steps at most; three are usual for a fault of a fifth.
 const MOST_STEPS: usize = 8;
@@ -20,9 +21,30 @@ pub(crate) struct Case<'a, const N: usize, P> {
     pub(crate) healthy: &'a P,
     /// The process that acted before the change.
     pub(crate) before: &'a P,
-    /// Belief about the first row.
-    pub(crate) belief: Belief<N>,
-    pub(crate) rows: &'a [Row],
+    /// The fault that acts in it: mechanism and size.
+    pub(crate) standing: Option<(usize, f64)>,
+    /// One row or more, each with the belief before it.
+    pub(crate) kept: &'a [(Belief<N>, Row)],
+    /// A fault that was named among them.
+    pub(crate) named: Named,
+    /// Logarithm of the likelihood of the rows before each, and of all, under the process of their
+    /// beliefs; what was named holds for all rows before that.
+    told: Vec<f64>,
+}
+
+/// A fault that was named after health: the rows from which it is known stay, for those that follow
+/// may tell that another mechanism grew.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Named {
+    /// First row at which it acted.
+    pub(crate) onset: usize,
+    /// The beliefs before rows up to this one, exclusive, are those of no fault.
+    pub(crate) healthy: usize,
+    /// First row after it was named, whose belief and all later ones hold it.
+    pub(crate) since: usize,
+    /// Logarithm of the likelihood that it gains over no fault: of all rows before it was named, over
+    /// those whose beliefs are healthy.
+    pub(crate) gain: f64,
 }
 
 /// A fault and how well it explains the rows.
@@ -31,18 +53,23 @@ pub(crate) struct Fit {
     pub(crate) mechanism: usize,
     /// First faulty row.
     pub(crate) onset: usize,
+    /// Size at the last row.
     pub(crate) size: f64,
     /// Standard deviation of the size.
     pub(crate) sd: f64,
+    /// Change of the size a row and its standard deviation; none of a fault that stands.
+    pub(crate) growth: Option<(f64, f64)>,
     /// Logarithm of the likelihood of all rows.
     pub(crate) log_likelihood: f64,
 }
 
-/// What a fault does from a row on: a mechanism of that size, a sensor that is stuck, or nothing.
+/// What a fault does from a row on: a mechanism of that size, one that changes its size by `rate` a
+/// row, a sensor that is stuck, or nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Acting {
     Healthy,
     Fault { mechanism: usize, size: f64 },
+    Growing { mechanism: usize, from: f64, rate: f64 },
     Frozen { sensor: usize },
 }
 
@@ -54,24 +81,77 @@ pub(crate) struct Run<const N: usize> {
     pub(crate) end: Belief<N>,
 }
 
-impl<const N: usize, P: Process<N>> Case<'_, N, P> {
-    /// Filters the rows with what acts from row `onset` on; `each` is told of every row, with its
-    /// number.
+impl<'a, const N: usize, P: Process<N>> Case<'a, N, P> {
+    /// The rows after which a change is judged.
+    pub(crate) fn new(
+        (healthy, before): (&'a P, &'a P),
+        standing: Option<(usize, f64)>,
+        kept: &'a [(Belief<N>, Row)],
+        named: Named,
+    ) -> Self {
+        let mut told = vec![0.0; kept.len() + 1];
+        let mut tell = |from: usize, to: usize, process: &P, start: f64| {
+            let (mut process, mut sum) = (process.clone(), start);
+            for (k, (belief, row)) in kept.iter().enumerate().take(to).skip(from) {
+                told[k] = sum;
+                let sensed = process.sense(&belief.mean, row);
+                sum += density(&belief.clone().correct(&sensed, row));
+            }
+            told[to] = sum;
+            sum
+        };
+        let until_named = tell(0, named.healthy, healthy, 0.0) + named.gain;
+        tell(named.since, kept.len(), before, until_named);
+        Self { healthy, before, standing, kept, named, told }
+    }
+
+    /// What is kept of a fault that is named after the last row; nothing if it did not follow health.
+    pub(crate) fn out_of_health(&self, fit: &Fit, log_likelihood: f64) -> Option<Named> {
+        let since = self.kept.len();
+        let healthy = if self.standing.is_none() { since } else { self.named.healthy };
+        let gain = log_likelihood - self.told[healthy];
+        (fit.onset < healthy).then_some(Named { onset: fit.onset, healthy, since, gain })
+    }
+
+    /// Filters the rows from the one before row `onset` with what acts from there on; `each` is told
+    /// of every row, with its number. What is kept of the rows before stands.
     pub(crate) fn run(
         &self,
         acting: Acting,
         onset: usize,
+        each: impl FnMut(usize, &Sensed<N>, &Correction<N>, &Advanced<N>),
+    ) -> Run<N> {
+        // A row under another process than the onset's says nothing of what acted before it.
+        let earliest = if onset >= self.named.since { self.named.since } else { 0 };
+        self.run_from(onset.saturating_sub(1).max(earliest), acting, onset, each)
+    }
+
+    /// The same from row `first` on.
+    pub(crate) fn run_from(
+        &self,
+        first: usize,
+        acting: Acting,
+        onset: usize,
         mut each: impl FnMut(usize, &Sensed<N>, &Correction<N>, &Advanced<N>),
     ) -> Run<N> {
-        let mut before = self.before.clone();
+        let before = if first < self.named.since { self.healthy } else { self.before };
+        let mut before = before.clone();
         let mut after = match acting {
             Acting::Fault { mechanism, size } => self.healthy.with_fault(mechanism, size),
-            Acting::Healthy | Acting::Frozen { .. } => self.healthy.clone(),
+            Acting::Healthy | Acting::Growing { .. } | Acting::Frozen { .. } => {
+                self.healthy.clone()
+            }
         };
         let quanta = self.healthy.quanta();
-        let mut belief = self.belief;
-        let mut log_likelihood = 0.0;
-        for (k, row) in self.rows.iter().enumerate() {
+        let first = first.min(self.kept.len() - 1);
+        let mut belief = self.kept[first].0;
+        let mut log_likelihood = self.told[first];
+        for (k, (_, row)) in self.kept.iter().enumerate().skip(first) {
+            if let Acting::Growing { mechanism, from, rate } = acting
+                && k >= onset
+            {
+                after.set_fault(mechanism, from + rate * (k - onset) as f64);
+            }
             let process = if k < onset { &mut before } else { &mut after };
             let mut row = *row;
             if let Acting::Frozen { sensor } = acting
@@ -91,11 +171,20 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
             {
                 begin_within(&mut advanced, mechanism, size);
             }
-            log_likelihood += (0..SENSORS).map(|m| correction.log_density(m)).sum::<f64>();
+            log_likelihood += density(&correction);
             each(k, &sensed, &correction, &advanced);
             belief = belief.moved(&advanced);
         }
         Run { log_likelihood, end: belief }
+    }
+
+    /// What a fit says that acts.
+    pub(crate) fn acting(&self, fit: &Fit) -> Acting {
+        let Fit { mechanism, onset, size, .. } = *fit;
+        fit.growth.map_or(Acting::Fault { mechanism, size }, |(rate, _)| {
+            let from = size - rate * (self.kept.len() - 1 - onset) as f64;
+            Acting::Growing { mechanism, from, rate }
+        })
     }
 
     /// The size of greatest likelihood of a mechanism from that onset, from a start value.
@@ -124,27 +213,21 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
             }
             // Not a number where the mechanism does not show at all.
             let (step, sd) = (score / gram, 1.0 / gram.sqrt());
-            best = Some(Fit { mechanism, onset, size, sd, log_likelihood });
+            best = Some(Fit { mechanism, onset, size, sd, growth: None, log_likelihood });
             let next = (size + step).clamp(about.least, about.most);
             if step.is_nan() || step.abs() <= CONVERGED * sd || next == size {
                 break;
             }
             size = next;
         }
-        best.unwrap_or(Fit {
-            mechanism,
-            onset,
-            size: 0.0,
-            sd: f64::INFINITY,
-            log_likelihood: f64::NEG_INFINITY,
-        })
+        best.unwrap_or(Fit::nothing(mechanism, onset))
     }
 
     /// The same over onsets within `spread` rows of one.
     pub(crate) fn best(&self, mechanism: usize, onset: usize, spread: usize) -> Fit {
         let mut best = self.fit(mechanism, onset, 0.0);
-        let last = (onset + spread).min(self.rows.len().saturating_sub(1));
-        for other in onset.saturating_sub(spread)..=last {
+        let last = (onset + spread).min(self.kept.len() - 1);
+        for other in onset.saturating_sub(spread).max(self.named.since)..=last {
             if other != onset {
                 let fit = self.fit(mechanism, other, best.size);
                 if fit.log_likelihood > best.log_likelihood {
@@ -154,6 +237,40 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
         }
         best
     }
+}
+
+impl Named {
+    /// The same with its rows counted otherwise.
+    pub(crate) fn counted(self, row: impl Fn(usize) -> usize) -> Self {
+        let Self { onset, healthy, since, gain } = self;
+        Self { onset: row(onset), healthy: row(healthy), since: row(since), gain }
+    }
+}
+
+impl Memory for Named {
+    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
+        walk.each([&mut self.onset, &mut self.healthy, &mut self.since])?;
+        self.gain.walk(walk)
+    }
+}
+
+impl Fit {
+    /// One that explains nothing.
+    pub(crate) fn nothing(mechanism: usize, onset: usize) -> Self {
+        Self {
+            mechanism,
+            onset,
+            size: 0.0,
+            sd: f64::INFINITY,
+            growth: None,
+            log_likelihood: f64::NEG_INFINITY,
+        }
+    }
+}
+
+/// Logarithm of the density of what the sensors showed at a row.
+fn density<const N: usize>(correction: &Correction<N>) -> f64 {
+    (0..SENSORS).map(|m| correction.log_density(m)).sum()
 }
 
 /// A fault may begin anywhere between two rows: the share of the first interval over which it

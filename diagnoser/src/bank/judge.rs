@@ -1,14 +1,18 @@
 //! Which hypothesis explains what happened, and which others might.
 
 use super::examine::Examined;
-use super::hypothesis::{Acting, Case, Fit};
-use super::process::{Belief, Process, SENSORS};
+use super::hypothesis::{Acting, Case, Fit, Named};
+use super::process::{Belief, Process, Row, SENSORS};
 
 /// Rows on either side of the alarm's onset in which the onset is looked for.
 const SPREAD: usize = 2;
 /// Logarithm of the likelihood by which a hypothesis may lie behind the best and still be the
 /// truth: noise alone brings a true one that far behind once in two hundred times.
 const CONFUSED: f64 = 4.0;
+/// Logarithm of the likelihood by which a fault that grows must lie ahead of the same one that
+/// stands, to be taken for it: its onset is sought among all rows that are kept, the other's next to
+/// the alarm's, and of a size just above the limit a step hardly differs from a ramp.
+const CHOSEN: f64 = 4.0;
 /// Repetitions from which a sensor is taken for stuck.
 const STUCK: usize = 3;
 
@@ -32,7 +36,7 @@ pub struct Candidate {
     pub mechanism: usize,
     /// First faulty sample.
     pub onset: usize,
-    /// Size, in the unit of the mechanism.
+    /// Size, in the unit of the mechanism; of one that grows that at the last sample judged.
     pub size: f64,
     /// Its standard deviation, what is unknown of the machine included.
     pub sd: f64,
@@ -85,15 +89,23 @@ pub(crate) struct Judged<const N: usize> {
     pub(crate) judgement: Judgement,
     /// Belief about the row after the last, under what is named.
     pub(crate) end: Belief<N>,
+    /// The fault that is named, if health was before it.
+    pub(crate) named: Option<Named>,
 }
 
 impl<const N: usize, P: Process<N>> Case<'_, N, P> {
     /// Judges the rows: something changed about row `onset`; row 0 is sample `first`.
     pub(crate) fn judge(&self, onset: usize, first: usize) -> Judged<N> {
         let mechanisms = self.healthy.mechanisms().iter().enumerate();
+        let growing = self.growing(onset + SPREAD);
         let mut fits: Vec<Fit> = mechanisms
             .map(|(j, about)| {
-                let fit = self.best(j, onset, SPREAD);
+                let stands = self.best(j, onset, SPREAD);
+                let priced = |fit: &Fit| fit.log_likelihood - CHOSEN;
+                let grows = growing.iter().filter(|fit| fit.mechanism == j);
+                let grows = grows.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
+                let ahead = grows.filter(|fit| priced(fit) > stands.log_likelihood);
+                let fit = ahead.map_or(stands, |fit| Fit { log_likelihood: priced(fit), ..*fit });
                 Fit { log_likelihood: fit.log_likelihood - about.rarer, ..fit }
             })
             .collect();
@@ -127,39 +139,46 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
             let (_, onset) = healthy;
             (judgement.onset, judgement.cause) = (first + onset, Cause::Healthy);
             judgement.confused = 0;
-            return Judged { judgement, end: end_of(Acting::Healthy, onset) };
+            return Judged { judgement, end: end_of(Acting::Healthy, onset), named: None };
         }
         if let Some((likelihood, sensor, onset)) = frozen
             && likelihood >= known
         {
             (judgement.onset, judgement.cause) = (first + onset, Cause::Frozen(sensor));
-            return Judged { judgement, end: end_of(Acting::Frozen { sensor }, onset) };
+            return Judged {
+                judgement,
+                end: end_of(Acting::Frozen { sensor }, onset),
+                named: None,
+            };
         }
         let Some((fit, examined)) = self.explained(&fits) else {
-            return Judged { judgement, end: self.belief };
+            return Judged { judgement, end: end_of(Acting::Healthy, onset), named: None };
         };
         judgement.onset = first + fit.onset;
-        (judgement.excess, judgement.growth) = (examined.excess, examined.growth);
-        if let Some(at) = judgement.candidates.iter().position(|it| it.mechanism == fit.mechanism)
-            && at > 0
-        {
-            // Growing, it overtakes those that stand: they are no candidates any more.
-            let named = Candidate { behind: 0.0, ..judgement.candidates.remove(at) };
-            judgement.candidates.insert(0, named);
-            judgement.confused = 1;
+        (judgement.excess, judgement.growth) = (examined.excess, examined.fit.growth);
+        if let Some(at) = judgement.candidates.iter().position(|it| it.mechanism == fit.mechanism) {
+            let Fit { size, sd, .. } = examined.fit;
+            judgement.candidates[at] = Candidate { size, sd, ..judgement.candidates[at] };
+            if at > 0 {
+                // Growing, it overtakes those that stand: they are no candidates any more.
+                let named = Candidate { behind: 0.0, ..judgement.candidates.remove(at) };
+                judgement.candidates.insert(0, named);
+                judgement.confused = 1;
+            }
         }
         if examined.explains {
             judgement.cause = Cause::Mechanism(fit.mechanism);
         }
-        Judged { judgement, end: examined.end }
+        let named = self.out_of_health(&fit, examined.log_likelihood);
+        Judged { judgement, end: examined.end, named: named.filter(|_| examined.explains) }
     }
 
     /// The likeliest fit and what it leaves. Where it leaves too much, every mechanism is given the
-    /// chance to grow.
+    /// chance to grow from the onset on, with any size there.
     fn explained(&self, fits: &[Fit]) -> Option<(Fit, Examined<N>)> {
         let first = fits.first()?;
         let examined = self.examine(first);
-        if examined.explains && examined.growth.is_none() {
+        if examined.explains && examined.gained == 0.0 {
             return Some((*first, examined));
         }
         let likelihood =
@@ -171,7 +190,7 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
 
     /// Likelihood of no fault from a row on, and that row.
     fn healthy_again(&self, onset: usize) -> (f64, usize) {
-        let onsets = onset.saturating_sub(SPREAD)..=onset + SPREAD;
+        let onsets = onset.saturating_sub(SPREAD).max(self.named.since)..=onset + SPREAD;
         onsets
             .map(|onset| (self.run(Acting::Healthy, onset, |_, _, _, _| ()).log_likelihood, onset))
             .fold((f64::NEG_INFINITY, onset), |best, it| if it.0 > best.0 { it } else { best })
@@ -181,15 +200,16 @@ impl<const N: usize, P: Process<N>> Case<'_, N, P> {
     /// to the last row.
     fn frozen(&self) -> Option<(f64, usize, usize)> {
         let repeated = |sensor: usize| {
-            let mut pairs = self.rows.windows(2).rev();
-            let same = |pair: &&[super::Row]| pair[0].shown[sensor] == pair[1].shown[sensor];
+            let mut pairs = self.kept.windows(2).rev();
+            let shown = |kept: &(Belief<N>, Row)| kept.1.shown[sensor];
+            let same = |pair: &&[(Belief<N>, Row)]| shown(&pair[0]) == shown(&pair[1]);
             pairs.by_ref().take_while(same).count()
         };
         (0..SENSORS)
             .map(|sensor| (sensor, repeated(sensor)))
             .filter(|(_, count)| *count >= STUCK)
             .map(|(sensor, count)| {
-                let onset = self.rows.len() - count;
+                let onset = (self.kept.len() - count).max(self.named.since);
                 let run = self.run(Acting::Frozen { sensor }, onset, |_, _, _, _| ());
                 (run.log_likelihood, sensor, onset)
             })

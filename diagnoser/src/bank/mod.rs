@@ -20,6 +20,7 @@ mod design;
 mod examine;
 mod filter;
 mod frozen;
+mod growing;
 mod hypothesis;
 mod judge;
 mod onsets;

@@ -114,9 +114,16 @@ pub trait Process<const N: usize>: Clone {
     /// Where the state goes until the next row.
     fn advance(&mut self, belief: &Belief<N>, row: &Row) -> Advanced<N>;
 
+    /// Lets that fault act in place of any other.
+    fn set_fault(&mut self, mechanism: usize, size: f64);
+
     /// The same process with that fault in place of any other.
     #[must_use]
-    fn with_fault(&self, mechanism: usize, size: f64) -> Self;
+    fn with_fault(&self, mechanism: usize, size: f64) -> Self {
+        let mut made = self.clone();
+        made.set_fault(mechanism, size);
+        made
+    }
 
     /// Takes what was learned of the machine out of the belief's mean and into the process.
     fn settle(&mut self, belief: &mut Belief<N>);

@@ -99,10 +99,9 @@ impl Process<2> for Tank {
         advanced
     }
 
-    fn with_fault(&self, mechanism: usize, size: f64) -> Self {
-        let mut made = Self { faults: [0.0; 3], ..self.clone() };
-        made.faults[mechanism] = size;
-        made
+    fn set_fault(&mut self, mechanism: usize, size: f64) {
+        self.faults = [0.0; 3];
+        self.faults[mechanism] = size;
     }
 
     fn walk_machine(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {

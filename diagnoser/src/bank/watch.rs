@@ -11,15 +11,16 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::frozen::Frozen;
-use super::hypothesis::Case;
+use super::hypothesis::{Case, Named};
 use super::judge::{Cause, Judgement, TWO_SIDED_95};
 use super::onsets::{OLDEST, Onsets};
 use super::process::{Belief, Process, Row, SENSORS};
 use super::squares::Squares;
 use crate::memory::{Memory, MemoryError, Walk};
 
-/// Rows before an onset that are filtered again with every hypothesis.
-const BEFORE: usize = 20;
+/// Rows that are kept beyond those of an alarm's oldest onset: a fault that grows began before it,
+/// and is weighed again with the rows that follow its name.
+const BEFORE: usize = 256;
 
 /// Limits of the statistics, designed for a mean time between false alarms.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -106,6 +107,8 @@ pub struct Watch<const N: usize, P> {
     acting: P,
     /// The fault that acts in it: mechanism and size.
     fault: Option<(usize, f64)>,
+    /// It followed health: its rows, by the numbers of their samples.
+    named: Option<Named>,
     belief: Belief<N>,
     limits: Limits,
     horizon: usize,
@@ -128,6 +131,7 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
             acting: process.clone(),
             healthy: process,
             fault: None,
+            named: None,
             belief,
             limits,
             horizon,
@@ -203,10 +207,15 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
     }
 
     fn forget(&mut self) {
+        self.forget_statistics();
+        self.named = None;
+        self.kept.clear();
+    }
+
+    fn forget_statistics(&mut self) {
         self.onsets.clear();
         self.frozen = Frozen::new();
         self.squares = Squares::default();
-        self.kept.clear();
     }
 
     /// Rows that are kept at most.
@@ -291,17 +300,24 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
 
     /// Judges what was gathered and goes on under what is named.
     fn judged(&mut self, onset: usize) -> Judgement {
-        let oldest = self.now - self.kept.len();
-        let first = onset.saturating_sub(BEFORE).max(oldest);
-        let kept = self.kept.iter().skip(first - oldest);
-        let rows: Vec<Row> = kept.map(|(_, row)| *row).collect();
-        let belief = self.kept.get(first - oldest).map_or(self.belief, |(belief, _)| *belief);
-        let case = Case { healthy: &self.healthy, before: &self.acting, belief, rows: &rows };
-        let judged = case.judge(onset - first, first);
+        let first = self.now - self.kept.len();
+        let kept: &[_] = self.kept.make_contiguous();
+        // Of what began before the rows that are kept nothing new is told.
+        let named = self.named.filter(|named| named.onset >= first);
+        let named = named.map(|named| named.counted(|sample| sample - first)).unwrap_or_default();
+        let case = Case::new((&self.healthy, &self.acting), self.fault, kept, named);
+        let judged = case.judge(onset.saturating_sub(first), first);
+        let last = kept.last().map_or(Row::NOTHING, |(_, row)| *row);
         self.belief = judged.end;
         self.fault = None;
         self.mode = Mode::Watching;
-        self.forget();
+        match judged.named {
+            Some(named) => {
+                self.forget_statistics();
+                self.named = Some(named.counted(|row| first + row));
+            }
+            None => self.forget(),
+        }
         match judged.judgement.cause {
             Cause::Healthy => {}
             Cause::Mechanism(mechanism) => {
@@ -309,8 +325,7 @@ impl<const N: usize, P: Process<N>> Watch<N, P> {
                 self.fault = named.map(|of| (mechanism, of.size));
             }
             Cause::Frozen(sensor) => {
-                let value = rows.last().map_or(f64::NAN, |row| row.shown[sensor]);
-                self.mode = Mode::Stuck { sensor, value };
+                self.mode = Mode::Stuck { sensor, value: last.shown[sensor] };
             }
             Cause::Unknown => self.mode = Mode::Holding { last: self.now },
         }
@@ -378,6 +393,7 @@ impl<const N: usize, P: Process<N>> Memory for Watch<N, P> {
     fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
         self.healthy.walk_machine(walk)?;
         walk.maybe(&mut self.fault, || (0, 0.0))?;
+        walk.maybe(&mut self.named, Named::default)?;
         if self.fault.is_some_and(|(j, _)| j >= self.healthy.mechanisms().len()) {
             return Err(MemoryError);
         }
@@ -392,7 +408,9 @@ impl<const N: usize, P: Process<N>> Memory for Watch<N, P> {
         let blank = (self.belief, Row::NOTHING);
         walk.list(&mut self.kept, most, || blank)?;
         self.now.walk(walk)?;
-        if self.now < self.kept.len() {
+        let is_ordered =
+            |it: Named| it.onset <= it.healthy && it.healthy <= it.since && it.since <= self.now;
+        if self.now < self.kept.len() || !self.named.is_none_or(is_ordered) {
             return Err(MemoryError);
         }
         self.mode.walk(walk)?;

@@ -361,11 +361,9 @@ impl<const N: usize, const L: usize> Process<N> for DriveProcess<N, L> {
         made
     }
 
-    fn with_fault(&self, mechanism: usize, size: f64) -> Self {
-        let faults = plus(Faults::NONE, self.entries[mechanism].number, size);
-        let mut made = Self { faults, ..self.clone() };
-        made.set_motors();
-        made
+    fn set_fault(&mut self, mechanism: usize, size: f64) {
+        self.faults = plus(Faults::NONE, self.entries[mechanism].number, size);
+        self.set_motors();
     }
 
     fn walk_machine(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {

@@ -139,6 +139,34 @@ fn a_fault_that_grows_slowly_is_in_the_set_with_its_size_and_where_it_began() {
     }
 }
 
+/// What is named first is the likeliest of a set; the rows that follow weigh all of it again.
+#[test]
+fn what_grew_stays_in_the_set_when_another_was_named_first() {
+    let (mut in_sets, mut wrong_first) = ([0, 0], 0);
+    let runs = 40;
+    for seed in 0..runs {
+        let (mechanism, rate) = [(ACTUATOR, 2e-3), (GAIN, 1.5e-3)][seed as usize % 2];
+        let mut machine = Machine::new(400 + seed);
+        let mut watch = machine.watch();
+        events(&mut watch, &mut machine, 300);
+        let judgements = (0..300).filter_map(|k| {
+            machine.faults[mechanism] = rate * f64::from(k);
+            match watch.step(&machine.row()) {
+                Some(Event::Judged(judgement)) => Some(judgement),
+                _ => None,
+            }
+        });
+        let judgements: Vec<Judgement> = judgements.take(in_sets.len()).collect();
+        wrong_first += usize::from(judgements[0].cause != Cause::Mechanism(mechanism));
+        for (in_set, judgement) in in_sets.iter_mut().zip(&judgements) {
+            let mut set = judgement.confusion_set().iter();
+            *in_set += usize::from(set.any(|of| of.mechanism == mechanism));
+        }
+    }
+    assert!(wrong_first > 0, "the rows tell them apart at once");
+    assert!(in_sets.iter().all(|in_set| *in_set >= 38), "{in_sets:?} of {runs}");
+}
+
 #[test]
 fn geometry_tells_what_a_constant_input_confuses() {
     let mut machine = Machine::new(6);

@@ -108,6 +108,29 @@ fn faults_are_named_with_size_and_time_live_or_not() {
         assert_eq!(lines[0]["decision"], "alarm");
     }
 
+    // What grows by 2 % a second began long before it is noticed. Its first set holds it, and the rows
+    // that follow tell it from the rest.
+    for (kind, rate, seed) in [("flux", -0.02, 34), ("actuator", 0.02, 33), ("tacho", 0.02, 36)] {
+        let fault = format!("{kind}={}%@8:ramp=10", 1000.0 * rate);
+        let fault = ["--duration", "12", "--reference", "2000 [rpm]", "--fault", &fault];
+        simulated(here, "grows.csv", seed, &fault);
+        let lines = live(here, "grows.csv");
+        let judged: Vec<&Value> = lines.iter().filter(|it| it["decision"] == "judged").collect();
+        assert!(has(&judged[0]["set"], kind), "{}", judged[0]);
+        let last = judged[judged.len() - 1];
+        assert_eq!(last["mechanism"], kind, "{last}");
+        let number = |value: &Value| value.as_f64().expect("a number");
+        assert!((number(&last["from"]) - 8.0).abs() < 0.2, "{last}");
+        // The size is that of the moment, within the width of its interval.
+        let size = rate * (number(&last["time"]) - 8.0);
+        let [low, high] = [0, 1].map(|k| number(&last["interval"][k]));
+        assert!((number(&last["size"]) - size).abs() < high - low, "{last} against {size}");
+        assert_eq!(
+            diagnosed(here, &["grows.csv"])["declarations"],
+            lines[lines.len() - 1]["declarations"]
+        );
+    }
+
     // Another set point, steps and a reversal, which no recording of the training had.
     let steps = "1200 * sign(sin(0.8 * t)) [rpm]";
     for (seed, reference) in [(21, "1000 [rpm]"), (22, "2000 * cos(0.5 * t) [rpm]"), (23, steps)] {

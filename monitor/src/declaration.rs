@@ -24,7 +24,8 @@ pub struct Declaration {
     pub mechanism: String,
     /// Everything that it may be: the mechanism and those that it cannot be told from.
     pub set: Vec<String>,
-    /// Size in `unit`; none where nothing is named, or the method tells no size.
+    /// Size in `unit`, of a fault that grows that at the last judgement; none where nothing is named,
+    /// or the method tells no size.
     pub size: Option<f64>,
     /// Its 95 % interval.
     pub interval: Option<[f64; 2]>,

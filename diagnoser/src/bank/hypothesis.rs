@@ -9,6 +9,9 @@ use super::filter::Correction;
 use super::process::{Advanced, Belief, Process, Row, SENSORS, Sensed};
 use crate::memory::{Memory, MemoryError, Walk};
 
+/// Steps in which the size of a growing fault is filtered: they leave of its likelihood ratio 1 / 4 of the
+/// inverse square of this number, and a process under another fault costs more than a row.
+const STAIRS: usize = 128;
 /// Gauss-Newton steps at most; three are usual for a fault of a fifth.
 const MOST_STEPS: usize = 8;
 /// A step of less than this share of the standard deviation changes nothing that is printed.
@@ -143,14 +146,17 @@ impl<'a, const N: usize, P: Process<N>> Case<'a, N, P> {
             }
         };
         let quanta = self.healthy.quanta();
+        let stair = self.kept.len().saturating_sub(onset).div_ceil(STAIRS).max(1);
         let first = first.min(self.kept.len() - 1);
         let mut belief = self.kept[first].0;
         let mut log_likelihood = self.told[first];
         for (k, (_, row)) in self.kept.iter().enumerate().skip(first) {
             if let Acting::Growing { mechanism, from, rate } = acting
                 && k >= onset
+                && (k - onset) % stair == 0
             {
-                after.set_fault(mechanism, from + rate * (k - onset) as f64);
+                let middle = (k - onset) as f64 + 0.5 * (stair - 1) as f64;
+                after.set_fault(mechanism, from + rate * middle);
             }
             let process = if k < onset { &mut before } else { &mut after };
             let mut row = *row;

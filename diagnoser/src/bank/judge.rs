@@ -96,19 +96,20 @@ pub(crate) struct Judged<const N: usize> {
 impl<const N: usize, P: Process<N>> Case<'_, N, P> {
     /// Judges the rows: something changed about row `onset`; row 0 is sample `first`.
     pub(crate) fn judge(&self, onset: usize, first: usize) -> Judged<N> {
-        let mechanisms = self.healthy.mechanisms().iter().enumerate();
-        let growing = self.growing(onset + SPREAD);
-        let mut fits: Vec<Fit> = mechanisms
-            .map(|(j, about)| {
-                let stands = self.best(j, onset, SPREAD);
-                let priced = |fit: &Fit| fit.log_likelihood - CHOSEN;
-                let grows = growing.iter().filter(|fit| fit.mechanism == j);
-                let grows = grows.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
-                let ahead = grows.filter(|fit| priced(fit) > stands.log_likelihood);
-                let fit = ahead.map_or(stands, |fit| Fit { log_likelihood: priced(fit), ..*fit });
-                Fit { log_likelihood: fit.log_likelihood - about.rarer, ..fit }
-            })
-            .collect();
+        let mechanisms = self.healthy.mechanisms();
+        let stands = (0..mechanisms.len()).map(|j| self.best(j, onset, SPREAD));
+        let mut fits: Vec<Fit> = stands.collect();
+        let most = fits.iter().map(|fit| fit.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+        for grows in self.growing(onset + SPREAD, most) {
+            let log_likelihood = grows.log_likelihood - CHOSEN;
+            let stands = &mut fits[grows.mechanism];
+            if log_likelihood > stands.log_likelihood {
+                *stands = Fit { log_likelihood, ..grows };
+            }
+        }
+        for (fit, about) in fits.iter_mut().zip(mechanisms) {
+            fit.log_likelihood -= about.rarer;
+        }
         fits.sort_by(|a, b| b.log_likelihood.total_cmp(&a.log_likelihood));
         let healthy = self.healthy_again(onset);
         let frozen = self.frozen();

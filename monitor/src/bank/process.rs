@@ -183,9 +183,14 @@ impl<const N: usize, const L: usize> DriveProcess<N, L> {
                 motors[*lane] = self.motor(faults);
             }
         }
-        self.lanes.block.change(|model| {
-            motors.into_iter().enumerate().for_each(|(l, motor)| model.motors.set_lane(l, motor));
-        });
+        // A block that changes prepares its steps anew; many faults leave the motor.
+        let model = self.lanes.block.model();
+        if motors.iter().enumerate().any(|(l, motor)| model.motors.lane(l) != *motor) {
+            self.lanes.block.change(|model| {
+                let lanes = motors.into_iter().enumerate();
+                lanes.for_each(|(l, motor)| model.motors.set_lane(l, motor));
+            });
+        }
     }
 
     /// Puts the expected state and its variations into the lanes.

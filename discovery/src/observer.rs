@@ -45,6 +45,11 @@ impl Observer {
     /// The free run.
     pub const NONE: Self = Self { hz: 0.0 };
 
+    /// Whether it corrects the model, which else runs free.
+    pub(crate) fn follows(self) -> bool {
+        self.hz > 0.0
+    }
+
     /// An observer of the usual bandwidth, or less where sampling is slow.
     pub fn usual(recordings: &[Measured]) -> Self {
         let slowest = recordings.iter().map(|one| one.period_s).fold(0.0, f64::max);

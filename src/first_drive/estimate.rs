@@ -35,15 +35,14 @@ pub(super) fn first_drive(
     }
     let is_told = |begun: &Begun| begun.identified.iter().any(|it| it.name == "J");
     let is_given = given.value("J", choice.input).is_some();
-    let mut hidden = None;
-    if !is_told(&begun) && !is_given {
-        hidden = inertia_beside_weight(&begun.drive, recording, &begun)?;
-    }
-    if let Some((j, told)) = &hidden {
-        begun.drive.motor.j = *j;
-        begun.identified.push(told.clone());
+    if !is_told(&begun)
+        && !is_given
+        && let Some((j, told)) = inertia_beside_weight(&begun.drive, recording, &begun)?
+    {
+        begun.drive.motor.j = j;
         // Without the weight a fit would move it away.
         begun.drive.fixed.push(told.name.clone());
+        begun.identified.push(told);
     }
     let untold = !is_told(&begun) && !is_given;
     let mut by_motion = None;
@@ -182,6 +181,20 @@ mod tests {
         assert_eq!((first.quality.observer_hz, first.quality.fits.len()), (0.0, 2));
         for fit in &first.quality.fits {
             assert!(fit.percent.is_some_and(|percent| percent > 95.0), "{fit:?}");
+        }
+    }
+
+    #[test]
+    fn one_step_of_the_voltage_tells_the_induced_voltage_before_dry_friction() {
+        let recording = recorded(&drive("dr300"), "3 + 3 * sign(t - 1)");
+        let first = of(&recording, &["u", "omega"], "");
+        let value = |name: &str| first.value(name).expect("it has it");
+        assert!(matches!(value("K_e").origin, Origin::Estimated(_)), "{:?}", value("K_e"));
+        // Less than a tenth of what drives it: it moves.
+        let driving = 6.0 * value("K_m").value / value("R").value;
+        assert!(value("coulomb.T_c").value < 0.1 * driving, "{:?}", value("coulomb.T_c"));
+        for fit in &first.quality.fits {
+            assert!(fit.percent.is_some_and(|percent| percent > 80.0), "{fit:?}");
         }
     }
 

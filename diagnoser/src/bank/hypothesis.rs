@@ -153,7 +153,7 @@ impl<'a, const N: usize, P: Process<N>> Case<'a, N, P> {
         for (k, (_, row)) in self.kept.iter().enumerate().skip(first) {
             if let Acting::Growing { mechanism, from, rate } = acting
                 && k >= onset
-                && (k - onset) % stair == 0
+                && (k - onset).is_multiple_of(stair)
             {
                 let middle = (k - onset) as f64 + 0.5 * (stair - 1) as f64;
                 after.set_fault(mechanism, from + rate * middle);

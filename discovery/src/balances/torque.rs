@@ -18,6 +18,7 @@ pub(super) struct TorqueFit {
     pub(super) normal: Normal,
     /// Variance of each column's noise.
     pub(super) noise: Vec<f64>,
+    reading: Reading,
 }
 
 impl TorqueFit {
@@ -60,20 +61,22 @@ impl TorqueFit {
             rows += added;
         }
         noise.iter_mut().for_each(|it| *it /= f64::max(rows, 1.0));
-        Self { normal, noise }
+        Self { normal, noise, reading }
     }
 
-    /// The solution; dry friction is preferred to viscous, and both to what may have either sign.
+    /// The solution; dry friction is preferred to viscous, and both to what may have either sign. Where
+    /// the voltage is read, the induced voltage comes first: no motor is without it.
     pub(super) fn solve(&self, columns: &[NamedParameter], fixed: [bool; 2]) -> Solution {
         let signed = |it: &NamedParameter| it.range.0 < 0.0;
         let mut order: Vec<usize> = (0..2 + columns.len()).collect();
         order.retain(|k| *k > 1 || !fixed[*k]);
         order.sort_by_key(|k| match *k {
             0 => 0,
-            1 => 2,
-            k if columns[k - 2].name.starts_with("coulomb.") => 1,
-            k if signed(&columns[k - 2]) => 4,
-            _ => 3,
+            1 if self.reading == Reading::Voltage => 1,
+            1 => 3,
+            k if columns[k - 2].name.starts_with("coulomb.") => 2,
+            k if signed(&columns[k - 2]) => 5,
+            _ => 4,
         });
         let signs: Vec<bool> = [false; 2].into_iter().chain(columns.iter().map(signed)).collect();
         self.normal.solve(&self.noise, &signs, &order)

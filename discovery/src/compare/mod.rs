@@ -254,7 +254,7 @@ pub fn compare(
         error: judged.squares.error(),
         error_if_fitted: judged.squares.error() * rms(after) / rms(now),
         by_parameters,
-        by_balances: setting.observer.hz > 0.0 && at_its_balances(drive, evidence),
+        by_balances: setting.observer.follows() && at_its_balances(drive, evidence),
         findings: found.iter().map(finding).collect(),
         tested: data.shapes.len(),
         block_s,

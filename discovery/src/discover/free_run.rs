@@ -37,6 +37,7 @@ impl Round<'_> {
     /// of the validation data unexplained: the last word is that of the error. Where the motion
     /// hides what drives it, in a closed loop or behind an observer, that is the error of the torque.
     pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
+        let left = [ground.drive(), &self.model.fitted.drive].map(|drive| self.torque_left(drive));
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
@@ -48,7 +49,7 @@ impl Round<'_> {
                 one.refused = Some("a better one does not lower the error".to_owned());
                 continue;
             }
-            match self.fitted_lowers(ground, one) {
+            match self.fitted_lowers(ground, left, one) {
                 Ok(()) if self.stands_apart(one) => break,
                 Ok(()) => {}
                 Err(NotLower::NoFit(why)) => one.refused = Some(why.to_owned()),
@@ -64,18 +65,24 @@ impl Round<'_> {
         }
     }
 
-    /// Fits a candidate and keeps the model; `Err` where the error does not fall with it.
-    fn fitted_lowers(&self, ground: &Ground, one: &mut Judged) -> Result<(), NotLower> {
+    /// Fits a candidate and keeps the model; `Err` where the error does not fall with it. The drive of the
+    /// ground and that of the round leave so much torque unexplained.
+    fn fitted_lowers(
+        &self,
+        ground: &Ground,
+        [of_ground, of_round]: [Option<f64>; 2],
+        one: &mut Judged,
+    ) -> Result<(), NotLower> {
         let candidate = &self.all[one.candidate];
         let drive = one.model.fitted.drive.clone();
         let unfitted = || self.as_it_is(&drive);
-        let both = self.torque_left(ground.drive()).zip(self.torque_left(&drive));
+        let both = of_ground.zip(self.torque_left(&drive));
         let error = |model: &Model| model.validation.squares.error();
         let was = error(self.model);
-        // Where the torque was the datum, its error decides, and a fit to the motion would only
-        // move the parameters away.
         let (_, size) = self.asked(self.is_further(one));
         let less = 1.0 - size;
+        // Where the torque was the datum, its error decides, and a fit to the motion would only
+        // move the parameters away.
         if ground.filtered().is_none()
             && both.is_some_and(|(before, after)| after * after <= less * before * before)
             && let Some(model) = unfitted().filter(|model| error(model) <= was)
@@ -92,7 +99,7 @@ impl Round<'_> {
         let falls = fits && error(&model) <= (1.0 - FALLS) * was;
         one.model = model;
         let removed = self.removed_of_validation(&one.model);
-        let raises = self.raises_torque(candidate, &one.model);
+        let raises = self.raises_torque(candidate, of_round, &one.model);
         let lowers = falls && removed >= size && !raises;
         if lowers || self.explains_torque(&one.model.fitted.drive) {
             one.weighed.by_balance = !lowers;
@@ -130,17 +137,21 @@ impl Round<'_> {
         unexplained(drive, self.validation)[0].map(|it| it.rms)
     }
 
+    /// The same of a drive of that structure at the values of the balances.
+    pub(super) fn torque_left_at_balances(&self, drive: &Drive) -> Option<f64> {
+        self.torque_left(&begin(drive, self.estimation).drive)
+    }
+
     /// Whether more torque stays unexplained with a law than without, in the recordings held out: an
     /// observer follows what a model does not predict, and its error may fall by a wrong inertia.
     /// What has states of its own, or stands at a sensor, is no part of that balance.
-    fn raises_torque(&self, candidate: &Candidate, with: &Model) -> bool {
+    fn raises_torque(&self, candidate: &Candidate, before: Option<f64>, with: &Model) -> bool {
         // Where no observer follows the motion, its error says what a drive leaves.
-        let observed = self.model.setting.observer.hz > 0.0;
+        let observed = self.model.setting.observer.follows();
         if !observed || candidate.has_states() || !candidate.acts_at_motor() {
             return false;
         }
-        let both = self.torque_left(&self.model.fitted.drive);
-        let both = both.zip(self.torque_left(&with.fitted.drive));
+        let both = before.zip(self.torque_left(&with.fitted.drive));
         both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before)
     }
 
@@ -160,7 +171,7 @@ impl Round<'_> {
         }
         let Some(one) = judged.iter_mut().find(|one| one.weighed.small) else { return };
         // Behind an observer the error falls by other values of the base too.
-        let observed = self.model.setting.observer.hz > 0.0;
+        let observed = self.model.setting.observer.follows();
         if observed && !self.explains_torque(&one.model.fitted.drive) {
             return;
         }
@@ -174,9 +185,14 @@ impl Round<'_> {
     /// Whether the error falls to its floor, in the recordings of the fit and in those held out: but for
     /// what a formula that is right in its kind may leave.
     pub(super) fn explains_all(&self, model: &Model) -> bool {
-        let floor = self.floor(self.estimation) + self.floor(self.validation);
-        let excess = |it: &Model| it.fitted.squares.sum + it.validation.squares.sum - floor;
-        excess(model) <= self.rule.formula * excess(self.model)
+        // Each for itself: where the noise of one was taken for too large, it makes nothing good.
+        let floors = [self.estimation, self.validation].map(|evidence| self.floor(evidence));
+        let excess = |it: &Model| {
+            let sums = [it.fitted.squares.sum, it.validation.squares.sum];
+            sums.iter().zip(floors).map(|(sum, floor)| (sum - floor).max(0.0)).sum::<f64>()
+        };
+        let was = excess(self.model);
+        was > 0.0 && excess(model) <= self.rule.formula * was
     }
 
     /// Fitted in free run; nothing where no fit ends.
@@ -230,13 +246,12 @@ impl Round<'_> {
         with_learned(self.model, effect, self.estimation, self.validation, &seen).ok()
     }
 
-    /// Whether less torque stays unexplained with a curve, in the recordings held out, each drive at the
-    /// values of the balances.
-    pub(super) fn lowers_torque(&self, curve: &CurveWeight) -> bool {
+    /// Whether less torque stays unexplained with a curve than the base's, in the recordings held out, at
+    /// the values of the balances.
+    pub(super) fn lowers_torque(&self, before: Option<f64>, curve: &CurveWeight) -> bool {
         let mut with = self.model.fitted.drive.clone();
         with.effects.push(effect(&with, curve).0);
-        let left = |drive: &Drive| self.torque_left(&begin(drive, self.estimation).drive);
-        let both = left(&self.model.fitted.drive).zip(left(&with));
+        let both = before.zip(self.torque_left_at_balances(&with));
         both.is_none_or(|(before, after)| after * after <= (1.0 - self.rule.size) * before * before)
     }
 

@@ -75,17 +75,16 @@ pub fn discover_by(
     let explains = |of: &Discovery| left(of).is_none_or(|torque| torque.share <= 1.0);
     // Beside a base that follows the motion and explains less torque than another, every column may be
     // that of another machine.
-    let balanced = || model.by_balances(estimation, validation, &seen);
-    let mut other = None;
-    if model.setting.observer.hz > 0.0 {
-        other = balanced();
-        // Behind an observer the torque is what tells, where any of it is explained.
-        if let Some(other) = &other {
-            let begun = first_step(other, both, watch);
-            if explains(&begun) {
-                return Ok(Discovery { signals: wrong, ..search(other.clone(), begun) });
-            }
-        }
+    let balanced = || {
+        let other = model.by_balances(estimation, validation, &seen)?;
+        let begun = first_step(&other, both, watch);
+        Some((other, begun))
+    };
+    let observed = model.setting.observer.follows();
+    let mut other = if observed { balanced() } else { None };
+    // Behind an observer the torque is what tells, where any of it is explained.
+    if let Some((other, begun)) = other.take_if(|(_, begun)| explains(begun)) {
+        return Ok(Discovery { signals: wrong, ..search(other, begun) });
     }
     let found = search(model.clone(), begun);
     // Where no name comes of it, or none that explains torque, what is missing is asked once more beside
@@ -94,10 +93,12 @@ pub fn discover_by(
     if convinces || watch.stopped() {
         return Ok(Discovery { signals: wrong, ..found });
     }
-    let Some(other) = other.or_else(balanced) else {
+    if !observed {
+        other = balanced();
+    }
+    let Some((other, begun)) = other else {
         return Ok(Discovery { signals: wrong, ..found });
     };
-    let begun = first_step(&other, both, watch);
     let mut again = search(other, begun);
     if again.verdict == Verdict::None && found.verdict != Verdict::None {
         // Two bases that contradict each other do not say that nothing is missing.
@@ -113,7 +114,7 @@ pub fn discover_by(
 /// cannot be said of it that nothing is missing: more than there was, and behind an observer, where the
 /// torque is what tells, more than a third.
 fn explains_little(step: &LadderStep, observer: Observer) -> bool {
-    let most = if observer.hz > 0.0 { 1.0 / 3.0 } else { 1.0 };
+    let most = if observer.follows() { 1.0 / 3.0 } else { 1.0 };
     step.validation_unexplained.torque.is_some_and(|it| it.share > most)
 }
 
@@ -192,7 +193,7 @@ fn searched(
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
             // What a comparison sees of a motion that an observer follows is the observer's work too.
-            let free = model.setting.observer.hz == 0.0;
+            let free = !model.setting.observer.follows();
             if round == 0 && found.remaining == Verdict::None && free && !watch.stopped() {
                 let convicts = |it: &Finding| convicts(rule, it);
                 let contradicted = match watch.compares() {
@@ -237,7 +238,7 @@ fn searched(
             named.polished(estimation, validation, &seen).unwrap_or(named)
         };
         // Behind an observer, what comes next is asked beside what explains most torque.
-        let observed = named.setting.observer.hz > 0.0;
+        let observed = named.setting.observer.follows();
         model = observed.then(|| balanced(&named, &added)).flatten().unwrap_or(named);
         found.climb(Some(kind), &model, (estimation, validation), watch);
         while let Some((place, fewer)) = needless(&model, &added, (estimation, validation), watch) {

@@ -94,7 +94,7 @@ impl Round<'_> {
             one.refused = Some(IMPOSSIBLE.to_owned());
             return false;
         }
-        let observed = self.model.setting.observer.hz > 0.0;
+        let observed = self.model.setting.observer.follows();
         if observed {
             // Its motion tells little of the values, and so do their errors.
             return true;

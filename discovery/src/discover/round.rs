@@ -188,14 +188,19 @@ impl Round<'_> {
     /// answer of a controller.
     pub(super) fn unknown(&self, ground: &Ground, weights: &Weights) -> Option<CurveWeight> {
         let mut standing = weights.repeating().take_while(|curve| self.stands(curve)).take(CURVES);
-        if self.model.setting.observer.hz == 0.0 && ground.filtered().is_some() {
+        if !self.model.setting.observer.follows() && ground.filtered().is_some() {
             return standing.next().cloned();
         }
-        let one_speed = is_one_speed(self.estimation);
+        let standing: Vec<&CurveWeight> = standing.collect();
+        if standing.is_empty() {
+            return None;
+        }
+        let before = self.torque_left_at_balances(&self.model.fitted.drive);
         let shown = |curve: &&CurveWeight| {
-            !(one_speed && curve.curve.is_over_speed()) && self.lowers_torque(curve)
+            let answers = curve.curve.is_over_speed() && is_one_speed(self.estimation);
+            !answers && self.lowers_torque(before, curve)
         };
-        standing.find(shown).cloned()
+        standing.into_iter().find(shown).cloned()
     }
 
     /// Formulas that have more than that evidence, less what choosing one costs.

@@ -48,7 +48,7 @@ pub(crate) fn is_worse(
     left: Option<Unexplained>,
     least: Option<Unexplained>,
 ) -> bool {
-    let may = if setting.observer.hz > 0.0 { AS_WELL } else { IN_FREE_RUN };
+    let may = if setting.observer.follows() { AS_WELL } else { IN_FREE_RUN };
     left.zip(least).is_some_and(|(left, least)| left.rms > may * least.rms)
 }
 

@@ -124,7 +124,10 @@ pub fn fit_seen(
             tried = count;
             found
         } else {
-            search(&problem, base, &Options { starts: 1, ..*options }, seen)?.0
+            let near = Options { starts: 1, ..*options };
+            let found = search(&problem, base, &near, seen);
+            // A value that goes back alone may make no drive with the others.
+            found.or_else(|_| search(&problem, base, &Options { starts: 2, ..near }, seen))?.0
         };
         let more = not_identifiable(&problem, &found, base);
         if more.is_empty() {

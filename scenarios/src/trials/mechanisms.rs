@@ -1,6 +1,5 @@
 //! Ten mechanisms at random size and set point: detected, within the printed set, how large.
 
-use drivescope_diagnoser::bank::Cause;
 use drivescope_plant::sampled::rated_torque;
 use rand::RngExt;
 use serde::Serialize;
@@ -158,7 +157,7 @@ fn of_set_point(bench: &Bench, machine: &mut Machine, set_point: usize) -> Vec<C
         let judgement = bench.seen(process, bench.limits(true), rows, onset).judgement;
         let set = judgement.as_ref().map(|judgement| set(process, judgement));
         // To what is unknown no size is told.
-        let told = judgement.iter().filter(|it| matches!(it.cause, Cause::Mechanism(_)));
+        let told = judgement.iter().filter(|it| it.named().is_some());
         let mut candidates = told.flat_map(|judgement| &judgement.candidates);
         let scale = scale(bench, KINDS[kind]);
         let error = candidates.find(|it| id(it.mechanism) == KINDS[kind]).map(|it| {

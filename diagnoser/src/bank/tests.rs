@@ -2,6 +2,7 @@
 
 use super::testing::{ACTUATOR, BIAS, GAIN, HORIZON, LIMITS, Machine, OFF, Tank};
 use super::{BaselineError, Cause, Event, Judgement, Watch, learn, separation};
+use crate::memory::{recall, remember};
 
 /// What happens over `count` rows.
 fn events(watch: &mut Watch<2, Tank>, machine: &mut Machine, count: usize) -> Vec<Event> {
@@ -165,6 +166,31 @@ fn what_grew_stays_in_the_set_when_another_was_named_first() {
     }
     assert!(wrong_first > 0, "the rows tell them apart at once");
     assert!(in_sets.iter().all(|in_set| *in_set >= 38), "{in_sets:?} of {runs}");
+}
+
+#[test]
+fn a_watch_that_is_restored_while_a_fault_grows_judges_alike() {
+    let mut machine = Machine::new(500);
+    let mut watch = machine.watch();
+    let mut judged = Vec::new();
+    let mut other: Option<Watch<2, Tank>> = None;
+    let mut alike = 0;
+    for k in 0..500 {
+        machine.faults[GAIN] = 1.5e-3 * f64::from(k);
+        let row = machine.row();
+        let event = watch.step(&row);
+        if let Some(other) = &mut other {
+            assert_eq!(other.step(&row), event);
+            alike += usize::from(matches!(event, Some(Event::Judged(_))));
+        } else if let Some(Event::Judged(judgement)) = event {
+            // It was named, and the rows that it is known from go over too.
+            judged.push(judgement);
+            let mut copy = Watch::unlearned(Tank::new(), LIMITS, HORIZON);
+            recall(&mut copy, &remember(&mut watch)).expect("they are its own");
+            other = Some(copy);
+        }
+    }
+    assert!(judged[0].growth.is_some() && alike > 1, "{judged:?}, {alike} more");
 }
 
 #[test]

@@ -6,8 +6,8 @@
 
 use super::columns::Columns;
 use super::filter::Correction;
+use super::named::Named;
 use super::process::{Advanced, Belief, Process, Row, SENSORS, Sensed};
-use crate::memory::{Memory, MemoryError, Walk};
 
 /// Steps in which the size of a growing fault is filtered: they leave of its likelihood ratio 1 / 4 of the
 /// inverse square of this number, and a process under another fault costs more than a row.
@@ -33,21 +33,6 @@ pub(crate) struct Case<'a, const N: usize, P> {
     /// Logarithm of the likelihood of the rows before each, and of all, under the process of their
     /// beliefs; what was named holds for all rows before that.
     told: Vec<f64>,
-}
-
-/// A fault that was named after health: the rows from which it is known stay, for those that follow
-/// may tell that another mechanism grew.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Named {
-    /// First row at which it acted.
-    pub(crate) onset: usize,
-    /// The beliefs before rows up to this one, exclusive, are those of no fault.
-    pub(crate) healthy: usize,
-    /// First row after it was named, whose belief and all later ones hold it.
-    pub(crate) since: usize,
-    /// Logarithm of the likelihood that it gains over no fault: of all rows before it was named, over
-    /// those whose beliefs are healthy.
-    pub(crate) gain: f64,
 }
 
 /// A fault and how well it explains the rows.
@@ -242,21 +227,6 @@ impl<'a, const N: usize, P: Process<N>> Case<'a, N, P> {
             }
         }
         best
-    }
-}
-
-impl Named {
-    /// The same with its rows counted otherwise.
-    pub(crate) fn counted(self, row: impl Fn(usize) -> usize) -> Self {
-        let Self { onset, healthy, since, gain } = self;
-        Self { onset: row(onset), healthy: row(healthy), since: row(since), gain }
-    }
-}
-
-impl Memory for Named {
-    fn walk(&mut self, walk: &mut Walk) -> Result<(), MemoryError> {
-        walk.each([&mut self.onset, &mut self.healthy, &mut self.since])?;
-        self.gain.walk(walk)
     }
 }
 

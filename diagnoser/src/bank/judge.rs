@@ -1,7 +1,8 @@
 //! Which hypothesis explains what happened, and which others might.
 
 use super::examine::Examined;
-use super::hypothesis::{Acting, Case, Fit, Named};
+use super::hypothesis::{Acting, Case, Fit};
+use super::named::Named;
 use super::process::{Belief, Process, Row, SENSORS};
 
 /// Rows on either side of the alarm's onset in which the onset is looked for.

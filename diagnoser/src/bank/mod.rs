@@ -23,6 +23,7 @@ mod frozen;
 mod growing;
 mod hypothesis;
 mod judge;
+mod named;
 mod onsets;
 mod process;
 mod separation;

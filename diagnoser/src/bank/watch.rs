@@ -11,8 +11,9 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::frozen::Frozen;
-use super::hypothesis::{Case, Named};
+use super::hypothesis::Case;
 use super::judge::{Cause, Judgement, TWO_SIDED_95};
+use super::named::Named;
 use super::onsets::{OLDEST, Onsets};
 use super::process::{Belief, Process, Row, SENSORS};
 use super::squares::Squares;

@@ -3,10 +3,12 @@
 //! The torque balance J domega/dt + B_m omega + brake = K_m i - T_l, the voltage balance
 //! L di/dt + R i + K_e omega + drop = u: brake and drop are what the model's own right-hand side
 //! leaves of them. A parameter enters linearly if the difference that it makes is proportional to
-//! it, which is tried. Effects with states of their own are left out.
+//! it, which is tried. Effects with states of their own are left out there; of a drive as it is
+//! ([`Laws::of_drive`]) a load that moves by itself follows the motion that was measured.
 
-use drivescope_plant::drive::{Drive, Input};
-use drivescope_plant::model::{Applied, CURRENT, Model, POSITION, SPEED, field};
+use drivescope_plant::drive::{Drive, EffectData, Input};
+use drivescope_plant::effects::registry::Entry;
+use drivescope_plant::model::{self, Along, Applied, CURRENT, Model, SPEED, field};
 use drivescope_plant::parameters::NamedParameter;
 
 /// What the motor's own balances are made of.
@@ -33,39 +35,91 @@ pub(super) struct Laws {
 }
 
 impl Laws {
+    /// Of a drive without its effects that have states of their own.
     pub(super) fn new(drive: &Drive) -> Self {
         Self { model: without_states(drive).model(), drive: drive.clone() }
     }
 
-    /// Brake, N m (N), and drop, V.
-    pub(super) fn at(&self, point: &Point) -> [f64; 2] {
-        let Point { current, speed, angle, time } = *point;
-        let motor = &self.drive.motor;
-        let force = motor.input == Input::Force;
-        let mut x = vec![[0.0]; POSITION + 1];
-        (x[CURRENT], x[SPEED], x[POSITION]) = ([current], [speed], [angle]);
-        let u = if force { current } else { 0.0 };
-        let applied = Applied { u: [u], load: [0.0], time };
-        let mut rates = x.clone();
-        let sign = if speed < 0.0 { -1.0 } else { 1.0 };
-        field(&self.model, &x, &applied, &[sign], &mut rates, None);
-        let brake = motor.k_m * current - motor.b_m * speed - motor.j * rates[SPEED][0];
-        let [r, l, k_e] = [motor.r, motor.l, motor.k_e].map(|value| value.unwrap_or(0.0));
-        let drop = u - r * current - k_e * speed - l * rates[CURRENT][0];
-        [brake, if force { 0.0 } else { drop }]
+    /// Of a drive with what follows a motion ([`along_motion`]).
+    pub(super) fn of_drive(drive: &Drive) -> Self {
+        Self { model: along_motion(drive).model(), drive: drive.clone() }
     }
+
+    /// Brake, N m (N), and drop, V; own states at rest.
+    pub(super) fn at(&self, point: &Point) -> [f64; 2] {
+        let motor = &self.drive.motor;
+        let mut x = vec![[0.0]; self.model.states()];
+        x[..model::OWN].copy_from_slice(&self.motion(point).map(|value| [value]));
+        let mut rates = x.clone();
+        let applied = self.applied(point);
+        field(&self.model, &x, &applied, &[sign(point)], &mut rates, None);
+        let brake = self.brake(point, motor.j * rates[SPEED][0]);
+        let [r, l, k_e] = [motor.r, motor.l, motor.k_e].map(|value| value.unwrap_or(0.0));
+        let drop = applied.u[0] - r * point.current - k_e * point.speed - l * rates[CURRENT][0];
+        [brake, if motor.input == Input::Force { 0.0 } else { drop }]
+    }
+
+    /// Brake at points that are so far apart, s, one after the other, and the inertia of the shaft.
+    pub(super) fn along(&self, points: &[Point], period_s: f64) -> (Vec<f64>, f64) {
+        if self.model.states() == model::OWN {
+            return (points.iter().map(|point| self.at(point)[0]).collect(), self.drive.motor.j);
+        }
+        let mut along = Along::new(self.model.clone(), period_s);
+        let mut inertia = self.drive.motor.j;
+        let next = points.iter().skip(1).chain(points.last());
+        let brake = points.iter().zip(next).map(|(point, next)| {
+            let (applied, sign) = (self.applied(point), sign(point));
+            let both = [point, next].map(|point| self.motion(point));
+            let [torque, of_shaft] = along.balance(&applied, sign, both[0]);
+            along.advance(&applied, sign, both);
+            inertia = of_shaft;
+            self.brake(point, torque)
+        });
+        (brake.collect(), inertia)
+    }
+
+    fn motion(&self, point: &Point) -> [f64; model::OWN] {
+        [point.current, point.speed, point.angle]
+    }
+
+    fn applied(&self, point: &Point) -> Applied<f64, 1> {
+        let force = self.drive.motor.input == Input::Force;
+        let u = if force { point.current } else { 0.0 };
+        Applied { u: [u], load: [0.0], time: point.time }
+    }
+
+    /// What the drive's own laws take where its shaft is left with so much torque.
+    fn brake(&self, point: &Point, torque: f64) -> f64 {
+        let motor = &self.drive.motor;
+        motor.k_m * point.current - motor.b_m * point.speed - torque
+    }
+}
+
+fn sign(point: &Point) -> f64 {
+    if point.speed < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// The drive without the effects of which a motion that was measured does not tell the states: a load
+/// that moves by itself follows it.
+pub(super) fn along_motion(drive: &Drive) -> Drive {
+    without(drive, |effect| Entry::find(&effect.kind).is_some_and(Entry::has_load))
 }
 
 /// The drive without the effects that have states of their own.
 pub(super) fn without_states(drive: &Drive) -> Drive {
+    without(drive, |_| false)
+}
+
+/// The same but for those that are `kept`.
+fn without(drive: &Drive, kept: impl Fn(&EffectData) -> bool) -> Drive {
     let mut plain = drive.clone();
     plain.controller = None;
     let mut k = 0;
     while k < plain.effects.len() {
         let states = plain.model().states();
         let mut without = plain.clone();
-        without.effects.remove(k);
-        if without.model().states() < states { plain = without } else { k += 1 }
+        let effect = without.effects.remove(k);
+        if without.model().states() < states && !kept(&effect) { plain = without } else { k += 1 }
     }
     plain
 }

@@ -26,7 +26,7 @@ use serde::Serialize;
 use crate::estimate::Evidence;
 use crate::measured::Measured;
 use crate::settling::{damping, mechanical_time_s};
-use laws::without_states;
+use laws::{along_motion, without_states};
 use runs::{Run, runs};
 use voltage::VoltageWindows;
 use windows::{Reading, Windows};
@@ -137,7 +137,7 @@ impl Balances {
 /// as short as noise allows; none where the balance was not measured, or the drive has states
 /// that were not.
 pub fn unexplained(drive: &Drive, evidence: &Evidence) -> [Option<Unexplained>; 2] {
-    let plain = without_states(drive);
+    let plain = along_motion(drive);
     if plain.effects.len() < drive.effects.len() {
         return [None; 2];
     }

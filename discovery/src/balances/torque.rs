@@ -91,11 +91,11 @@ fn at_nominal(zero: &Drive, parameter: &NamedParameter) -> Option<Laws> {
 /// What the drive leaves unexplained of the torque, window by window, and the applied torque.
 fn missing<'a>(windows: &'a Windows, drive: &'a Drive) -> impl Iterator<Item = [f64; 2]> + 'a {
     let motor = &drive.motor;
-    let brake = windows.braked(&Laws::new(drive));
+    let (brake, inertia) = windows.along(&Laws::of_drive(drive));
     windows.moving().map(move |(r, k)| {
         let run = &windows.runs[r];
         let applied = motor.k_m * run.driver[k];
-        let needed = motor.j * run.acceleration[k] + motor.b_m * run.speed[k] + brake[r][k];
+        let needed = inertia * run.acceleration[k] + motor.b_m * run.speed[k] + brake[r][k];
         [applied - run.load[k] - needed, applied]
     })
 }

@@ -152,11 +152,15 @@ impl Windows {
 
     /// The brake of these laws averaged over the windows of each run.
     pub(super) fn braked(&self, laws: &Laws) -> Vec<Vec<f64>> {
-        let of = |run: &Averaged| {
-            let brake: Vec<f64> = run.points.iter().map(|point| laws.at(point)[0]).collect();
-            averaged(&brake, self.length)
-        };
-        self.runs.iter().map(of).collect()
+        self.along(laws).0
+    }
+
+    /// The same, with the inertia of the shaft.
+    pub(super) fn along(&self, laws: &Laws) -> (Vec<Vec<f64>>, f64) {
+        let each = self.runs.iter().map(|run| laws.along(&run.points, self.period_s));
+        let (braked, inertias): (Vec<_>, Vec<_>) = each.unzip();
+        let braked = braked.iter().map(|brake| averaged(brake, self.length)).collect();
+        (braked, inertias.first().copied().unwrap_or(f64::NAN))
     }
 }
 

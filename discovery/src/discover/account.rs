@@ -69,6 +69,17 @@ impl Discovery {
         self.refuse(kind, remaining, &format!("not needed beside {beside}"));
     }
 
+    /// Tells of nothing that was added any more, and that what is missing is unknown; the ladder ends with
+    /// the base.
+    pub(super) fn take_all_back(&mut self, base: &Model, why: &str) {
+        let named = std::mem::take(&mut self.named);
+        named.iter().for_each(|kind| self.refuse(kind, &[], why));
+        self.ladder.truncate(1);
+        self.parameters.clone_from(&base.fitted.parameters);
+        (self.remaining, self.learned, self.closer_than) = (Verdict::Unknown, None, None);
+        self.formulas.clear();
+    }
+
     /// Tells of formulas in the place of a law or, where that is of the right kind, of what is left as
     /// of its form; the drive that remains.
     pub(super) fn put(

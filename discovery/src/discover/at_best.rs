@@ -23,9 +23,9 @@ const STARTS: usize = 2;
 const FARTHER: [f64; 2] = [5.0, 25.0];
 
 impl Round<'_> {
-    /// Laws that are worth a fit: the most probable; what excludes the best of them, for only fits
-    /// tell which it is; and laws without a derivative at their null where a curve shows something
-    /// over their variables. Those of two masses come by themselves ([`Round::of_two`]).
+    /// Laws that are worth a fit: the most probable; what every machine has; what excludes the best of
+    /// them, for only fits tell which it is; and laws without a derivative at their null where a curve
+    /// shows something over their variables. Those of two masses come by themselves ([`Round::of_two`]).
     fn promising<'w>(&self, weights: &'w Weights) -> Vec<&'w LawWeight> {
         let candidate = |it: &LawWeight| &self.all[it.candidate];
         let of_one = || weights.laws.iter().filter(|it| !self.is_of_free_run(candidate(it)));
@@ -46,7 +46,9 @@ impl Round<'_> {
             let over = &self.all[it.candidate].fails_over;
             curve.is_some_and(|it| it.curve.variables().iter().any(|v| over.contains(v)))
         };
-        let beside = |it: &&LawWeight| instead(it) || (!candidate(it).is_linear() && shown(it));
+        let basic = |it: &LawWeight| candidate(it).info.basic && is_evident(it);
+        let bends = |it: &LawWeight| !candidate(it).is_linear() && shown(it);
+        let beside = |it: &&LawWeight| basic(it) || instead(it) || bends(it);
         let beside: Vec<&LawWeight> = of_one().filter(beside).collect();
         for one in beside {
             if promising.iter().all(|it| it.candidate != one.candidate) {
@@ -65,14 +67,22 @@ impl Round<'_> {
     }
 
     /// Laws of two masses: far from their nulls they are told only by their fits, which take long.
-    /// All of them, where one promises a part of what those that convince have.
-    fn of_two<'w>(&self, weights: &'w Weights, fitted: &[Judged]) -> Vec<&'w LawWeight> {
+    /// All of them, where one promises a part of what those that convince have, or along a known
+    /// motion, where a fit takes little.
+    fn of_two<'w>(
+        &self,
+        ground: &Ground,
+        weights: &'w Weights,
+        fitted: &[Judged],
+    ) -> Vec<&'w LawWeight> {
         let convince = fitted.iter().filter(|one| one.refused.is_none());
         let most = convince.fold(0.0_f64, |most, one| most.max(one.weighed.evidence));
         let of_two = |it: &&LawWeight| self.is_of_free_run(&self.all[it.candidate]);
         let two = || weights.laws.iter().filter(of_two);
+        let quick = ground.filtered().is_none();
         let promises = |it: &LawWeight| {
-            self.looks_beside() || (is_evident(it) && it.evidence >= MASSES * most)
+            let evident = || is_evident(it) && (quick || it.evidence >= MASSES * most);
+            self.looks_beside() || evident()
         };
         if two().any(promises) { two().collect() } else { Vec::new() }
     }
@@ -112,7 +122,7 @@ impl Round<'_> {
             for name in &it.frozen {
                 model.fitted.drive.fixed.push(format!("{}.{name}", it.id));
             }
-            Some(Judged { candidate: weight.candidate, model, weighed, refused: None })
+            Some(Judged::of(weight.candidate, model, weighed))
         };
         let best = |weight: &&LawWeight| {
             let it = &self.all[weight.candidate];
@@ -157,7 +167,7 @@ impl Round<'_> {
         weights: &Weights,
         judged: &mut Vec<Judged>,
     ) -> bool {
-        let two = self.of_two(weights, judged);
+        let two = self.of_two(ground, weights, judged);
         self.join(ground, weights, &two, judged)
     }
 

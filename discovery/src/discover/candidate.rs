@@ -88,6 +88,11 @@ impl Candidate {
         Entry::find(self.info.id).is_some_and(|entry| !entry.states.is_empty())
     }
 
+    /// Whether it parts the load from the motor, so that the load moves by itself.
+    pub(crate) fn has_load(&self) -> bool {
+        Entry::find(self.info.id).is_some_and(Entry::has_load)
+    }
+
     /// The drive with this variant in it.
     pub(crate) fn added(&self, drive: &Drive, variant: &Variant) -> Drive {
         let mut with = drive.clone();

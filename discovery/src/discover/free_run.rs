@@ -36,6 +36,7 @@ impl Round<'_> {
     /// Fits the candidates that are not refused in free run, the first first, until one makes less
     /// of the validation data unexplained: the last word is that of the error. Where the motion
     /// hides what drives it, in a closed loop or behind an observer, that is the error of the torque.
+    /// One that was found to lower it before, among fewer, still does.
     pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
         let left = [ground.drive(), &self.model.fitted.drive].map(|drive| self.torque_left(drive));
         // What is far less probable than one over the same variables that does not lower the error is
@@ -49,8 +50,14 @@ impl Round<'_> {
                 one.refused = Some("a better one does not lower the error".to_owned());
                 continue;
             }
+            if one.lowers {
+                break;
+            }
             match self.fitted_lowers(ground, left, one) {
-                Ok(()) if self.stands_apart(one) => break,
+                Ok(()) if self.stands_apart(one) => {
+                    one.lowers = true;
+                    break;
+                }
                 Ok(()) => {}
                 Err(NotLower::NoFit(why)) => one.refused = Some(why.to_owned()),
                 Err(NotLower::Fitted(why)) => {
@@ -80,16 +87,24 @@ impl Round<'_> {
         let error = |model: &Model| model.validation.squares.error();
         let was = error(self.model);
         let (_, size) = self.asked(self.is_further(one));
-        let less = 1.0 - size;
         // Where the torque was the datum, its error decides, and a fit to the motion would only
         // move the parameters away.
         if ground.filtered().is_none()
-            && both.is_some_and(|(before, after)| after * after <= less * before * before)
-            && let Some(model) = unfitted().filter(|model| error(model) <= was)
+            && let Some((before, after)) = both
         {
-            one.model = model;
-            one.weighed.by_balance = true;
-            return Ok(());
+            let taken = 1.0 - (after / before).powi(2);
+            if taken < self.rule.formula {
+                let taken = 100.0 * taken.max(0.0);
+                return Err(NotLower::Fitted(format!(
+                    "it takes {taken:.1} % of what is unexplained of the torque on the validation \
+                     data away only"
+                )));
+            }
+            if let Some(model) = unfitted().filter(|model| error(model) <= was) {
+                one.model = model;
+                one.weighed.by_balance = true;
+                return Ok(());
+            }
         }
         let model = self.in_free_run(one).ok_or(NotLower::NoFit("no fit with it ends"))?;
         if candidate.vanishes_in(&model.fitted.drive) {

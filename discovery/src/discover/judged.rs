@@ -11,6 +11,15 @@ pub(crate) struct Judged {
     pub(crate) weighed: Weighed,
     /// Why it is not named.
     pub(crate) refused: Option<String>,
+    /// Whether the error was found to fall with it.
+    pub(crate) lowers: bool,
+}
+
+impl Judged {
+    /// Not yet judged.
+    pub(crate) fn of(candidate: usize, model: Model, weighed: Weighed) -> Self {
+        Self { candidate, model, weighed, refused: None, lowers: false }
+    }
 }
 
 /// The evidence of a fitted candidate.

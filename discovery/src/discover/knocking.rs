@@ -31,7 +31,7 @@ impl FreeRunFit {
     /// As a fitted candidate of that number.
     pub(super) fn judged(self, candidate: usize) -> Judged {
         let weighed = Weighed::of(self.evidence, self.size);
-        Judged { candidate, model: self.model, weighed, refused: None }
+        Judged::of(candidate, self.model, weighed)
     }
 }
 

@@ -36,6 +36,8 @@ const HAS_IT: &str = "the drive has it already, with coefficients that are not 0
 const OVERFLOWS: &str = "the model overflows with it";
 /// Why an effect is not added with which no fit ends.
 const NO_FIT: &str = "no fit with it ends";
+/// Why nothing is named where the validation recordings contradict the others more than that explains.
+const OUTDONE: &str = "other values of the base explain more of the validation data";
 /// Starts of the base fit: the file's values may be far off.
 const STARTS: usize = 2;
 
@@ -127,6 +129,7 @@ fn searched(
     (mut model, mut found): (Model, Discovery),
     watch: &dyn Watch,
 ) -> Discovery {
+    let base = model.clone();
     let mut added: Vec<Added> = Vec::new();
     let mut randomness = None;
     let mut rebased = false;
@@ -248,6 +251,10 @@ fn searched(
             let last = added.last().map(|it| it.kind.clone());
             found.climb(last, &model, (estimation, validation), watch);
         }
+    }
+    if other_machine::outdoes(&found) {
+        found.take_all_back(&base, OUTDONE);
+        model = base;
     }
     found.end(model.fitted.drive, of_user);
     found.verdict = if found.named.is_empty() { found.remaining } else { Verdict::Named };

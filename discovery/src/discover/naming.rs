@@ -169,6 +169,15 @@ impl Round<'_> {
         }
     }
 
+    /// Puts what every machine has before all others that pass: what stands in its place is asked again
+    /// beside it.
+    pub(super) fn basic_first(&self, judged: &mut [Judged]) {
+        judged.sort_by_key(|one| {
+            let basic = self.all[one.candidate].info.basic && one.refused.is_none();
+            u8::from(!basic)
+        });
+    }
+
     /// What the recordings do not tell from it: laws with as much evidence, and one that has more and
     /// excludes it, for only one of them can stand in the drive.
     pub(crate) fn confusion_set(&self, one: &Judged, outcome: &Outcome) -> Vec<String> {

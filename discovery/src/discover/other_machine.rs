@@ -4,6 +4,7 @@
 //! parameters of their own, their machine is another one, or was in another state.
 
 use super::refit::Model;
+use super::report::Discovery;
 use crate::doubt::Doubt;
 use crate::estimate::{Evidence, Options, fit};
 
@@ -11,6 +12,8 @@ use crate::estimate::{Evidence, Options, fit};
 const WORSE: f64 = 1.5;
 /// Share of the validation error that its own parameters must leave at most.
 const EXPLAINED: f64 = 0.5;
+/// Share of what parameters of its own explain below which a name explains little.
+const LITTLE: f64 = 0.5;
 
 /// The doubt about a fitted base and these validation recordings.
 pub(crate) fn doubt(model: &Model, validation: &Evidence) -> Option<Doubt> {
@@ -40,4 +43,18 @@ pub(crate) fn doubt(model: &Model, validation: &Evidence) -> Option<Doubt> {
         there: there.value,
         unit: here.unit.clone(),
     })
+}
+
+/// Whether what was named explains less of the validation recordings than parameters of their own would:
+/// then it is not what is missing there. Of the squared error less than half as much.
+pub(super) fn outdoes(found: &Discovery) -> bool {
+    let Some(last) = found.ladder.last() else { return false };
+    let better = |doubt: &Doubt| match doubt {
+        Doubt::OtherMachine { error, own_error, .. } => {
+            let taken = |left: f64| error * error - left * left;
+            taken(last.validation_error) < LITTLE * taken(*own_error)
+        }
+        _ => false,
+    };
+    !found.named.is_empty() && found.doubts.iter().any(better)
 }

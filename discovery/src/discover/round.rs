@@ -165,6 +165,7 @@ impl Round<'_> {
         let mut judged = self.of_one_mass(ground, weights);
         let decide = |judged: &mut Vec<Judged>| {
             self.simplest_of_equal(judged);
+            self.basic_first(judged);
             self.fit_first(ground, judged);
         };
         let convinced = judged.iter().any(|one| one.refused.is_none());

@@ -2,7 +2,7 @@
 
 use drivescope_numerics::Dual;
 use drivescope_plant::drive::Drive;
-use drivescope_plant::model::{Applied, Model, OWN, SPEED, field};
+use drivescope_plant::model::{Applied, Model, OWN, SPEED, acting, field};
 use drivescope_plant::sampled::DelayLine;
 
 use super::rows::{LANES, NO_ROWS, Rows};
@@ -22,6 +22,13 @@ pub(super) struct Plant<'a, const P: usize> {
     /// Rates of the states, and their own decay rates where they are stiff, 1/s.
     pub(super) rate: Vec<[Dual<P>; 1]>,
     decay: Vec<[Dual<P>; 1]>,
+}
+
+/// Sign of the motion in which a shaft goes at a speed, 0 where dry friction holds it.
+pub(super) fn sign<const P: usize>(model: &Model<Dual<P>, 1>, direction: f64, speed: f64) -> f64 {
+    // A law that replaces dry friction knows no rest.
+    let resting = direction == 0.0 && !model.dry();
+    if resting { 1.0_f64.copysign(speed) } else { direction }
 }
 
 fn constant<const P: usize>(v: f64) -> Dual<P> {
@@ -114,34 +121,21 @@ impl<'a, const P: usize> Plant<'a, P> {
     ) {
         let applied = self.impose(state, seed);
         self.decay.fill([constant(0.0)]);
-        // A law that replaces dry friction knows no rest.
-        let resting = direction == 0.0 && !self.model.dry();
-        let sign = if resting { 1.0_f64.copysign(self.x[1][0].v) } else { direction };
+        let sign = sign(&self.model, direction, state[SPEED]);
         let (rate, decay) = (&mut self.rate, &mut self.decay);
         field(&self.model, &self.x, &applied, &[sign], rate, Some(decay.as_mut_slice()));
     }
 
-    /// Torque (force) that accelerates the shaft by the rates that were set.
-    pub(super) fn torque(&self) -> Dual<P> {
-        self.model.motors.j[0] * self.rate[SPEED][0]
-    }
-
-    /// The inertia.
-    pub(super) fn inertia(&self) -> Dual<P> {
-        self.model.motors.j[0]
+    /// The model, and what acts over this sample.
+    pub(super) fn held(&self) -> (&Model<Dual<P>, 1>, &Applied<Dual<P>, 1>) {
+        (&self.model, &self.held)
     }
 
     /// Advances the own states that are not imposed, by the rates that were set.
     pub(super) fn advance(&mut self) {
         let period = self.measured.period_s;
         for place in self.imposed..self.x.len() {
-            let decay = self.decay[place][0].v;
-            // How long a rate acts on a state that decays with it.
-            let acting = if decay * period < 1e-9 {
-                period
-            } else {
-                (1.0 - (-decay * period).exp()) / decay
-            };
+            let acting = acting(self.decay[place][0].v, period);
             self.x[place][0] = self.x[place][0] + self.rate[place][0] * constant(acting);
         }
     }

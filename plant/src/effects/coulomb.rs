@@ -12,6 +12,7 @@ pub struct Coulomb;
 
 impl Effect<1, 0> for Coulomb {
     const INFO: Info = Info {
+        basic: true,
         dissipates: true,
         dry: true,
         fails_over: &[Variable::OmegaSign],

@@ -161,6 +161,8 @@ pub struct Info {
     pub distorts: Option<Variable>,
     /// Whether it holds back what drives, and stands in no balance.
     pub delays: bool,
+    /// Whether every machine has it: of a drive without it, it is the first that is asked for.
+    pub basic: bool,
     /// Whether it raises the level of dry friction.
     pub dry: bool,
     /// Whether it replaces the jump of dry friction at rest by its own state.
@@ -200,6 +202,7 @@ impl Info {
             unweighed: None,
             distorts: None,
             delays: false,
+            basic: false,
             dry: false,
             replaces_dry: false,
             dissipates: false,

@@ -9,7 +9,9 @@ use std::array::from_fn;
 use drivescope_numerics::Real;
 
 use super::custom;
-use super::law::{Effect, Info, OutputLanes, Outputs, OwnState, Parameter, Sum, Sums, View, Views};
+use super::law::{
+    Beside, Effect, Info, OutputLanes, Outputs, OwnState, Parameter, Sum, Sums, View, Views,
+};
 
 /// An effect in a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -158,6 +160,11 @@ impl Entry {
     /// The effect of that identifier.
     pub fn find(id: &str) -> Option<&'static Self> {
         REGISTRY.iter().find(|entry| entry.info.id == id)
+    }
+
+    /// Whether it parts the load from the motor, so that the load moves by itself.
+    pub fn has_load(&self) -> bool {
+        self.states.iter().any(|state| state.beside == Some(Beside::LoadSpeed))
     }
 }
 

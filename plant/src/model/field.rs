@@ -116,10 +116,43 @@ pub(crate) fn field_at<R: Real, const N: usize>(
     };
     let at = views(model, x, applied, time, sign);
     let mut sum = empty(inverses);
-    add_up(model, x, &at, &mut sum);
+    close(model, x, &at, (sign, inverses), &mut sum, dx);
+    own_rates(model, x, &at, &sum, dx, lambda);
+}
+
+/// The same along a motion that is known: the shaft has that acceleration, whatever gives it, and own
+/// states follow it; `dx` holds what the balances say of current and speed. The inertia of the shaft.
+pub(super) fn field_along<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    (applied, acceleration): (&Applied<R, N>, &[R; N]),
+    sign: &[f64; N],
+    dx: &mut [[R; N]],
+    lambda: &mut [[R; N]],
+) -> [R; N] {
+    let at = views(model, x, applied, applied.time, sign);
+    let inverses = model.motors.inverses();
+    let mut sum = empty(&inverses);
+    close(model, x, &at, (sign, &inverses), &mut sum, dx);
+    sum.acceleration = *acceleration;
+    own_rates(model, x, &at, &sum, dx, Some(lambda));
+    sum.inverse_inertia.map(|inverse| R::one() / inverse)
+}
+
+/// Adds up the effects and closes the balances: the rates of current, speed and position.
+#[inline(always)]
+fn close<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    at: &Views<'_, R, N>,
+    (sign, inverses): (&[f64; N], &Inverses<R, N>),
+    sum: &mut Sums<R, N>,
+    dx: &mut [[R; N]],
+) {
+    add_up(model, x, at, sum);
     let motors = &model.motors;
     for l in 0..N {
-        let net = net(model, &at, &sum, l);
+        let net = net(model, at, sum, l);
         let level = R::select(sign[l] > 0.0, sum.forward[l], -sum.backward[l]);
         let slipping = if model.dry { net - level } else { net };
         let sticks = model.dry && sign[l] == 0.0;
@@ -133,15 +166,27 @@ pub(crate) fn field_at<R: Real, const N: usize>(
         dx[SPEED][l] = sum.acceleration[l];
         dx[POSITION][l] = at.omega[l];
     }
+}
+
+/// Rates of the own states, and their decay rates.
+#[inline(always)]
+fn own_rates<R: Real, const N: usize>(
+    model: &Model<R, N>,
+    x: &[[R; N]],
+    at: &Views<'_, R, N>,
+    sum: &Sums<R, N>,
+    dx: &mut [[R; N]],
+    lambda: Option<&mut [[R; N]]>,
+) {
     if model.own_states == 0 {
         return;
     }
     for part in &model.placed {
-        part.rate(&model.p, &x[OWN..], &at, &sum, &mut dx[OWN..]);
+        part.rate(&model.p, &x[OWN..], at, sum, &mut dx[OWN..]);
     }
     if let Some(lambda) = lambda {
         for part in &model.placed {
-            part.decay(&model.p, &x[OWN..], &at, &sum, &mut lambda[OWN..]);
+            part.decay(&model.p, &x[OWN..], at, sum, &mut lambda[OWN..]);
         }
     }
 }

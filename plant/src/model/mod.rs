@@ -1,5 +1,6 @@
 //! The continuous drive: motor, placed effects, and the one right-hand side of (20)-(23).
 
+mod along;
 mod beside;
 mod build;
 mod control;
@@ -15,6 +16,7 @@ use crate::effects::custom::Law;
 use crate::effects::law::{Beside, Info, OutputLanes};
 use crate::effects::registry::{Kind, Placed, REGISTRY};
 
+pub use along::{Along, acting};
 pub use control::{Control, Controlled, Controls};
 pub(crate) use field::field_at;
 pub use field::{AtRest, at_rest, field};

@@ -139,7 +139,10 @@ impl Inverse {
 
     /// Whether the balance of torques along a known motion tells of that law.
     pub(crate) fn tells(&self, candidate: &Candidate) -> bool {
-        candidate.is_linear() && !candidate.info.stiff && candidate.acts_at_motor()
+        let plain = candidate.is_linear() && !candidate.info.stiff;
+        // A load that moves by itself follows the motion too; when its teeth meet, nobody knows.
+        let follows = candidate.has_load() && !candidate.info.knocks;
+        (plain || follows) && candidate.acts_at_motor()
     }
 }
 
@@ -161,7 +164,28 @@ fn known_motion(scene: &Scene) -> Option<Vec<Windows>> {
     }
     let lasts = each().map(|it| it.measured.len() as f64 * it.measured.period_s);
     let longest_s = lasts.fold(0.0, f64::max);
-    each().map(|it| Windows::of(it, every(&it.measured, longest_s))).collect()
+    let of = |finer: usize| -> Option<Vec<Windows>> {
+        each().map(|it| Windows::of(it, every(&it.measured, longest_s, finer))).collect()
+    };
+    let torque = KNOWN * driving(scene);
+    let quiet = |it: &Windows| scene.drive.motor.j * it.acceleration_sd <= torque;
+    // A motion that turns often hardly goes one way throughout a window: shorter ones then, as far as
+    // noise allows.
+    let (mut windows, mut finer) = (of(1)?, 1);
+    let hardly = |windows: &[Windows]| {
+        let moving_s: f64 = windows.iter().map(Windows::moving_s).sum();
+        2.0 * moving_s < windows.iter().map(|it| it.one_way_s).sum()
+    };
+    while hardly(&windows) {
+        finer *= 2;
+        let shorter = of(finer)?;
+        let same = shorter.iter().zip(&windows).all(|(it, was)| it.len() == was.len());
+        if same || !shorter.iter().all(quiet) {
+            break;
+        }
+        windows = shorter;
+    }
+    Some(windows)
 }
 
 /// The scene, with a greater inertia where it has less than what takes [`UNIDENTIFIED_INERTIA`] of the

@@ -124,7 +124,7 @@ impl Table {
                 missing: matrix(&[missing], windows.len()),
                 begins: windows.begins.clone(),
                 used: windows.moves.clone(),
-                apart_s: windows.apart_s(it.measured.period_s),
+                apart_s: windows.apart_s(),
                 held_out: it.held_out,
                 feedback: feedback(it, windows),
             });

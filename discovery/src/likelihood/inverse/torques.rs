@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use drivescope_numerics::Dual;
 use drivescope_plant::drive::Drive;
+use drivescope_plant::model::{Along, OWN, SPEED};
 
-use super::super::plant::Plant;
+use super::super::plant::{Plant, sign};
 use super::super::rows::LANES;
 use super::super::scene::Recorded;
 use super::windows::Windows;
@@ -44,22 +45,37 @@ fn rows(it: &Recorded, drive: &Drive, windows: &Windows, names: &[String]) -> Ve
         Some(place) => Number::parameter(value, place),
         None => Number { v: value, d: [0.0; LANES] },
     };
-    let constant = |v: f64, _: usize| Number { v, d: [0.0; LANES] };
+    let constant = |v: f64| Number { v, d: [0.0; LANES] };
     let mut plant = Plant::new(drive, &it.measured, 0, seed);
-    let inertia = plant.inertia();
-    let of = |acceleration: &f64| inertia * constant(*acceleration, 0);
-    let mut rows: Vec<Number> = windows.acceleration.iter().map(of).collect();
-    for piece in 0..windows.pieces().len() {
+    let mut along = Along::new(plant.held().0.clone(), it.measured.period_s);
+    let at = |k: usize| {
+        let point = &windows.motion[k];
+        std::array::from_fn::<_, OWN, _>(|place| constant(point[place]))
+    };
+    let follows = |k: usize| {
+        let mut point = at(k);
+        point[SPEED] = constant(windows.speed[k]);
+        point
+    };
+    let mut rows = vec![constant(0.0); windows.len()];
+    let mut inertia = constant(drive.motor.j);
+    for (number, piece) in windows.pieces().iter().enumerate() {
         plant.begin();
-        for (k, weights) in windows.weights(piece) {
+        along.begin();
+        for (k, weights) in windows.weights(number) {
             plant.enter(k);
-            plant.rates(&windows.motion[k], it.direction.at(k), constant);
-            let torque = plant.torque();
+            let (model, held) = plant.held();
+            let sign = sign(model, it.direction.at(k), windows.motion[k][SPEED]);
+            let [torque, of_shaft] = along.balance(held, sign, at(k));
+            inertia = of_shaft;
             for (window, weight) in weights.into_iter().flatten() {
-                rows[window] -= torque * constant(weight, 0);
+                rows[window] -= torque * constant(weight);
             }
-            plant.advance();
+            along.advance(held, sign, [follows(k), follows((k + 1).min(piece.end - 1))]);
         }
+    }
+    for (row, acceleration) in rows.iter_mut().zip(&windows.acceleration) {
+        *row += inertia * constant(*acceleration);
     }
     rows
 }

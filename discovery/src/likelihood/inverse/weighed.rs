@@ -1,5 +1,6 @@
 //! What every law at its null, and every free curve, would explain of the torque.
 
+use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::grid::Spans;
 use drivescope_plant::effects::law::Variable;
 use drivescope_plant::model::{POSITION, SPEED};
@@ -76,11 +77,31 @@ impl Inverse {
             (0..shared.laws.len()).into_par_iter().flat_map_iter(pass).unzip()
         };
         let (columns, grows): (Vec<_>, Vec<_>) = (0..scene.recordings.len()).map(laws).unzip();
+        // A law without a derivative at its null, shape by shape with the change as it is.
+        let shapes: Vec<(usize, usize)> = identified
+            .iter()
+            .enumerate()
+            .filter(|(_, it)| !it.is_linear())
+            .flat_map(|(candidate, it)| (0..it.variants.len()).map(move |shape| (candidate, shape)))
+            .collect();
+        let changes = |recording: usize| -> Vec<Vec<f64>> {
+            let (it, windows) = (&scene.recordings[recording], &windows[recording]);
+            let missing = |drive: &Drive| Torques::of(it, drive, windows, &[]).missing;
+            let without = missing(&it.drive);
+            let change = |(candidate, shape): &(usize, usize)| -> Vec<f64> {
+                let it_is = &identified[*candidate];
+                let with = missing(&it_is.added(&it.drive, &it_is.variants[*shape]));
+                without.iter().zip(with).map(|(without, with)| without - with).collect()
+            };
+            shapes.par_iter().map(change).collect()
+        };
+        let changes: Vec<_> = (0..scene.recordings.len()).map(changes).collect();
         let groups: Vec<usize> = shared
             .laws
             .iter()
             .flatten()
             .map(|(candidate, _)| identified[*candidate].coefficients.len())
+            .chain(shapes.iter().map(|_| 1))
             .chain(free.iter().map(|(_, curve)| curve.knots.len()))
             .collect();
         let further = |recording: usize| {
@@ -89,10 +110,8 @@ impl Inverse {
                 of(curve).into_iter().map(move |column| (column, sd.unwrap_or(0.0)))
             });
             let free = free.iter().flat_map(|(_, curve)| of(curve));
-            Columns {
-                background: known.collect(),
-                judged: columns[recording].iter().cloned().chain(free).collect(),
-            }
+            let laws = columns[recording].iter().chain(&changes[recording]).cloned();
+            Columns { background: known.collect(), judged: laws.chain(free).collect() }
         };
         let table = Table::of(scene, windows, self.torque, &groups, further);
         let background = table.terms.columns.len();
@@ -103,13 +122,19 @@ impl Inverse {
             law_columns.push(LawColumns { candidate: *candidate, variant: *variant, columns });
             next += count;
         }
+        for (candidate, variant) in &shapes {
+            let (candidate, variant) = (*candidate, *variant);
+            law_columns.push(LawColumns { candidate, variant, columns: vec![next] });
+            next += 1;
+        }
         let mut take = |curve: &Curve| {
             next += curve.knots.len();
             (curve.clone(), (next - curve.knots.len()..next).collect::<Vec<usize>>())
         };
         let free: Vec<(Curve, Vec<usize>)> = free.iter().map(|(_, curve)| take(curve)).collect();
         let growth = |law: &LawColumns| -> Option<DMatrix<f64>> {
-            if law.columns.iter().any(|column| grows[0][column - background].is_empty()) {
+            let grow = |column: &usize| grows[0].get(column - background);
+            if law.columns.iter().any(|column| grow(column).is_none_or(Vec::is_empty)) {
                 return None;
             }
             let mut rows = Vec::new();

@@ -27,6 +27,8 @@ pub(super) struct Windows {
     pieces: Vec<Range<usize>>,
     /// The motion over each sample: speed and position in its middle.
     pub(super) motion: Vec<Vector>,
+    /// Speed over each sample by its ends: what follows the motion by its own inertia smooths it.
+    pub(super) speed: Vec<f64>,
     /// What the second difference of the position says of each window, rad/s^2 (m/s^2), and the
     /// standard deviation of it.
     pub(super) acceleration: Vec<f64>,
@@ -35,11 +37,17 @@ pub(super) struct Windows {
     pub(super) begins: Vec<bool>,
     /// Whether the shaft moves in one direction throughout the window, so that dry friction is known.
     pub(super) moves: Vec<bool>,
+    /// Time in which the direction of the shaft is certain, s.
+    pub(super) one_way_s: f64,
+    /// Sampling time, s.
+    period_s: f64,
 }
 
-/// Samples from one window to the next, for recordings of which the longest lasts that, s.
-pub(super) fn every(measured: &Measured, longest_s: f64) -> usize {
-    ((longest_s / WINDOWS / measured.period_s).round() as usize).max(FEWEST)
+/// Samples from one window to the next, for recordings of which the longest lasts that, s, and windows
+/// that are `finer` by a factor.
+pub(super) fn every(measured: &Measured, longest_s: f64, finer: usize) -> usize {
+    let usual = (longest_s / WINDOWS / measured.period_s).round() as usize;
+    (usual / finer).max(FEWEST)
 }
 
 /// The way of the shaft as it was measured, with the standard deviation of its noise; nothing where
@@ -66,9 +74,12 @@ impl Windows {
             return None;
         }
         let mut motion = vec![Vector::zeros(); measured.len()];
+        let mut speed = vec![0.0; measured.len()];
         let (mut acceleration, mut begins, mut moves) = (Vec::new(), Vec::new(), Vec::new());
         let apart_s = every as f64 * period;
+        let mut one_way = 0_usize;
         for piece in &pieces {
+            one_way += piece.clone().filter(|k| it.direction.at(*k) != 0.0).count();
             let last = piece.end - 1;
             for k in piece.clone() {
                 let from = k.saturating_sub(every / 2).max(piece.start);
@@ -76,6 +87,8 @@ impl Windows {
                 let next = (k + 1).min(last);
                 motion[k][SPEED] = (way[to] - way[from]) / ((to - from).max(1) as f64 * period);
                 motion[k][POSITION] = 0.5 * (way[k] + way[next]);
+                let first = k.min(last - 1);
+                speed[k] = (way[first + 1] - way[first]) / period;
             }
             for middle in middles(piece, every) {
                 let bent = way[middle + every] - 2.0 * way[middle] + way[middle - every];
@@ -90,7 +103,23 @@ impl Windows {
         // Of three positions, or of the speeds over two windows.
         let noise = if from_speed { 2.0 * every as f64 } else { 6.0 };
         let acceleration_sd = noise.sqrt() * sd / (apart_s * apart_s);
-        Some(Self { every, pieces, motion, acceleration, acceleration_sd, begins, moves })
+        Some(Self {
+            every,
+            pieces,
+            motion,
+            speed,
+            acceleration,
+            acceleration_sd,
+            begins,
+            moves,
+            one_way_s: one_way as f64 * period,
+            period_s: period,
+        })
+    }
+
+    /// Time over which windows lie in which the shaft moves one way, s.
+    pub(super) fn moving_s(&self) -> f64 {
+        self.moves.iter().filter(|it| **it).count() as f64 * self.apart_s()
     }
 
     /// Number of windows.
@@ -98,9 +127,9 @@ impl Windows {
         self.acceleration.len()
     }
 
-    /// Time from one window to the next, samples being so long, s.
-    pub(super) fn apart_s(&self, period_s: f64) -> f64 {
-        self.every as f64 * period_s
+    /// Time from one window to the next, s.
+    pub(super) fn apart_s(&self) -> f64 {
+        self.every as f64 * self.period_s
     }
 
     /// Samples that are used, one piece after the other.
@@ -162,10 +191,13 @@ mod tests {
             every: 4,
             pieces: vec![0..41, 50..72],
             motion: Vec::new(),
+            speed: Vec::new(),
             acceleration: vec![0.0; 9 + 4],
             acceleration_sd: 0.0,
             begins: Vec::new(),
             moves: Vec::new(),
+            one_way_s: 0.0,
+            period_s: 0.0,
         }
     }
 

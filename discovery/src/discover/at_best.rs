@@ -67,8 +67,8 @@ impl Round<'_> {
     }
 
     /// Laws of two masses: far from their nulls they are told only by their fits, which take long.
-    /// All of them, where one promises a part of what those that convince have, or along a known
-    /// motion, where a fit takes little.
+    /// All of them, where one promises a part of what those that convince have; along a known motion, where
+    /// a column holds all that it would explain, as much.
     fn of_two<'w>(
         &self,
         ground: &Ground,
@@ -79,11 +79,9 @@ impl Round<'_> {
         let most = convince.fold(0.0_f64, |most, one| most.max(one.weighed.evidence));
         let of_two = |it: &&LawWeight| self.is_of_free_run(&self.all[it.candidate]);
         let two = || weights.laws.iter().filter(of_two);
-        let quick = ground.filtered().is_none();
-        let promises = |it: &LawWeight| {
-            let evident = || is_evident(it) && (quick || it.evidence >= MASSES * most);
-            self.looks_beside() || evident()
-        };
+        let part = if ground.filtered().is_some() { MASSES } else { 1.0 };
+        let promises =
+            |it: &LawWeight| self.looks_beside() || (is_evident(it) && it.evidence >= part * most);
         if two().any(promises) { two().collect() } else { Vec::new() }
     }
 

@@ -38,8 +38,7 @@ pub struct Rule {
     pub nested: f64,
     /// What a formula that is right in its kind may leave: of the law's own size, over its own
     /// variables; of the error above its floor, beside which a law smaller than [`Self::size`] still
-    /// explains all there is to explain. And of the squared torque that nothing explains along a known
-    /// motion, where no other torque is random: what takes less of it only imitates a part of it.
+    /// explains all there is to explain.
     pub formula: f64,
 }
 

@@ -4,13 +4,11 @@ use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::law::Variable;
 use rayon::prelude::*;
 
-use super::candidate::Candidate;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::learned::effect;
 use super::refit::{Model, finer, refit, with_learned};
 use super::round::Round;
-use crate::balances::{begin, unexplained};
 use crate::estimate::{Evidence, Options};
 use crate::likelihood::{CurveWeight, LawWeight};
 use crate::measured::Measured;
@@ -22,10 +20,6 @@ const AT_FLOOR: f64 = 1.02;
 /// Squared error over the floor below which the noise was taken for larger than it is: estimates of it
 /// scatter by less than a tenth.
 const BELOW_FLOOR: f64 = 0.8;
-/// Share of the unexplained torque that may be left where that alone decides: an observer follows what
-/// a slow drive does, and its error says little of it.
-const MUCH: f64 = 0.5;
-
 /// Why the error does not fall with a candidate: nothing could be fitted, or it does not with the fit.
 enum NotLower {
     NoFit(&'static str),
@@ -82,33 +76,38 @@ impl Round<'_> {
     ) -> Result<(), NotLower> {
         let candidate = &self.all[one.candidate];
         let drive = one.model.fitted.drive.clone();
-        let unfitted = || self.as_it_is(&drive);
         let both = of_ground.zip(self.torque_left(&drive));
         let error = |model: &Model| model.validation.squares.error();
         let was = error(self.model);
         let (_, size) = self.asked(self.is_further(one));
+        let inverse = ground.filtered().is_none();
+        let unfitted = || {
+            let enough = self.takes_little(inverse, of_round, &drive).is_none();
+            let model = enough.then(|| self.as_it_is(&drive)).flatten();
+            model.filter(|model| error(model) <= was)
+        };
         // Where the torque was the datum, its error decides, and a fit to the motion would only
         // move the parameters away.
-        if ground.filtered().is_none()
-            && let Some((before, after)) = both
+        if inverse
+            && both.is_some_and(|(before, after)| after < before)
+            && let Some(model) = unfitted()
         {
-            let taken = 1.0 - (after / before).powi(2);
-            if taken < self.rule.formula {
-                let taken = 100.0 * taken.max(0.0);
-                return Err(NotLower::Fitted(format!(
-                    "it takes {taken:.1} % of what is unexplained of the torque on the validation \
-                     data away only"
-                )));
-            }
-            if let Some(model) = unfitted().filter(|model| error(model) <= was) {
-                one.model = model;
-                one.weighed.by_balance = true;
-                return Ok(());
-            }
+            one.model = model;
+            one.weighed.by_balance = true;
+            return Ok(());
+        }
+        // A load that moves by itself is told by the torque along the motion, and by nothing sooner.
+        if inverse && candidate.has_load() {
+            let little = self.takes_little(inverse, of_round, &drive);
+            let why = little.unwrap_or_else(|| "the error does not fall".to_owned());
+            return Err(NotLower::Fitted(why));
         }
         let model = self.in_free_run(one).ok_or(NotLower::NoFit("no fit with it ends"))?;
         if candidate.vanishes_in(&model.fitted.drive) {
             return Err(NotLower::NoFit("its fit ends where it vanishes"));
+        }
+        if let Some(little) = self.takes_little(inverse, of_round, &model.fitted.drive) {
+            return Err(NotLower::Fitted(little));
         }
         let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
         let falls = fits && error(&model) <= (1.0 - FALLS) * was;
@@ -121,7 +120,7 @@ impl Round<'_> {
             return Ok(());
         }
         if both.is_some_and(|(before, after)| after < (1.0 - FALLS) * before)
-            && let Some(model) = unfitted().filter(|model| error(model) <= was)
+            && let Some(model) = unfitted()
         {
             one.model = model;
             one.weighed.by_balance = true;
@@ -144,36 +143,6 @@ impl Round<'_> {
         let unmoved = Options { steps: 0, ..Options::NEAR };
         let seen = |_| self.watch.stopped();
         Model::fit(drive, self.estimation, self.validation, setting, &unmoved, &seen).ok()
-    }
-
-    /// Torque that a drive leaves unexplained in the recordings held out, rms; none where they do not
-    /// tell it.
-    fn torque_left(&self, drive: &Drive) -> Option<f64> {
-        unexplained(drive, self.validation)[0].map(|it| it.rms)
-    }
-
-    /// The same of a drive of that structure at the values of the balances.
-    pub(super) fn torque_left_at_balances(&self, drive: &Drive) -> Option<f64> {
-        self.torque_left(&begin(drive, self.estimation).drive)
-    }
-
-    /// Whether more torque stays unexplained with a law than without, in the recordings held out: an
-    /// observer follows what a model does not predict, and its error may fall by a wrong inertia.
-    /// What has states of its own, or stands at a sensor, is no part of that balance.
-    fn raises_torque(&self, candidate: &Candidate, before: Option<f64>, with: &Model) -> bool {
-        // Where no observer follows the motion, its error says what a drive leaves.
-        let observed = self.model.setting.observer.follows();
-        if !observed || candidate.has_states() || !candidate.acts_at_motor() {
-            return false;
-        }
-        let both = before.zip(self.torque_left(&with.fitted.drive));
-        both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before)
-    }
-
-    /// Whether a drive explains most of the torque that the round's own leaves.
-    pub(super) fn explains_torque(&self, drive: &Drive) -> bool {
-        let both = self.torque_left(&self.model.fitted.drive).zip(self.torque_left(drive));
-        both.is_some_and(|(of_base, after)| after < MUCH * of_base)
     }
 
     /// Names one that is small where the error falls to its floor with it: what the formulas of the
@@ -259,15 +228,6 @@ impl Round<'_> {
         let seen = |_| self.watch.stopped();
         let effect = effect(&self.model.fitted.drive, curve);
         with_learned(self.model, effect, self.estimation, self.validation, &seen).ok()
-    }
-
-    /// Whether less torque stays unexplained with a curve than the base's, in the recordings held out, at
-    /// the values of the balances.
-    pub(super) fn lowers_torque(&self, before: Option<f64>, curve: &CurveWeight) -> bool {
-        let mut with = self.model.fitted.drive.clone();
-        with.effects.push(effect(&with, curve).0);
-        let both = before.zip(self.torque_left_at_balances(&with));
-        both.is_none_or(|(before, after)| after * after <= (1.0 - self.rule.size) * before * before)
     }
 
     /// Share of the error above the noise floor that goes with that model.

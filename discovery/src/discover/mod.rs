@@ -12,6 +12,7 @@
 mod account;
 mod at_best;
 mod by_free_run;
+mod by_torque;
 mod candidate;
 mod candidates;
 mod columns;

@@ -1,0 +1,88 @@
+//! What the balance of torques says of a candidate, in the recordings held out: where the motion hides what
+//! drives it, that is the error that counts.
+
+use drivescope_plant::drive::Drive;
+
+use super::candidate::Candidate;
+use super::learned::effect;
+use super::refit::Model;
+use super::round::Round;
+use crate::balances::{begin, unexplained};
+use crate::likelihood::CurveWeight;
+
+/// Share of the unexplained torque that may be left where that alone decides: an observer follows what
+/// a slow drive does, and its error says little of it.
+const MUCH: f64 = 0.5;
+
+/// Share that a name takes at least of the squared torque that nothing explains along a known motion or
+/// behind an observer, where what is left is no random load but what no model holds: on some forty strange machines right
+/// names took 40 % and more of it, wrong ones up to 14 %.
+const TAKEN: f64 = 0.2;
+
+impl Round<'_> {
+    /// Torque that a drive leaves unexplained in the recordings held out, rms; none where they do not
+    /// tell it.
+    pub(super) fn torque_left(&self, drive: &Drive) -> Option<f64> {
+        unexplained(drive, self.validation)[0].map(|it| it.rms)
+    }
+
+    /// The same of a drive of that structure at the values of the balances.
+    pub(super) fn torque_left_at_balances(&self, drive: &Drive) -> Option<f64> {
+        self.torque_left(&begin(drive, self.estimation).drive)
+    }
+
+    /// Why a drive with a candidate explains too little of the torque that the round's own leaves, where
+    /// that is what tells: along a known motion, or behind an observer.
+    pub(super) fn takes_little(
+        &self,
+        is_known: bool,
+        before: Option<f64>,
+        with: &Drive,
+    ) -> Option<String> {
+        let before = before.filter(|_| is_known || self.model.setting.observer.follows());
+        // At its own values or at those of the balances, where it goes on from there.
+        let each = [self.torque_left(with), self.torque_left_at_balances(with)];
+        let (before, after) = before.zip(each.into_iter().flatten().reduce(f64::min))?;
+        let taken = 1.0 - (after / before).powi(2);
+        let percent = 100.0 * taken.max(0.0);
+        (taken < TAKEN).then(|| {
+            format!(
+                "it takes {percent:.1} % of what is unexplained of the torque on the validation \
+                 data away only"
+            )
+        })
+    }
+
+    /// Whether more torque stays unexplained with a law than without, in the recordings held out: an
+    /// observer follows what a model does not predict, and its error may fall by a wrong inertia.
+    /// What stands at a sensor is no part of that balance.
+    pub(super) fn raises_torque(
+        &self,
+        candidate: &Candidate,
+        before: Option<f64>,
+        with: &Model,
+    ) -> bool {
+        // Where no observer follows the motion, its error says what a drive leaves.
+        let observed = self.model.setting.observer.follows();
+        if !observed || !candidate.acts_at_motor() {
+            return false;
+        }
+        let both = before.zip(self.torque_left(&with.fitted.drive));
+        both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before)
+    }
+
+    /// Whether a drive explains most of the torque that the round's own leaves.
+    pub(super) fn explains_torque(&self, drive: &Drive) -> bool {
+        let both = self.torque_left(&self.model.fitted.drive).zip(self.torque_left(drive));
+        both.is_some_and(|(of_base, after)| after < MUCH * of_base)
+    }
+
+    /// Whether less torque stays unexplained with a curve than the base's, in the recordings held out, at
+    /// the values of the balances.
+    pub(super) fn lowers_torque(&self, before: Option<f64>, curve: &CurveWeight) -> bool {
+        let mut with = self.model.fitted.drive.clone();
+        with.effects.push(effect(&with, curve).0);
+        let both = before.zip(self.torque_left_at_balances(&with));
+        both.is_none_or(|(before, after)| after * after <= (1.0 - self.rule.size) * before * before)
+    }
+}

@@ -15,8 +15,8 @@ use crate::likelihood::CurveWeight;
 const MUCH: f64 = 0.5;
 
 /// Share that a name takes at least of the squared torque that nothing explains along a known motion or
-/// behind an observer, where what is left is no random load but what no model holds: on some forty strange machines right
-/// names took 40 % and more of it, wrong ones up to 14 %.
+/// behind an observer, where what is left is no random load but what no model holds: on some forty
+/// strange machines right names took 40 % and more of it, wrong ones up to 14 %.
 const TAKEN: f64 = 0.2;
 
 impl Round<'_> {

@@ -38,6 +38,8 @@ const OVERFLOWS: &str = "the model overflows with it";
 const NO_FIT: &str = "no fit with it ends";
 /// Why nothing is named where the validation recordings contradict the others more than that explains.
 const OUTDONE: &str = "other values of the base explain more of the validation data";
+/// The same where most of the torque stays unexplained.
+const LEAVES_MOST: &str = "most of the torque stays unexplained with it";
 /// Starts of the base fit: the file's values may be far off.
 const STARTS: usize = 2;
 
@@ -118,6 +120,17 @@ pub fn discover_by(
 fn explains_little(step: &LadderStep, observer: Observer) -> bool {
     let most = if observer.follows() { 1.0 / 3.0 } else { 1.0 };
     step.validation_unexplained.torque.is_some_and(|it| it.share > most)
+}
+
+/// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it
+/// is something else.
+fn leaves_most(found: &Discovery) -> bool {
+    let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
+        return false;
+    };
+    let left = |step: &LadderStep| step.validation_unexplained.torque.map(|it| it.rms * it.rms);
+    let most = left(first).zip(left(last)).is_some_and(|(was, is)| is > 0.5 * was);
+    !found.named.is_empty() && most && explains_little(last, found.observer)
 }
 
 /// The loop, from a base and the first step of its ladder.
@@ -235,11 +248,13 @@ fn searched(
             by_error: !weighed.by_balance,
             formula: Formula::of(&all[candidate], weighed.size),
         });
-        let named = if weighed.by_balance {
-            named
-        } else {
-            named.polished(estimation, validation, &seen).unwrap_or(named)
-        };
+        // The minimum of the estimation data may lie where those held out deny it.
+        let error = |of: &Model| of.validation.squares.error();
+        let still = |it: &Model| error(it) <= error(&model).max(error(&named));
+        let polished = (!weighed.by_balance)
+            .then(|| named.polished(estimation, validation, &seen).ok().filter(still))
+            .flatten();
+        let named = polished.unwrap_or(named);
         // Behind an observer, what comes next is asked beside what explains most torque.
         let observed = named.setting.observer.follows();
         model = observed.then(|| balanced(&named, &added)).flatten().unwrap_or(named);
@@ -252,8 +267,13 @@ fn searched(
             found.climb(last, &model, (estimation, validation), watch);
         }
     }
-    if other_machine::outdoes(&found) {
-        found.take_all_back(&base, OUTDONE);
+    let why = if other_machine::outdoes(&found) {
+        Some(OUTDONE)
+    } else {
+        leaves_most(&found).then_some(LEAVES_MOST)
+    };
+    if let Some(why) = why {
+        found.take_all_back(&base, why);
         model = base;
     }
     found.end(model.fitted.drive, of_user);

@@ -12,6 +12,9 @@ use super::law::{ActsOn, Effect, Info, Outputs, OwnState, Parameter, Sum, Variab
 /// quotient finite where tau vanishes, whose derivative is that of a lag all the same.
 const LEAST_LAG: f64 = 1e-6;
 
+/// No sensor of a controlled drive is slower, s: what lags more is something else.
+const MOST_LAG: f64 = 0.5;
+
 /// Shown speed that lags by tau, one stiff own state.
 pub struct SpeedSensorLag;
 
@@ -32,6 +35,7 @@ impl Effect<1, 1> for SpeedSensorLag {
         aliases: &["delay"],
         excludes: &["speed_sensor_lag"],
         nulls: &[("tau", 0.0)],
+        possible: |values, _| values[0] <= MOST_LAG,
         ..Info::new(
             "speed_sensor_lag",
             "tau domega_f/dt = omega - omega_f; shown: omega_f",

@@ -133,6 +133,11 @@ impl Balances {
     }
 }
 
+/// Whether least squares on the balances hold the drive whole: they know no states of its own.
+pub(crate) fn hold(drive: &Drive) -> bool {
+    without_states(drive).effects.len() == drive.effects.len()
+}
+
 /// What the drive leaves unexplained of the applied torque and of the voltage, each over windows
 /// as short as noise allows; none where the balance was not measured, or the drive has states
 /// that were not.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::columns::FittedDrive;
-use crate::balances::{begin, unexplained};
+use crate::balances::{begin, hold, unexplained};
 use crate::case::Setting;
 use crate::error::Error;
 use crate::estimate::{Evaluated, Evidence, Fitted, Options, Seen, evaluate, fit_seen, is_worse};
@@ -58,7 +58,7 @@ impl Model {
         let drive = &self.fitted.drive;
         let left = |of: &Drive| unexplained(of, validation)[0];
         let is_better = |of: &Drive| is_worse(&self.setting, left(drive), left(of));
-        if !is_better(&begin(drive, estimation).drive) {
+        if !hold(drive) || !is_better(&begin(drive, estimation).drive) {
             return None;
         }
         let options = Options { starts: 2, balanced: true, ..Options::NEAR };

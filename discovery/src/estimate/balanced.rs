@@ -12,7 +12,7 @@ use super::problem::Problem;
 use super::search::Found;
 use super::unknowns::{Unknown, Unknowns, Which};
 use super::{Evidence, Fitted, conclude, evaluate};
-use crate::balances::{Begun, Unexplained, begin, unexplained};
+use crate::balances::{Begun, Unexplained, begin, hold, unexplained};
 use crate::case::Setting;
 use crate::error::Error;
 
@@ -34,7 +34,8 @@ pub(super) fn balanced(
 ) -> Result<Fitted, Error> {
     let remainder = |drive: &Drive| unexplained(drive, evidence);
     let pairs = remainder(&fitted.drive).into_iter().zip(remainder(&begun.drive));
-    if pairs.into_iter().any(|(of_fit, least)| is_worse(setting, of_fit, least)) {
+    let worse = pairs.into_iter().any(|(of_fit, least)| is_worse(setting, of_fit, least));
+    if worse && hold(&fitted.drive) {
         at_balances(&fitted, begun, base, evidence, setting)
     } else {
         Ok(fitted)
@@ -58,7 +59,8 @@ pub(crate) fn at_its_balances(drive: &Drive, evidence: &Evidence) -> bool {
     let least = begin(drive, evidence).drive;
     let pairs = unexplained(drive, evidence).into_iter().zip(unexplained(&least, evidence));
     let mut known = pairs.filter_map(|(own, least)| own.zip(least)).peekable();
-    known.peek().is_some() && known.all(|(own, least)| own.rms <= NEARLY * least.rms)
+    let as_well = known.peek().is_some() && known.all(|(own, least)| own.rms <= NEARLY * least.rms);
+    as_well && hold(drive)
 }
 
 /// The drive at the values of the balances as the answer of a fit: starts and what belongs to a

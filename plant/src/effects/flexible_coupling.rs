@@ -10,7 +10,7 @@ use super::law::{Beside, Effect, Info, OwnState, Parameter, Sum, Variable, View}
 use super::two_masses::{self, BEHIND, joint};
 
 /// Natural frequencies of a coupling at which it is weighed, Hz, and its damping ratio.
-const HZ: [f64; 9] = [1.0, 2.0, 4.0, 8.0, 13.0, 20.0, 30.0, 50.0, 90.0];
+const HZ: [f64; 6] = [8.0, 13.0, 20.0, 30.0, 50.0, 90.0];
 const DAMPING: f64 = 0.05;
 
 fn grid(spans: &Spans) -> Vec<Shape> {

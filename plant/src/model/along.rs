@@ -61,7 +61,7 @@ impl<R: Real> Along<R> {
         if self.x.len() == OWN {
             return;
         }
-        let h = self.period_s / self.steps as f64;
+        let h = 0.5 * self.period_s / self.steps as f64;
         let acceleration = (to[SPEED] - from[SPEED]).scaled(1.0 / self.period_s);
         for step in 0..self.steps {
             let part = (step as f64 + 0.5) / self.steps as f64;
@@ -69,9 +69,9 @@ impl<R: Real> Along<R> {
             for (value, to) in motion.iter_mut().zip(to) {
                 *value += (to - *value).scaled(part);
             }
-            // The last state first, each with what those after it have become: so steps swing as long
-            // as what they follow.
-            for place in (OWN..self.x.len()).rev() {
+            // Each state with what the others have become, half a step in one order and half in the
+            // other: what swings keeps its phase and its energy.
+            for place in (OWN..self.x.len()).rev().chain(OWN..self.x.len()) {
                 self.rates(applied, sign, motion, acceleration);
                 let acts = acting(self.decay[place][0].value(), h);
                 self.x[place][0] += self.rate[place][0].scaled(acts);

@@ -123,14 +123,16 @@ fn explains_little(step: &LadderStep, observer: Observer) -> bool {
 }
 
 /// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it
-/// is something else.
+/// is something else. What every machine has is missing all the same.
 fn leaves_most(found: &Discovery) -> bool {
     let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
         return false;
     };
     let left = |step: &LadderStep| step.validation_unexplained.torque.map(|it| it.rms * it.rms);
     let most = left(first).zip(left(last)).is_some_and(|(was, is)| is > 0.5 * was);
-    !found.named.is_empty() && most && explains_little(last, found.observer)
+    let basic = |name: &String| Entry::find(name).is_some_and(|entry| entry.info.basic);
+    let special = !found.named.is_empty() && !found.named.iter().any(basic);
+    special && most && explains_little(last, found.observer)
 }
 
 /// The loop, from a base and the first step of its ladder.

@@ -1,11 +1,14 @@
 //! A motor that a position loop swings faster and faster with a load behind a spring, simulated here and
 //! not by the plant: the torque that the loop asks for shows the load.
 
+mod joint;
+
 use std::f64::consts::TAU;
 
-use drivescope_discovery::{Discovery, Evidence, Measured, Unwatched, discover, noise};
+use drivescope_discovery::{Discovery, Unwatched, discover};
 use drivescope_plant::drive::Drive;
-use drivescope_recording::{Recording, Signal};
+use drivescope_recording::Recording;
+use joint::{evidence, recording};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_pcg::Pcg64;
@@ -53,22 +56,13 @@ fn recorded(to_hz: f64, seed: u64, (ratio, swings): (f64, f64)) -> Recording {
             theta_l += dt * omega_l;
         }
     }
-    let signal = |name: &str, unit: &str, values| Signal {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        values,
-    };
-    let signals = vec![signal("i", "A", current), signal("theta", "rad", position)];
-    Recording::new("joint", 0.0, PERIOD_S, signals)
+    recording(PERIOD_S, current, position)
 }
 
 fn found(load: (f64, f64)) -> Discovery {
     let drive = Drive::parse(DRIVE, "joint.toml").expect("right");
-    let [estimation, validation] = [(5.0, 1), (4.0, 2)].map(|(to_hz, seed)| {
-        let measured = Measured::new(&drive, &recorded(to_hz, seed, load)).expect("it can be used");
-        let sds = noise(&drive, &measured, &[]).iter().map(|noise| noise.sd).collect();
-        Evidence { recordings: vec![measured], noise: vec![sds] }
-    });
+    let [estimation, validation] =
+        [(5.0, 1), (4.0, 2)].map(|(to_hz, seed)| evidence(&drive, &recorded(to_hz, seed, load)));
     discover(&drive, &estimation, &validation, &Unwatched).expect("the base can be fitted")
 }
 

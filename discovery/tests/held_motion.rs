@@ -1,12 +1,15 @@
 //! Motors that a position loop turns slowly, simulated here and not by the plant: the loop cancels what
 //! disturbs the motion, so that only the current shows it.
 
+mod joint;
+
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-use drivescope_discovery::{Discovery, Evidence, Measured, Unwatched, Verdict, discover, noise};
+use drivescope_discovery::{Discovery, Unwatched, Verdict, discover};
 use drivescope_plant::drive::Drive;
-use drivescope_recording::{ReadOptions, Recording, Signal, read};
+use drivescope_recording::{ReadOptions, Recording, read};
+use joint::{evidence, recording};
 use rand::SeedableRng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_pcg::Pcg64;
@@ -48,19 +51,7 @@ fn recorded(speed: f64, seed: u64, disturbs: impl Fn(f64) -> f64) -> Recording {
             theta += dt * omega;
         }
     }
-    let signal = |name: &str, unit: &str, values| Signal {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        values,
-    };
-    let signals = vec![signal("i", "A", current), signal("theta", "rad", position)];
-    Recording::new("servo", 0.0, PERIOD_S, signals)
-}
-
-fn evidence(drive: &Drive, recording: &Recording) -> Evidence {
-    let measured = Measured::new(drive, recording).expect("it can be used");
-    let sds = noise(drive, &measured, &[]).iter().map(|noise| noise.sd).collect();
-    Evidence { recordings: vec![measured], noise: vec![sds] }
+    recording(PERIOD_S, current, position)
 }
 
 fn found(disturbs: impl Fn(f64) -> f64) -> Discovery {

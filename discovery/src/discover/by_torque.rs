@@ -39,10 +39,10 @@ impl Round<'_> {
         before: Option<f64>,
         with: &Drive,
     ) -> Option<String> {
-        let before = before.filter(|_| is_known || self.model.setting.observer.follows());
+        let before = before.filter(|_| is_known || self.model.setting.observer.follows())?;
         // At its own values or at those of the balances, where it goes on from there.
         let each = [self.torque_left(with), self.torque_left_at_balances(with)];
-        let (before, after) = before.zip(each.into_iter().flatten().reduce(f64::min))?;
+        let after = each.into_iter().flatten().reduce(f64::min)?;
         let taken = 1.0 - (after / before).powi(2);
         let percent = 100.0 * taken.max(0.0);
         (taken < TAKEN).then(|| {

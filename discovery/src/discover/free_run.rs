@@ -20,6 +20,7 @@ const AT_FLOOR: f64 = 1.02;
 /// Squared error over the floor below which the noise was taken for larger than it is: estimates of it
 /// scatter by less than a tenth.
 const BELOW_FLOOR: f64 = 0.8;
+
 /// Why the error does not fall with a candidate: nothing could be fitted, or it does not with the fit.
 enum NotLower {
     NoFit(&'static str),
@@ -81,9 +82,9 @@ impl Round<'_> {
         let was = error(self.model);
         let (_, size) = self.asked(self.is_further(one));
         let inverse = ground.filtered().is_none();
+        let little = self.takes_little(inverse, of_round, &drive);
         let unfitted = || {
-            let enough = self.takes_little(inverse, of_round, &drive).is_none();
-            let model = enough.then(|| self.as_it_is(&drive)).flatten();
+            let model = little.is_none().then(|| self.as_it_is(&drive)).flatten();
             model.filter(|model| error(model) <= was)
         };
         // Where the torque was the datum, its error decides, and a fit to the motion would only
@@ -98,7 +99,6 @@ impl Round<'_> {
         }
         // A load that moves by itself is told by the torque along the motion, and by nothing sooner.
         if inverse && candidate.has_load() {
-            let little = self.takes_little(inverse, of_round, &drive);
             let why = little.unwrap_or_else(|| "the error does not fall".to_owned());
             return Err(NotLower::Fitted(why));
         }

@@ -32,10 +32,12 @@ pub(super) fn balanced(
     evidence: &Evidence,
     setting: &Setting,
 ) -> Result<Fitted, Error> {
+    if !hold(&fitted.drive) {
+        return Ok(fitted);
+    }
     let remainder = |drive: &Drive| unexplained(drive, evidence);
     let pairs = remainder(&fitted.drive).into_iter().zip(remainder(&begun.drive));
-    let worse = pairs.into_iter().any(|(of_fit, least)| is_worse(setting, of_fit, least));
-    if worse && hold(&fitted.drive) {
+    if pairs.into_iter().any(|(of_fit, least)| is_worse(setting, of_fit, least)) {
         at_balances(&fitted, begun, base, evidence, setting)
     } else {
         Ok(fitted)
@@ -56,11 +58,13 @@ pub(crate) fn is_worse(
 /// Whether the drive explains its balances as well as least squares on them: a fit of the observed
 /// motion that lowers the error further explains them no better.
 pub(crate) fn at_its_balances(drive: &Drive, evidence: &Evidence) -> bool {
+    if !hold(drive) {
+        return false;
+    }
     let least = begin(drive, evidence).drive;
     let pairs = unexplained(drive, evidence).into_iter().zip(unexplained(&least, evidence));
     let mut known = pairs.filter_map(|(own, least)| own.zip(least)).peekable();
-    let as_well = known.peek().is_some() && known.all(|(own, least)| own.rms <= NEARLY * least.rms);
-    as_well && hold(drive)
+    known.peek().is_some() && known.all(|(own, least)| own.rms <= NEARLY * least.rms)
 }
 
 /// The drive at the values of the balances as the answer of a fit: starts and what belongs to a

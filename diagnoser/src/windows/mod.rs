@@ -4,17 +4,18 @@
 //! more than its noise within one run. A short healthy run tells that shift and the spread; then
 //! the mean and the logarithm of the standard deviation over a window are judged. Their limits are
 //! such that of healthy runs, each judged by its own begin, a designed share raises any alarm: the
-//! greatest values of runs have a Gumbel distribution, whose two parameters their median and
-//! quartiles give, so that a run that is not healthy after all does not widen them. A drive that rests
-//! or runs down is not judged.
+//! greatest values of runs have a Gumbel distribution, whose two parameters the lower four fifths of
+//! them give, so that a run that is not healthy after all does not widen them. A drive that rests or
+//! runs down is not judged.
 //!
-//! A healthy machine warms up, and its residual drifts with it. While windows lie inside, the mean
-//! that they are held against follows them over [`FOLLOWED`] windows, in the design and at work, and
-//! never further from the baseline than one limit: what grows slowly is seen once it is twice as
-//! large as what comes at once.
+//! A healthy machine warms up, and its residual drifts with it by more than it changes within a few
+//! seconds. While windows lie inside, the mean that they are held against follows them over
+//! [`FOLLOWED`] windows, in the design and at work: what comes at once is seen when it is small. How
+//! far a mean may drift from the baseline, however slowly, has a limit of its own.
 
 use std::collections::VecDeque;
 
+use drivescope_numerics::Regression;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -31,7 +32,7 @@ pub use standstill::Standstill;
 pub(crate) const WINDOW_S: f64 = 2.0;
 pub(crate) const BASELINE_S: f64 = 4.0;
 /// Share of healthy runs that raise an alarm.
-pub const FALSE_RUNS: f64 = 0.05;
+pub const FALSE_RUNS: f64 = 0.04;
 /// Runs below which long ones are cut into stretches, and below which there is no design.
 const FEW: usize = 8;
 const FEWEST: usize = 5;
@@ -40,7 +41,11 @@ const SHORTER: usize = 4;
 /// Stretches are so many windows long.
 const STRETCH: usize = 10;
 /// Windows over which the mean of a healthy residual is followed.
-pub const FOLLOWED: usize = 10;
+pub const FOLLOWED: usize = 2;
+/// Part of the greatest values that tell their distribution.
+const PLOTTED: f64 = 0.8;
+/// Statistics of a window, which share the runs that may raise an alarm.
+const STATISTICS: usize = 3;
 
 /// Mean and standard deviation of a healthy residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,8 +64,12 @@ pub struct Windows {
     pub samples: usize,
     /// Samples at least that a baseline is taken from.
     pub baseline: usize,
-    /// Greatest departure of a window's mean from the baseline's, output unit.
+    /// Greatest departure of a window's mean from the followed one, output unit: what comes at once.
     pub mean: f64,
+    /// Greatest departure of a window's mean from the baseline's, output unit: what comes slowly. Files
+    /// of before know none.
+    #[serde(default)]
+    pub drift: Option<f64>,
     /// Greatest logarithm of a window's standard deviation over the baseline's.
     pub spread: f64,
     /// Samples over which the mean of a healthy residual is followed; 0 if it is not.
@@ -147,6 +156,7 @@ impl Windows {
             samples,
             baseline,
             mean: f64::INFINITY,
+            drift: Some(f64::INFINITY),
             spread: f64::INFINITY,
             followed: FOLLOWED * samples,
             runs: runs.len(),
@@ -158,11 +168,11 @@ impl Windows {
             let mut watch = unlimited.watch(Baseline::of(&first));
             rest.iter()
                 .filter_map(|(residual, rests)| watch.unless(*rests, *residual))
-                .fold([0.0_f64; 2], |top, [mean, spread]| [top[0].max(mean), top[1].max(spread)])
+                .fold([0.0_f64; STATISTICS], |top, of| std::array::from_fn(|k| top[k].max(of[k])))
         };
-        let all: Vec<[f64; 2]> = runs.iter().map(greatest).collect();
+        let all: Vec<[f64; STATISTICS]> = runs.iter().map(greatest).collect();
         let limit = |which: usize| gumbel_limit(all.iter().map(|of| of[which]).collect());
-        Some(Self { mean: limit(0), spread: limit(1), ..unlimited })
+        Some(Self { mean: limit(0)?, drift: Some(limit(1)?), spread: limit(2)?, ..unlimited })
     }
 
     /// What a healthy run tells of the machine and the day.
@@ -181,17 +191,24 @@ impl Windows {
         let residual = self.model.residual(data);
         let (first, second) = residual.split_at(samples / 2);
         let by = (mean(first) - mean(second)).abs();
-        // A mean that is followed may move by one limit more; means over less than a window scatter.
-        let healthy = if self.followed > 0 { 2.0 * self.mean } else { self.mean };
-        let limit = healthy * (self.samples as f64 / first.len() as f64).sqrt().max(1.0);
+        // Means over less than a window scatter.
+        let scatter = (self.samples as f64 / first.len() as f64).sqrt().max(1.0);
+        let limit = scatter * (self.mean + if self.followed > 0 { self.drift() } else { 0.0 });
         if by > limit {
             return Err(WindowError::Changes { by, limit });
         }
-        Ok(Baseline::of(&residual))
+        // A drive that is still running in is as it goes on: its end stands for it.
+        let settles = by > scatter * self.mean && second.len() >= needed;
+        Ok(Baseline::of(if settles { second } else { &residual }))
     }
 
-    fn is_exceeded(&self, [mean, spread]: [f64; 2]) -> bool {
-        mean > self.mean || spread > self.spread
+    /// Without a limit of its own, a mean drifts by as much as it may move at once.
+    fn drift(&self) -> f64 {
+        self.drift.unwrap_or(2.0 * self.mean)
+    }
+
+    fn is_exceeded(&self, [mean, drift, spread]: [f64; STATISTICS]) -> bool {
+        mean > self.mean || drift > self.drift() || spread > self.spread
     }
 
     /// Windows from here on.
@@ -201,20 +218,23 @@ impl Windows {
     }
 }
 
-/// The limit that the greatest value of a run exceeds in half of [`FALSE_RUNS`] of them: there are
-/// two limits.
-fn gumbel_limit(mut greatest: Vec<f64>) -> f64 {
+/// The value that a Gumbel variable exceeds with the designed share: the line through the lower part of
+/// its probability plot, at the plotting positions of Gringorten. What lies above, runs among them that
+/// are not healthy after all, does not tilt it, and it uses twice the runs that quartiles do.
+fn gumbel_limit(mut greatest: Vec<f64>) -> Option<f64> {
     greatest.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let place = share * (greatest.len() - 1) as f64;
-        let (low, part) = (place.floor() as usize, place.fract());
-        let next = greatest[(low + 1).min(greatest.len() - 1)];
-        greatest[low] + part * (next - greatest[low])
-    };
+    let n = greatest.len() as f64;
     // The value below which a Gumbel variable lies with probability p is location - scale ln(-ln p).
     let standard = |p: f64| -(-p.ln()).ln();
-    let scale = (at(0.75) - at(0.25)) / (standard(0.75) - standard(0.25));
-    at(0.5) + scale * (standard(1.0 - 0.5 * FALSE_RUNS) - standard(0.5))
+    let mut line = Regression::new(2);
+    for (k, value) in greatest.iter().enumerate() {
+        let p = (k as f64 + 0.56) / (n + 0.12);
+        if p < PLOTTED {
+            line.push([1.0, standard(p)].into_iter(), *value);
+        }
+    }
+    let line = line.solve().ok()?.parameters;
+    Some(line[0] + line[1] * standard(1.0 - FALSE_RUNS / STATISTICS as f64))
 }
 
 /// The last window.
@@ -239,7 +259,7 @@ impl WindowWatch {
     }
 
     /// The same where the sample is judged; else the window begins anew.
-    fn unless(&mut self, unjudged: bool, residual: f64) -> Option<[f64; 2]> {
+    fn unless(&mut self, unjudged: bool, residual: f64) -> Option<[f64; STATISTICS]> {
         if unjudged {
             self.reset();
             return None;
@@ -247,9 +267,9 @@ impl WindowWatch {
         self.measured(residual)
     }
 
-    /// Departure of the mean and logarithm of the spread, once the window is full; the healthy mean
-    /// follows one that lies inside.
-    fn measured(&mut self, residual: f64) -> Option<[f64; 2]> {
+    /// Departures of the mean from the followed one and from the baseline's, and logarithm of the
+    /// spread, once the window is full; the healthy mean follows one that lies inside.
+    fn measured(&mut self, residual: f64) -> Option<[f64; STATISTICS]> {
         if self.last.len() == self.design.samples {
             self.last.pop_front();
         }
@@ -258,11 +278,13 @@ impl WindowWatch {
             return None;
         }
         let Baseline { mean, deviation } = Baseline::of(self.last.make_contiguous());
-        let departure = mean - self.baseline.mean - self.drift;
-        let measured = [departure.abs(), (deviation / self.baseline.deviation).ln()];
-        let Windows { mean: limit, followed, .. } = self.design;
+        let drifted = mean - self.baseline.mean;
+        let departure = drifted - self.drift;
+        let spread = (deviation / self.baseline.deviation).ln();
+        let measured = [departure.abs(), drifted.abs(), spread];
+        let followed = self.design.followed;
         if followed > 0 && !self.design.is_exceeded(measured) {
-            self.drift = (self.drift + departure / followed as f64).clamp(-limit, limit);
+            self.drift += departure / followed as f64;
         }
         Some(measured)
     }
@@ -302,6 +324,7 @@ mod tests {
             samples: 100,
             baseline: 200,
             mean: 0.6,
+            drift: Some(1.2),
             spread: 0.4,
             followed: 1000,
             runs: 10,
@@ -327,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_drift_is_followed_up_to_one_limit() {
+    fn a_slow_drift_is_followed_up_to_a_limit_of_its_own() {
         let health = noise(20_000, 7);
         let baseline = Baseline::of(&health[..200]);
         let first = |per_sample: f64| {
@@ -337,7 +360,7 @@ mod tests {
                 watch.step(0.3 * r + drift, false) == Some(true)
             })
         };
-        // 0.6 is the limit of what comes at once; what has grown to twice the limit is seen.
+        // 0.6 is the limit of what comes at once, 1.2 of what has grown.
         assert!(first(0.0).is_none());
         let seen = first(0.0002).expect("it grows to 3");
         assert!((4500..7000).contains(&seen), "{seen}");
@@ -378,6 +401,10 @@ mod tests {
         let changed: Vec<f64> =
             health.iter().enumerate().map(|(k, y)| if k < 150 { *y } else { y + 4.0 }).collect();
         assert!(matches!(of(3.0, &changed), Err(WindowError::Changes { .. })));
+        // One that is still running in is as its end.
+        let settling: Vec<f64> =
+            health.iter().enumerate().map(|(k, y)| if k < 150 { *y + 1.4 } else { *y }).collect();
+        assert!(of(3.0, &settling).expect("it is one").mean.abs() < 0.3);
     }
 
     /// Maxima of 100 exponential numbers are Gumbel distributed about ln 100.
@@ -386,9 +413,10 @@ mod tests {
         let uniform = |k: usize| (k as f64 + 0.5) / 200.0;
         let mut maxima: Vec<f64> =
             (0..200).map(|k| 100_f64.ln() - (-uniform(k).ln()).ln()).collect();
-        let exact = 100_f64.ln() - (-(1.0 - 0.5 * FALSE_RUNS).ln()).ln();
-        assert!((gumbel_limit(maxima.clone()) - exact).abs() < 0.1);
+        let exact = 100_f64.ln() - (-(1.0 - FALSE_RUNS / STATISTICS as f64).ln()).ln();
+        let limit = |maxima: &[f64]| gumbel_limit(maxima.to_vec()).expect("finite");
+        assert!((limit(&maxima) - exact).abs() < 0.1);
         maxima.push(1e3);
-        assert!((gumbel_limit(maxima) - exact).abs() < 0.2);
+        assert!((limit(&maxima) - exact).abs() < 0.2);
     }
 }

@@ -63,11 +63,12 @@ impl TrainAnswer {
         let designed = self.designed.iter();
         facts.extend(designed.map(|(label, how)| fact((*label).to_owned(), how.clone())));
         facts.extend(self.windows.as_ref().map(|it| {
-            let WindowsAnswer { samples, mean, spread, runs, .. } = it;
+            let WindowsAnswer { samples, mean, drift, spread, runs, .. } = it;
+            let slowly = drift.map_or_else(String::new, |it| format!(" ({} slowly)", of(it)));
             fact(
                 format!("Windows of {samples} samples against a baseline"),
                 format!(
-                    "mean within {}, spread within {} %, from {runs} healthy runs",
+                    "mean within {}{slowly}, spread within {} %, from {runs} healthy runs",
                     of(*mean),
                     percent(spread.exp() - 1.0, 0)
                 ),

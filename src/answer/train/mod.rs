@@ -97,8 +97,10 @@ struct BandsAnswer {
 struct WindowsAnswer {
     samples: usize,
     baseline_samples: usize,
-    /// Greatest departure of the mean, output unit, and greatest logarithm of the spread's ratio.
+    /// Greatest departure of the mean at once and slowly, output unit, and greatest logarithm of the
+    /// spread's ratio.
     mean: f64,
+    drift: Option<f64>,
     spread: f64,
     runs: usize,
 }
@@ -197,6 +199,7 @@ impl TrainAnswer {
                 samples: windows.samples,
                 baseline_samples: windows.baseline,
                 mean: windows.mean,
+                drift: windows.drift,
                 spread: windows.spread,
                 runs: windows.runs,
             }),

@@ -17,24 +17,37 @@ pub const PACE: f64 = 5.0;
 /// x^4 / 2880 = 2e-4 of itself, and hardly moves the shaft any more.
 pub const PASSING_PACE: f64 = 25.0;
 
-/// What is chosen on the base model and then frozen, for every step of a fit, for the ladder of
-/// added effects and for validation: only so do errors compare and has the sum of squares no
-/// jumps.
+/// What a fit freezes, for only so has the sum of squares no jumps. The observer is that of the base
+/// along the whole ladder of added effects, for only so do errors compare; sub-steps are each drive's
+/// own: they are finer than any sensor, and one fast candidate is not to slow down all that follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     pub observer: Observer,
+    /// Greatest speed that sub-steps are made for, rad/s (m/s): a ripple over the position is the
+    /// faster, the faster it is passed.
+    pub speed: f64,
     /// Longest sub-step of the integration, s.
     pub longest_s: f64,
 }
 
 impl Setting {
     /// Freezes sub-steps of [`PACE`] times those of a simulation of the drive, and of
-    /// [`PASSING_PACE`] times those at its greatest speed.
+    /// [`PASSING_PACE`] times those at the greatest speed that its limits allow.
     pub fn new(drive: &Drive, observer: Observer) -> Self {
+        Self::up_to(drive, observer, speed_bound(drive))
+    }
+
+    /// The same observer and speed with the sub-steps of that drive.
+    pub fn of(&self, drive: &Drive) -> Self {
+        Self::up_to(drive, self.observer, self.speed)
+    }
+
+    /// At that speed, rad/s (m/s).
+    pub(crate) fn up_to(drive: &Drive, observer: Observer, speed: f64) -> Self {
         let model = drive.model();
         let own = PACE * longest_substep(&model, 0.0);
-        let passing = PASSING_PACE * longest_substep(&model, speed_bound(drive));
-        Self { observer, longest_s: own.min(passing) }
+        let passing = PASSING_PACE * longest_substep(&model, speed);
+        Self { observer, speed, longest_s: own.min(passing) }
     }
 }
 

@@ -4,7 +4,7 @@ use drivescope_plant::drive::Drive;
 
 use crate::balances::{begin, drift};
 use crate::case::{Case, Setting};
-use crate::estimate::Evidence;
+use crate::estimate::{Evidence, recorded_speeds};
 use crate::measured::{Channel, Measured, Output};
 use crate::observer::Observer;
 use crate::settling::mechanical_time_s;
@@ -15,6 +15,8 @@ const MOST_OF_RECORDING: f64 = 0.25;
 /// Share of the speed's root mean square by which a torque that nothing explains may move a free
 /// run: beyond, it shows that torque summed up and little else.
 const MOST_OF_SPEED: f64 = 0.1;
+/// By how much a model may run faster than what was measured.
+const FASTER: f64 = 1.5;
 /// Times the largest measured value beyond which a model has run away.
 const RUN_AWAY: f64 = 10.0;
 
@@ -23,7 +25,12 @@ impl Setting {
     /// balances give, so that it does not depend on where the search begins.
     pub fn of_fit(drive: &Drive, evidence: &Evidence) -> Self {
         let begun = begin(drive, evidence).drive;
-        Self::new(&begun, Observer::choose(&begun, &evidence.recordings, &evidence.noise))
+        let observer = Observer::choose(&begun, &evidence.recordings, &evidence.noise);
+        // What was measured is slower than what limits allow, where the file has any.
+        match recorded_speeds(&evidence.recordings, &evidence.noise).1 {
+            0.0 => Self::new(&begun, observer),
+            fastest => Self::up_to(&begun, observer, FASTER * fastest),
+        }
     }
 }
 
@@ -74,9 +81,11 @@ fn runs_away(drive: &Drive, measured: &Measured, noise: &[f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use drivescope_plant::drive::EffectData;
+
     use super::*;
     use crate::observer::USUAL_HZ;
-    use crate::testing::{bench, dr300};
+    use crate::testing::{bench, dr300, driven};
 
     #[test]
     fn what_integrates_is_observed_and_what_settles_runs_free() {
@@ -97,5 +106,28 @@ mod tests {
         drive.motor.b_m = 0.0;
         drive.motor.j = 1e-3;
         assert_eq!(of(&drive, &["u", "omega"]).hz, USUAL_HZ, "0.87 s are much of 2 s");
+    }
+
+    /// A file without limits says nothing of speeds: a slow machine's recordings do.
+    #[test]
+    fn a_ripple_is_passed_as_fast_as_recorded() {
+        let mut drive = dr300();
+        (drive.controller, drive.amplifier) = (None, None);
+        let parameters = [("N", 66.0), ("a", 1e-3), ("b", 0.0)].map(|(n, v)| (n.into(), v));
+        let (kind, id) = ("cogging".into(), "cogging".into());
+        drive.effects.push(EffectData { kind, id, parameters: parameters.into(), law: None });
+        let slow: Vec<f64> = (0..2000).map(|k| 2.0 * (0.005 * k as f64).sin()).collect();
+        let measured = Measured::new(&drive, &driven(&drive, slow, 0.001)).expect("it can be used");
+        let evidence = Evidence { recordings: vec![measured], noise: vec![vec![0.01, 0.3]] };
+        let setting = Setting::of_fit(&drive, &evidence);
+        assert!((20.0..60.0).contains(&setting.speed), "2 V drive 30 rad/s: {}", setting.speed);
+        let any = Setting::new(&drive, setting.observer);
+        assert!(setting.longest_s > 2.0 * any.longest_s, "{setting:?} {any:?}");
+        // What is added has sub-steps of its own, and what is gone leaves none behind.
+        let mut plain = drive.clone();
+        plain.effects.retain(|effect| effect.id != "cogging");
+        let without = any.of(&plain);
+        assert!(without.longest_s > 2.0 * any.longest_s, "{without:?}");
+        assert_eq!(without.of(&drive), any);
     }
 }

@@ -150,7 +150,7 @@ pub(super) fn extend(
     let command = basis.files.add(number, effect, next);
     let label = format!("+ {}", effect.replace('_', " "));
     let fresh = Fresh { parent: Some(number), label, command, text };
-    let setting = Setting::new(&found.drive, step.setting.observer);
+    let setting = step.setting.of(&found.drive);
     finish(fresh, found.into(), setting, &basis, progress)
 }
 
@@ -186,7 +186,7 @@ pub(super) fn judge(
 ) -> miette::Result<impl FnOnce(&mut State) + use<>> {
     let (basis, step) = at(progress, number)?;
     let drive = Drive::parse(&text, &file_of(number)).map_err(into_report)?;
-    let setting = Setting::new(&drive, step.setting.observer);
+    let setting = step.setting.of(&drive);
     let parameters = drive.fitted().into_iter().map(|it| {
         let old = step.parameters.iter().find(|other| other.name == it.name);
         Estimate {

@@ -230,7 +230,7 @@ fn gumbel_limit(mut greatest: Vec<f64>) -> Option<f64> {
     for (k, value) in greatest.iter().enumerate() {
         let p = (k as f64 + 0.56) / (n + 0.12);
         if p < PLOTTED {
-            line.push([1.0, standard(p)].into_iter(), *value);
+            line.push([1.0, standard(p)], *value);
         }
     }
     let line = line.solve().ok()?.parameters;

@@ -10,7 +10,6 @@ use super::candidate::Candidate;
 use super::columns::{Columns, FittedDrive};
 use super::ground::Ground;
 use super::judged::Judged;
-use super::refit::finer;
 use super::round::Round;
 use crate::likelihood::Weights;
 use crate::projection::beside;
@@ -55,7 +54,7 @@ impl Round<'_> {
     fn held_in_free_run(&self, it: &Candidate) -> f64 {
         let Some(variant) = it.variants.first() else { return 0.0 };
         let drive = it.added(&self.model.fitted.drive, variant);
-        let setting = finer(&self.model.setting, &drive);
+        let setting = self.model.setting.of(&drive);
         let at = FittedDrive { drive: &drive, setting: &setting, ..self.model.at(self.estimation) };
         let own = it.coefficients.iter().map(|name| format!("{}.{name}", it.id));
         let names: Vec<String> = self.model.names().into_iter().chain(own).collect();

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::learned::effect;
-use super::refit::{Model, finer, refit, with_learned};
+use super::refit::{Model, refit, with_learned};
 use super::round::Round;
 use crate::estimate::{Evidence, Options};
 use crate::likelihood::{CurveWeight, LawWeight};
@@ -139,7 +139,7 @@ impl Round<'_> {
 
     /// A drive of the round as it is, with starts of its own.
     fn as_it_is(&self, drive: &Drive) -> Option<Model> {
-        let setting = finer(&self.model.setting, drive);
+        let setting = self.model.setting.of(drive);
         let unmoved = Options { steps: 0, ..Options::NEAR };
         let seen = |_| self.watch.stopped();
         Model::fit(drive, self.estimation, self.validation, setting, &unmoved, &seen).ok()

@@ -43,8 +43,8 @@ impl Model {
         validation: &Evidence,
         seen: Seen<'_>,
     ) -> Result<Self, Error> {
-        let options = &Options::NEAR;
-        Self::fit(&self.fitted.drive, estimation, validation, self.setting, options, seen)
+        let drive = &self.fitted.drive;
+        Self::fit(drive, estimation, validation, self.setting.of(drive), &Options::NEAR, seen)
     }
 
     /// At the values of the balances, where those leave less torque unexplained in the recordings held out
@@ -97,8 +97,7 @@ const FIRST_STEPS: usize = 6;
 /// Starts that are followed to their ends: the best after the first steps may lead into a valley.
 const FOLLOWED: usize = 2;
 
-/// A drive fitted from where it stands, as closely as judging it needs, in the setting of the base
-/// where that resolves it.
+/// A drive fitted from where it stands, as closely as judging it needs.
 pub(crate) fn fit_near(
     base: &Model,
     drive: &Drive,
@@ -106,7 +105,7 @@ pub(crate) fn fit_near(
     validation: &Evidence,
     seen: Seen<'_>,
 ) -> Result<Model, Error> {
-    let setting = finer(&base.setting, drive);
+    let setting = base.setting.of(drive);
     Model::fit(drive, estimation, validation, setting, &NEARLY, seen)
 }
 
@@ -124,7 +123,7 @@ pub(crate) fn refit(
     let first_steps = |variant: &usize| {
         let drive = candidate.added(&base.fitted.drive, &candidate.variants[*variant]);
         let options = Options { steps: FIRST_STEPS, ..NEARLY };
-        fit_seen(&drive, estimation, &finer(&base.setting, &drive), &options, seen)
+        fit_seen(&drive, estimation, &base.setting.of(&drive), &options, seen)
     };
     let begun: Vec<_> = variants.par_iter().take(STARTS).map(first_steps).collect();
     let mut begun = some_of(begun)?;
@@ -156,16 +155,10 @@ pub(crate) fn with_learned(
 ) -> Result<Model, Error> {
     let mut drive = base.fitted.drive.clone();
     drive.effects.push(effect);
-    let setting = finer(&base.setting, &drive);
+    let setting = base.setting.of(&drive);
     let fixed = drive.fixed.clone();
     drive.fixed.extend(kept);
     let mut model = Model::fit(&drive, estimation, validation, setting, &Options::NEAR, seen)?;
     model.fitted.drive.fixed = fixed;
     Ok(model)
-}
-
-/// The setting with sub-steps that resolve the drive's fastest effect too.
-pub(crate) fn finer(setting: &Setting, drive: &Drive) -> Setting {
-    let own = Setting::new(drive, setting.observer);
-    Setting { longest_s: setting.longest_s.min(own.longest_s), ..*setting }
 }

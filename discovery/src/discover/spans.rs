@@ -28,6 +28,7 @@ pub(crate) fn spans(drive: &Drive, evidence: &Evidence) -> Spans {
         travel: most(&travel),
         step: step(evidence, speed),
         duration_s: most(&|one| one.len() as f64 * one.period_s),
+        period_s: evidence.recordings.iter().map(|it| it.period_s).fold(f64::INFINITY, f64::min),
         slow: slow(evidence, SLOW_SPEED * speed),
     }
 }

@@ -3,6 +3,7 @@
 use drivescope_numerics::{Linearisation, Residuals};
 use drivescope_plant::drive::Drive;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::Evidence;
 use super::uncertainty::{BlockScore, block_s};
@@ -40,6 +41,7 @@ impl Problem<'_> {
     pub(crate) fn squares(&self, coordinates: &[f64]) -> Vec<Squares> {
         let recordings = 0..self.evidence.recordings.len();
         recordings
+            .into_par_iter()
             .map(|number| self.with_case(number, coordinates, |case| case.squares()))
             .collect()
     }
@@ -136,9 +138,15 @@ impl Residuals for Problem<'_> {
     fn linearise(&self, coordinates: &[f64]) -> Linearisation {
         let unknowns = self.unknowns.all.len();
         let mut all = Linearisation::new(unknowns);
-        for number in 0..self.evidence.recordings.len() {
+        let of = |number: usize| {
             let mut one = Linearisation::new(self.unknowns.of_recording(number).len());
             self.blocks(number, coordinates, |_, rows| one.add(&rows.columns, &rows.residual));
+            one
+        };
+        let recordings = 0..self.evidence.recordings.len();
+        // Side by side, and summed in their order: the same bytes on any number of threads.
+        let each: Vec<Linearisation> = recordings.into_par_iter().map(of).collect();
+        for (number, one) in each.iter().enumerate() {
             all.sse += one.sse;
             for (a, &j) in self.unknowns.of_recording(number).iter().enumerate() {
                 // The residual falls as the model's output rises.

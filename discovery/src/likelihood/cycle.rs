@@ -135,8 +135,9 @@ mod tests {
             held_out: false,
         };
         let names = ["R", "K_m", "J", "B_m"].map(str::to_owned).to_vec();
-        let longest_s = longest(&drive);
-        let scene = Scene { drive, names, recordings: vec![recorded], longest_s };
+        let speed = 200.0;
+        let longest_s = longest(&drive, speed);
+        let scene = Scene { drive, names, recordings: vec![recorded], speed, longest_s };
         let (begin, references) = Randomness::begin(&scene).expect("it does not overflow");
         let searched = begin.searched(&scene, &references, COARSE).expect("the same");
         searched.oscillating(&scene, &references).expect("the same").cycle

@@ -20,7 +20,7 @@ pub(super) const SHARES: [f64; 3] = [1.0, 0.3, 0.1];
 const FURTHEST: f64 = 3.0;
 /// Sub-steps a sample beyond which a drive does not become faster: samples do not tell an inductance,
 /// say, whose time constant is a small part of one, and stepping it would take for ever.
-const SUBSTEPS: f64 = 100.0;
+const SUBSTEPS: f64 = 20.0;
 
 /// A scene and how probable its recordings are with it, ln.
 pub(super) struct Refined {
@@ -42,7 +42,8 @@ pub(super) fn refined(
         probability.is_finite().then_some((pooled, probability))
     };
     let each = scene.recordings.iter().map(|it| it.measured.period_s);
-    let shortest_s = longest(&scene.drive).min(each.fold(f64::INFINITY, f64::min) / SUBSTEPS);
+    let shortest_s =
+        longest(&scene.drive, scene.speed).min(each.fold(f64::INFINITY, f64::min) / SUBSTEPS);
     let (mut products, probability) = at(&scene)?;
     let mut best = Refined { scene, probability };
     for _ in 0..STEPS {
@@ -52,7 +53,7 @@ pub(super) fn refined(
         };
         let better = SHARES.iter().find_map(|share| {
             let scene = moved(&best.scene, &step, *share);
-            if longest(&scene.drive) < shortest_s {
+            if longest(&scene.drive, scene.speed) < shortest_s {
                 return None;
             }
             let (products, probability) = at(&scene)?;
@@ -144,6 +145,6 @@ mod tests {
         let found = refined(scene, &randomness, &references).expect("it runs").scene;
         let l = found.drive.motor.l.expect("an armature");
         assert!(l < 0.3 * base.motor.l.expect("an armature"), "{l}");
-        assert!(longest(&found.drive) >= period_s / SUBSTEPS, "{l}");
+        assert!(longest(&found.drive, found.speed) >= period_s / SUBSTEPS, "{l}");
     }
 }

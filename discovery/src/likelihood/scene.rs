@@ -47,6 +47,8 @@ pub(crate) struct Scene {
     /// Parameters of the machine that were estimated.
     pub(crate) names: Vec<String>,
     pub(crate) recordings: Vec<Recorded>,
+    /// Greatest speed that sub-steps are made for, rad/s (m/s).
+    pub(crate) speed: f64,
     /// Sub-steps are no longer than that, s.
     pub(crate) longest_s: f64,
 }
@@ -63,9 +65,9 @@ const STRETCHES: usize = 2;
 /// Factor on a first guess of the load that makes it whatever the sensors say.
 const ANY: f64 = 20.0;
 
-/// The longest sub-step that resolves a drive, s.
-pub(crate) fn longest(drive: &Drive) -> f64 {
-    Setting::new(drive, Observer::NONE).longest_s
+/// The longest sub-step that resolves a drive up to that speed, s.
+pub(crate) fn longest(drive: &Drive, speed: f64) -> f64 {
+    Setting::up_to(drive, Observer::NONE, speed).longest_s
 }
 
 impl Scene {
@@ -121,8 +123,9 @@ impl Scene {
         };
         let mut recordings = recorded(estimation, &model.fitted.recordings, false);
         recordings.extend(recorded(validation, &model.validation.recordings, true));
-        let (names, longest_s) = (model.names(), longest(drive));
-        Self { drive: drive.clone(), names, recordings, longest_s }
+        let speed = model.setting.speed;
+        let (names, longest_s) = (model.names(), longest(drive, speed));
+        Self { drive: drive.clone(), names, recordings, speed, longest_s }
     }
 
     /// Whether it sees means or stretches of those recordings, and not every sample.
@@ -201,7 +204,7 @@ impl Scene {
         for it in &mut with.recordings {
             it.drive.effects.push(effect.clone());
         }
-        with.longest_s = longest(&with.drive).min(self.longest_s);
+        with.longest_s = longest(&with.drive, self.speed).min(self.longest_s);
         with.looked_through()
     }
 

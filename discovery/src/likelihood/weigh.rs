@@ -89,7 +89,7 @@ fn weigh_along(
         stiff.extend((0..candidate.variants.len()).map(|variant| (number, variant)));
     }
     let timed = |drive: Drive| {
-        let longest_s = longest(&drive).min(scene.longest_s);
+        let longest_s = longest(&drive, scene.speed).min(scene.longest_s);
         (drive, longest_s)
     };
     let made: Vec<Made> = scene

@@ -5,15 +5,16 @@
 //! first order. Directions are parameters, states at the beginning, and known series that are
 //! added to a balance: the response to a torque series b is what a missing law b(t) would do.
 //!
-//! Derivatives come in passes of a few directions each, as duals. All passes advance together by
-//! blocks of samples, so that memory depends on the length of a block and not of the recording.
+//! Derivatives come in passes of a few directions each, as duals. All passes advance together, on as
+//! many threads as there are, by blocks of samples, so that memory depends on the length of a block and not of the recording.
 
 mod passes;
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use crate::case::Case;
-use passes::passes;
+use passes::{Part, Pass, passes};
 
 /// Samples in a block.
 pub const BLOCK: usize = 1024;
@@ -57,11 +58,7 @@ impl<'a> Case<'a> {
         let mut passes = passes(self, directions);
         let samples: Vec<usize> = self.measured.pieces.iter().cloned().flatten().collect();
         for samples in samples.chunks(BLOCK) {
-            let mut rows = self.rows(samples, directions.len());
-            for pass in &mut passes {
-                pass.fill(self, samples, &mut rows);
-            }
-            visit(&mut rows);
+            visit(&mut self.filled(&mut passes, samples, directions.len()));
         }
     }
 
@@ -69,10 +66,21 @@ impl<'a> Case<'a> {
     /// and measured value.
     pub fn sensitivities(&self, directions: &'a [Direction<'a>]) -> Rows {
         let samples: Vec<usize> = self.measured.pieces.iter().cloned().flatten().collect();
-        let mut rows = self.rows(&samples, directions.len());
-        for mut pass in passes(self, directions) {
-            pass.fill(self, &samples, &mut rows);
-        }
+        self.filled(&mut passes(self, directions), &samples, directions.len())
+    }
+
+    /// Rows of those samples: each pass knows a part, and they run side by side.
+    fn filled(
+        &self,
+        passes: &mut [Box<dyn Pass + '_>],
+        samples: &[usize],
+        directions: usize,
+    ) -> Rows {
+        let mut rows = self.rows(samples, directions);
+        let values = rows.sample.len();
+        let parts: Vec<Part> =
+            passes.par_iter_mut().map(|pass| pass.part(self, samples, values)).collect();
+        parts.into_iter().for_each(|part| part.put(&mut rows));
         rows
     }
 

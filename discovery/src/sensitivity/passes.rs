@@ -1,6 +1,7 @@
 //! The passes of [`super`]: runs over duals, each for a few directions.
 
 use drivescope_numerics::Dual;
+use nalgebra::DMatrix;
 
 use super::{Direction, Rows};
 use crate::case::Case;
@@ -16,28 +17,54 @@ const FORGOTTEN: f64 = 1e-9;
 /// Samples between two looks at that.
 const LOOK: usize = 64;
 
-/// A run over plain numbers or duals that fills its part of a block.
-pub(crate) trait Pass {
-    /// Runs over the samples and writes what it knows.
-    fn fill(&mut self, case: &Case<'_>, samples: &[usize], rows: &mut Rows);
+/// A run over plain numbers or duals that knows a part of a block.
+pub(crate) trait Pass: Send {
+    /// Runs over the samples, at which that many values were measured.
+    fn part(&mut self, case: &Case<'_>, samples: &[usize], values: usize) -> Part;
+}
+
+/// What one pass knows of a block.
+pub(crate) struct Part {
+    /// Residuals, if it is the pass that tells them.
+    residual: Option<Vec<f64>>,
+    /// Numbers of its directions, and a row each.
+    numbers: Vec<usize>,
+    columns: DMatrix<f64>,
+}
+
+impl Part {
+    fn new(numbers: Vec<usize>, values: usize, leads: bool) -> Self {
+        let columns = DMatrix::zeros(numbers.len(), values);
+        Self { residual: leads.then(|| vec![0.0; values]), numbers, columns }
+    }
+
+    /// Puts it where it belongs.
+    pub(crate) fn put(self, rows: &mut Rows) {
+        if let Some(residual) = self.residual {
+            rows.residual = residual;
+        }
+        for (row, number) in self.columns.row_iter().zip(self.numbers) {
+            rows.columns.row_mut(number).copy_from(&row);
+        }
+    }
 }
 
 /// The run over plain numbers: it knows the residuals.
 struct Values<'a>(Runner<'a, f64>);
 
 impl Pass for Values<'_> {
-    fn fill(&mut self, case: &Case<'_>, samples: &[usize], rows: &mut Rows) {
-        let mut row = 0;
+    fn part(&mut self, case: &Case<'_>, samples: &[usize], values: usize) -> Part {
+        let mut residual = Vec::with_capacity(values);
         for &k in samples {
             let now = self.0.sample(k, [0.0; 2]);
             for (channel, sd) in case.measured.outputs.iter().zip(case.noise) {
                 if channel.values[k].is_finite() {
                     let v = now[channel.output as usize];
-                    rows.residual[row] = (channel.values[k] - v) / sd;
-                    row += 1;
+                    residual.push((channel.values[k] - v) / sd);
                 }
             }
         }
+        Part { residual: Some(residual), ..Part::new(Vec::new(), values, false) }
     }
 }
 
@@ -129,8 +156,10 @@ fn only_piece(directions: &[Numbered<'_>]) -> Option<usize> {
 }
 
 impl<const P: usize> Pass for Duals<'_, P> {
-    fn fill(&mut self, case: &Case<'_>, samples: &[usize], rows: &mut Rows) {
+    fn part(&mut self, case: &Case<'_>, samples: &[usize], values: usize) -> Part {
         let outputs = &case.measured.outputs;
+        let numbers = self.directions.iter().map(|(number, _)| *number).collect();
+        let mut part = Part::new(numbers, values, self.leads);
         let mut row = 0;
         for &k in samples {
             if self.fading.as_mut().is_some_and(|fading| fading.is_over(k)) {
@@ -144,12 +173,12 @@ impl<const P: usize> Pass for Duals<'_, P> {
                     continue;
                 }
                 let Dual { v, d } = now[channel.output as usize];
-                if self.leads {
-                    rows.residual[row] = (y - v) / sd;
+                if let Some(residual) = &mut part.residual {
+                    residual[row] = (y - v) / sd;
                 }
-                for (slot, (number, _)) in self.directions.iter().enumerate() {
+                for slot in 0..self.directions.len() {
                     let column = d[slot] / sd;
-                    rows.columns[(*number, row)] = column;
+                    part.columns[(slot, row)] = column;
                     if let Some(fading) = &mut self.fading {
                         fading.see(column);
                     }
@@ -157,6 +186,7 @@ impl<const P: usize> Pass for Duals<'_, P> {
                 row += 1;
             }
         }
+        part
     }
 }
 

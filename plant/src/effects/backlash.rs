@@ -24,7 +24,7 @@ const DAMPING: f64 = 0.2;
 
 fn grid(spans: &Spans) -> Vec<Shape> {
     let of = |ratio: f64, gap: f64| {
-        let (k, d) = joint(spans.inertia, ratio, HZ, DAMPING);
+        let (k, d) = joint(spans.inertia, ratio, HZ.min(spans.nyquist_hz()), DAMPING);
         vec![("k", k), ("d", d), ("gap", gap * spans.radian()), ("ratio", ratio)]
     };
     BEHIND.into_iter().flat_map(|ratio| GAPS.map(|gap| of(ratio, gap))).collect()

@@ -18,7 +18,9 @@ fn grid(spans: &Spans) -> Vec<Shape> {
         let (k, d) = joint(spans.inertia, ratio, hz, DAMPING);
         vec![("k", k), ("d", d), ("ratio", ratio)]
     };
-    BEHIND.into_iter().flat_map(|ratio| HZ.map(|hz| of(ratio, hz))).collect()
+    let seen = |hz: &f64| *hz == HZ[0] || *hz < spans.nyquist_hz();
+    let seen: Vec<f64> = HZ.into_iter().filter(seen).collect();
+    BEHIND.into_iter().flat_map(|ratio| seen.iter().map(move |hz| of(ratio, *hz))).collect()
 }
 
 /// Two masses: the load's speed lags by `omega - lag`, and the twist `phi`.
@@ -103,6 +105,7 @@ impl Effect<3, 2> for FlexibleCoupling {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::grid::SPANS;
     use crate::effects::law::by_name::{AT, assert_same, parameters, shared};
 
     #[test]
@@ -116,5 +119,13 @@ mod tests {
         assert_eq!(twist, 2.0);
         // A motor that does not accelerate: the slip falls as the load speeds up.
         assert_same(slip, -(0.052 - AT.load) / (0.25 * AT.inertia));
+    }
+
+    #[test]
+    fn what_samples_cannot_show_is_not_weighed() {
+        let shapes = |period_s: f64| grid(&Spans { period_s, ..SPANS }).len() / BEHIND.len();
+        assert_eq!(shapes(1e-3), HZ.len());
+        assert_eq!(shapes(0.02), 3, "8, 13 and 20 Hz lie below 25 Hz");
+        assert_eq!(shapes(0.5), 1, "a grid is never empty");
     }
 }

@@ -29,6 +29,8 @@ pub struct Spans {
     pub step: f64,
     /// Length of the longest recording, s.
     pub duration_s: f64,
+    /// Shortest sampling time, s.
+    pub period_s: f64,
     /// Share of the time in which the shaft moves, but slower than [`SLOW_SPEED`].
     pub slow: f64,
 }
@@ -42,6 +44,11 @@ impl Spans {
         /// Of the travel.
         const RADIAN: f64 = 0.02;
         if self.rotary { 1.0 } else { RADIAN * self.travel }
+    }
+
+    /// Half the sampling frequency, Hz: what swings faster is not seen, and takes many sub-steps.
+    pub(super) fn nyquist_hz(&self) -> f64 {
+        0.5 / self.period_s
     }
 }
 
@@ -153,26 +160,28 @@ pub(super) fn is_slow(tau_s: f64, spans: &Spans) -> bool {
     tau_s >= START * spans.duration_s
 }
 
+/// What recordings of a small drive span.
+#[cfg(test)]
+pub(super) const SPANS: Spans = Spans {
+    rotary: true,
+    inertia: 1e-4,
+    resistance: 2.0,
+    dry: 0.02,
+    speed: 300.0,
+    current: 4.0,
+    heat: 30.0,
+    voltage: 24.0,
+    travel: 500.0,
+    step: 0.01,
+    duration_s: 8.0,
+    period_s: 1e-3,
+    slow: 0.2,
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::effects::registry::REGISTRY;
-
-    /// What recordings of a small drive span.
-    const SPANS: Spans = Spans {
-        rotary: true,
-        inertia: 1e-4,
-        resistance: 2.0,
-        dry: 0.02,
-        speed: 300.0,
-        current: 4.0,
-        heat: 30.0,
-        voltage: 24.0,
-        travel: 500.0,
-        step: 0.01,
-        duration_s: 8.0,
-        slow: 0.2,
-    };
 
     #[test]
     fn what_repeats_is_seen_over_two_periods() {

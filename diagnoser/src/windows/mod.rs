@@ -66,8 +66,8 @@ pub struct Windows {
     pub baseline: usize,
     /// Greatest departure of a window's mean from the followed one, output unit: what comes at once.
     pub mean: f64,
-    /// Greatest departure of a window's mean from the baseline's, output unit: what comes slowly. Files
-    /// of before know none.
+    /// Greatest departure of a window's mean from the baseline's, output unit: what comes slowly. Older
+    /// files hold none.
     #[serde(default)]
     pub drift: Option<f64>,
     /// Greatest logarithm of a window's standard deviation over the baseline's.
@@ -202,7 +202,8 @@ impl Windows {
         Ok(Baseline::of(if settles { second } else { &residual }))
     }
 
-    /// Without a limit of its own, a mean drifts by as much as it may move at once.
+    /// Greatest departure that comes slowly; in files that hold no limit of it, twice what may come at
+    /// once: a mean that was followed up to one limit is seen at two.
     fn drift(&self) -> f64 {
         self.drift.unwrap_or(2.0 * self.mean)
     }

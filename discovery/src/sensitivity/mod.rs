@@ -6,7 +6,8 @@
 //! added to a balance: the response to a torque series b is what a missing law b(t) would do.
 //!
 //! Derivatives come in passes of a few directions each, as duals. All passes advance together, on as
-//! many threads as there are, by blocks of samples, so that memory depends on the length of a block and not of the recording.
+//! many threads as there are, by blocks of samples, so that memory depends on the length of a block and
+//! not of the recording.
 
 mod passes;
 

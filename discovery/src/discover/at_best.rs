@@ -16,6 +16,9 @@ const PROMISING: f64 = 2.0;
 const CHANCE: f64 = 0.05;
 /// Share of what the best fitted law explains that one of two masses must promise at its null.
 const MASSES: f64 = 0.4;
+/// Share of the error above its floor that must go with what convinces, lest one of two masses be what is
+/// missing: far from its null nothing but its fit tells it.
+const EXPLAINS: f64 = 0.5;
 /// Shapes from which a law without a derivative at its null is fitted.
 const STARTS: usize = 2;
 /// Factors on the coefficients at its null from which a law with fast states is fitted besides: what it
@@ -67,8 +70,8 @@ impl Round<'_> {
     }
 
     /// Laws of two masses: far from their nulls they are told only by their fits, which take long.
-    /// All of them, where one promises a part of what those that convince have; along a known motion, where
-    /// a column holds all that it would explain, as much.
+    /// All of them, where one promises a part of what those that convince have, or these leave most of the
+    /// error; along a known motion, where a column holds all that it would explain, as much.
     fn of_two<'w>(
         &self,
         ground: &Ground,
@@ -76,17 +79,31 @@ impl Round<'_> {
         fitted: &[Judged],
     ) -> Vec<&'w LawWeight> {
         let convince = fitted.iter().filter(|one| one.refused.is_none());
-        let most = convince.fold(0.0_f64, |most, one| most.max(one.weighed.evidence));
+        let most = convince.clone().fold(0.0_f64, |most, one| most.max(one.weighed.evidence));
+        let lowers = |one: &&Judged| one.lowers && !one.weighed.by_balance;
+        let named = convince.clone().find(lowers);
+        let leaves = named.is_some_and(|one| self.removed_of_validation(&one.model) < EXPLAINS);
         let of_two = |it: &&LawWeight| self.is_of_free_run(&self.all[it.candidate]);
         let two = || weights.laws.iter().filter(of_two);
         let part = if ground.filtered().is_some() { MASSES } else { 1.0 };
-        let promises =
-            |it: &LawWeight| self.looks_beside() || (is_evident(it) && it.evidence >= part * most);
+        let promises = |it: &LawWeight| {
+            leaves || self.looks_beside() || (is_evident(it) && it.evidence >= part * most)
+        };
         if two().any(promises) { two().collect() } else { Vec::new() }
     }
 
     /// Laws at their best, fitted.
     pub(crate) fn at_their_best(&self, ground: &Ground, laws: &[&LawWeight]) -> Vec<Judged> {
+        self.fitted_beside(ground, laws, None)
+    }
+
+    /// The same; in free run those alone that come near the squared error that another law leaves.
+    fn fitted_beside(
+        &self,
+        ground: &Ground,
+        laws: &[&LawWeight],
+        other: Option<f64>,
+    ) -> Vec<Judged> {
         let filtered = |weight: &LawWeight, of_free_run: Option<&Model>| {
             let it = &self.all[weight.candidate];
             let starts = weight.variants.iter().take(if it.is_linear() { 1 } else { STARTS });
@@ -126,7 +143,7 @@ impl Round<'_> {
             let it = &self.all[weight.candidate];
             let found = self
                 .is_of_free_run(it)
-                .then(|| self.fit_of_free_run(ground, it, &weight.variants))
+                .then(|| self.fit_of_free_run(ground, it, &weight.variants, other))
                 .flatten();
             let by_filter = filtered(weight, found.as_ref().map(|it| &it.model));
             let by_free_run = found.map(|found| found.judged(weight.candidate));
@@ -181,7 +198,14 @@ impl Round<'_> {
         if laws.is_empty() {
             return false;
         }
-        self.judge(ground, weights, self.at_their_best(ground, laws), judged);
+        // What knocks is fitted last: its starts lead nowhere where the same without play leaves little.
+        let (knocking, others): (Vec<&LawWeight>, Vec<&LawWeight>) =
+            laws.iter().partition(|it| self.all[it.candidate].info.knocks);
+        let mut fitted = self.at_their_best(ground, &others);
+        let sums = fitted.iter().map(|one| one.model.fitted.squares.sum);
+        let least = sums.min_by(f64::total_cmp);
+        fitted.extend(self.fitted_beside(ground, &knocking, least));
+        self.judge(ground, weights, fitted, judged);
         true
     }
 

@@ -194,7 +194,7 @@ impl Round<'_> {
         let shapes: Vec<usize> =
             if self.acts_beside(it) { (0..it.variants.len()).collect() } else { Vec::new() };
         let from_shapes =
-            || refit(self.model, it, &shapes, self.estimation, self.validation, &seen).ok();
+            || refit(self.model, (it, &shapes), None, self.estimation, self.validation, &seen);
         let ends = ends.chain((!shapes.is_empty()).then(from_shapes).flatten());
         let sum = |model: &Model| model.fitted.squares.sum;
         ends.min_by(|a, b| sum(a).total_cmp(&sum(b)))
@@ -218,7 +218,7 @@ impl Round<'_> {
         let by_filter = best.and_then(|one| self.in_free_run(&one));
         by_filter.or_else(|| {
             let (it, variants) = (&self.all[law.candidate], &law.variants);
-            refit(self.model, it, variants, self.estimation, self.validation, &seen).ok()
+            refit(self.model, (it, variants), None, self.estimation, self.validation, &seen)
         })
     }
 

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
-use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
 use super::learned::LearnedCurve;
+use super::not_judged::NotJudged;
 use crate::balances::BothUnexplained;
 use crate::compare::Finding;
 use crate::doubt::Doubt;

@@ -14,11 +14,6 @@ use crate::likelihood::{LawWeight, Weights};
 const PROMISING: f64 = 2.0;
 /// Share of the best law's evidence at its null from which another one is fitted.
 const CHANCE: f64 = 0.05;
-/// Share of what the best fitted law explains that one of two masses must promise at its null.
-const MASSES: f64 = 0.4;
-/// Share of the error above its floor that must go with what convinces, lest one of two masses be what is
-/// missing: far from its null nothing but its fit tells it.
-const EXPLAINS: f64 = 0.5;
 /// Shapes from which a law without a derivative at its null is fitted.
 const STARTS: usize = 2;
 /// Factors on the coefficients at its null from which a law with fast states is fitted besides: what it
@@ -28,7 +23,7 @@ const FARTHER: [f64; 2] = [5.0, 25.0];
 impl Round<'_> {
     /// Laws that are worth a fit: the most probable; what every machine has; what excludes the best of
     /// them, for only fits tell which it is; and laws without a derivative at their null where a curve
-    /// shows something over their variables. Those of two masses come by themselves ([`Round::of_two`]).
+    /// shows something over their variables. Those of two masses come by themselves ([`Round::of_two_masses`]).
     fn promising<'w>(&self, weights: &'w Weights) -> Vec<&'w LawWeight> {
         let candidate = |it: &LawWeight| &self.all[it.candidate];
         let of_one = || weights.laws.iter().filter(|it| !self.is_of_free_run(candidate(it)));
@@ -69,36 +64,13 @@ impl Round<'_> {
         others.take(decision::REFITTED).collect()
     }
 
-    /// Laws of two masses: far from their nulls they are told only by their fits, which take long.
-    /// All of them, where one promises a part of what those that convince have, or these leave most of the
-    /// error; along a known motion, where a column holds all that it would explain, as much.
-    fn of_two<'w>(
-        &self,
-        ground: &Ground,
-        weights: &'w Weights,
-        fitted: &[Judged],
-    ) -> Vec<&'w LawWeight> {
-        let convince = fitted.iter().filter(|one| one.refused.is_none());
-        let most = convince.clone().fold(0.0_f64, |most, one| most.max(one.weighed.evidence));
-        let lowers = |one: &&Judged| one.lowers && !one.weighed.by_balance;
-        let named = convince.clone().find(lowers);
-        let leaves = named.is_some_and(|one| self.removed_of_validation(&one.model) < EXPLAINS);
-        let of_two = |it: &&LawWeight| self.is_of_free_run(&self.all[it.candidate]);
-        let two = || weights.laws.iter().filter(of_two);
-        let part = if ground.filtered().is_some() { MASSES } else { 1.0 };
-        let promises = |it: &LawWeight| {
-            leaves || self.looks_beside() || (is_evident(it) && it.evidence >= part * most)
-        };
-        if two().any(promises) { two().collect() } else { Vec::new() }
-    }
-
     /// Laws at their best, fitted.
     pub(crate) fn at_their_best(&self, ground: &Ground, laws: &[&LawWeight]) -> Vec<Judged> {
         self.fitted_beside(ground, laws, None)
     }
 
     /// The same; in free run those alone that come near the squared error that another law leaves.
-    fn fitted_beside(
+    pub(super) fn fitted_beside(
         &self,
         ground: &Ground,
         laws: &[&LawWeight],
@@ -175,17 +147,6 @@ impl Round<'_> {
         self.join(ground, weights, &others, judged)
     }
 
-    /// The same with those of two masses, where one promises a part of what the named one has.
-    pub(super) fn of_two_masses(
-        &self,
-        ground: &Ground,
-        weights: &Weights,
-        judged: &mut Vec<Judged>,
-    ) -> bool {
-        let two = self.of_two(ground, weights, judged);
-        self.join(ground, weights, &two, judged)
-    }
-
     /// Puts those laws, fitted, among the judged ones; whether there are any.
     fn join(
         &self,
@@ -198,14 +159,7 @@ impl Round<'_> {
         if laws.is_empty() {
             return false;
         }
-        // What knocks is fitted last: its starts lead nowhere where the same without play leaves little.
-        let (knocking, others): (Vec<&LawWeight>, Vec<&LawWeight>) =
-            laws.iter().partition(|it| self.all[it.candidate].info.knocks);
-        let mut fitted = self.at_their_best(ground, &others);
-        let sums = fitted.iter().map(|one| one.model.fitted.squares.sum);
-        let least = sums.min_by(f64::total_cmp);
-        fitted.extend(self.fitted_beside(ground, &knocking, least));
-        self.judge(ground, weights, fitted, judged);
+        self.judge(ground, weights, self.at_their_best(ground, laws), judged);
         true
     }
 
@@ -250,6 +204,6 @@ fn ordered(mut judged: Vec<Judged>) -> Vec<Judged> {
 }
 
 /// Whether the recordings tell a law from the base.
-fn is_evident(it: &LawWeight) -> bool {
+pub(super) fn is_evident(it: &LawWeight) -> bool {
     it.finite && !it.imitated && it.evidence > PROMISING
 }

@@ -38,15 +38,15 @@ impl Round<'_> {
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
         for one in judged.iter_mut().filter(|one| one.refused.is_none()) {
+            if one.lowers {
+                break;
+            }
             let candidate = &self.all[one.candidate];
             let over = |it: &Variable| candidate.fails_over.contains(it);
             let less = |least: f64| one.weighed.evidence < least;
             if failed.iter().any(|(variables, least)| less(*least) && variables.iter().any(over)) {
                 one.refused = Some("a better one does not lower the error".to_owned());
                 continue;
-            }
-            if one.lowers {
-                break;
             }
             match self.fitted_lowers(ground, left, one) {
                 Ok(()) if self.stands_apart(one) => {

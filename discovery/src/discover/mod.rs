@@ -36,6 +36,7 @@ mod refit;
 mod report;
 mod round;
 mod spans;
+mod two_masses;
 mod typed;
 mod unusable;
 mod whiten;

@@ -44,7 +44,8 @@ impl Round<'_> {
             let over = &self.all[it.candidate].fails_over;
             curve.is_some_and(|it| it.curve.variables().iter().any(|v| over.contains(v)))
         };
-        let basic = |it: &LawWeight| candidate(it).info.basic && is_evident(it);
+        // What every machine has is fitted whatever a random load takes of it.
+        let basic = |it: &LawWeight| candidate(it).info.basic && it.finite && !it.imitated;
         let bends = |it: &LawWeight| !candidate(it).is_linear() && shown(it);
         let beside = |it: &&LawWeight| basic(it) || instead(it) || bends(it);
         let beside: Vec<&LawWeight> = of_one().filter(beside).collect();

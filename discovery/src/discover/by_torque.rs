@@ -20,10 +20,10 @@ const MUCH: f64 = 0.5;
 const TAKEN: f64 = 0.2;
 
 impl Round<'_> {
-    /// Torque that a drive leaves unexplained in the recordings held out, rms; none where they do not
-    /// tell it.
+    /// Torque that a drive leaves unexplained in the recordings held out, as a share of the applied one, for
+    /// a fit may make all torques small by a small K; none where they do not tell it.
     pub(super) fn torque_left(&self, drive: &Drive) -> Option<f64> {
-        unexplained(drive, self.validation)[0].map(|it| it.rms)
+        unexplained(drive, self.validation)[0].map(|it| it.share)
     }
 
     /// The same of a drive of that structure at the values of the balances.

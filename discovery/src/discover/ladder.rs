@@ -15,6 +15,7 @@ use super::spans::{are_possible, spans};
 use super::typed;
 use super::unusable;
 use super::withdrawn::{explains_little, withdrawn};
+use crate::balances::unexplained;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -214,15 +215,21 @@ fn searched(
             by_error: !weighed.by_balance,
             formula: Formula::of(&all[candidate], weighed.size),
         });
-        // The minimum of the estimation data may lie where those held out deny it.
+        // The minimum of the estimation data may lie where those held out deny it, or behind an observer
+        // where less of the torque is explained.
+        let observed = named.setting.observer.follows();
         let error = |of: &Model| of.validation.squares.error();
-        let still = |it: &Model| error(it) <= error(&model).max(error(&named));
+        let left = |of: &Model| unexplained(&of.fitted.drive, validation)[0].map(|it| it.share);
+        let explains = |it: &Model| {
+            let both = left(it).zip(left(&named));
+            !observed || both.is_none_or(|(is, was)| is <= (1.0 + rule.size) * was)
+        };
+        let still = |it: &Model| error(it) <= error(&model).max(error(&named)) && explains(it);
         let polished = (!weighed.by_balance)
             .then(|| named.polished(estimation, validation, &seen).ok().filter(still))
             .flatten();
         let named = polished.unwrap_or(named);
         // Behind an observer, what comes next is asked beside what explains most torque.
-        let observed = named.setting.observer.follows();
         model = observed.then(|| balanced(&named, &added)).flatten().unwrap_or(named);
         found.climb(Some(kind), &model, (estimation, validation), watch);
         while let Some((place, fewer)) = needless(&model, &added, (estimation, validation), watch) {

@@ -9,7 +9,7 @@ use super::needless::{Added, needless};
 use super::not_judged::NotJudged;
 use super::other_machine;
 use super::refit::Model;
-use super::report::{Discovery, Step, Verdict, Watch, seen_by};
+use super::report::{Discovery, Step, Unfitted, Verdict, Watch, seen_by};
 use super::round::{Formula, Outcome, Round};
 use super::spans::{are_possible, spans};
 use super::typed;
@@ -142,6 +142,11 @@ fn searched(
             turn.run()
         };
         if round == 0 {
+            let unfitted = outcome.unfitted.iter().map(|(candidate, evidence)| Unfitted {
+                effect: all[*candidate].name.clone(),
+                delta_bic: 2.0 * evidence,
+            });
+            found.unfitted = unfitted.collect();
             found.not_judged = not;
             found.not_judged.extend(outcome.untold.iter().map(|it| NotJudged::untold(&all[*it])));
             found

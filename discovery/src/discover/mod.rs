@@ -50,8 +50,8 @@ pub use ladder::{discover, discover_by};
 pub use learned::LearnedCurve;
 pub use not_judged::NotJudged;
 pub use report::{
-    Coefficient, Discovery, LadderStep, Oscillation, RandomLoad, Ranked, Step, Unwatched, Verdict,
-    Watch,
+    Coefficient, Discovery, LadderStep, Oscillation, RandomLoad, Ranked, Step, Unfitted, Unwatched,
+    Verdict, Watch,
 };
 
 pub(crate) use candidate::Candidate;

@@ -1,7 +1,7 @@
 //! One recording with one drive: what every estimate and every test is made of.
 
 use drivescope_plant::drive::Drive;
-use drivescope_plant::integrate::longest_substeps;
+use drivescope_plant::integrate::longest_substep;
 use drivescope_plant::sampled::speed_bound;
 
 use crate::measured::Measured;
@@ -16,10 +16,6 @@ pub const PACE: f64 = 5.0;
 /// 0.8 rad of it a sub-step. What is passed so fast is an integral over the sub-step, off by
 /// x^4 / 2880 = 2e-4 of itself, and hardly moves the shaft any more.
 pub const PASSING_PACE: f64 = 25.0;
-/// The same where the sub-step is set by the armature's decay, which is exact: 1.44 time constants a
-/// sub-step. What is left is the torque of a current that dies away within it, off by
-/// x^4 / 2880 = 1.5e-3 of itself.
-pub const ARMATURE_PACE: f64 = 12.0;
 
 /// What a fit freezes, for only so has the sum of squares no jumps. The observer is that of the base
 /// along the whole ladder of added effects, for only so do errors compare; sub-steps are each drive's
@@ -35,9 +31,8 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Freezes sub-steps of [`PACE`] times those of a simulation of the drive, of [`ARMATURE_PACE`] times
-    /// those for its armature, and of [`PASSING_PACE`] times those at the greatest speed that its limits
-    /// allow.
+    /// Freezes sub-steps of [`PACE`] times those of a simulation of the drive, and of
+    /// [`PASSING_PACE`] times those at the greatest speed that its limits allow.
     pub fn new(drive: &Drive, observer: Observer) -> Self {
         Self::up_to(drive, observer, speed_bound(drive))
     }
@@ -50,10 +45,9 @@ impl Setting {
     /// At that speed, rad/s (m/s).
     pub(crate) fn up_to(drive: &Drive, observer: Observer, speed: f64) -> Self {
         let model = drive.model();
-        let [own, armature] = longest_substeps(&model, 0.0);
-        let [passing, _] = longest_substeps(&model, speed);
-        let paced = [PACE * own, ARMATURE_PACE * armature, PASSING_PACE * passing];
-        Self { observer, speed, longest_s: paced.into_iter().fold(f64::INFINITY, f64::min) }
+        let own = PACE * longest_substep(&model, 0.0);
+        let passing = PASSING_PACE * longest_substep(&model, speed);
+        Self { observer, speed, longest_s: own.min(passing) }
     }
 }
 

@@ -94,7 +94,7 @@ pub use balances::{
     Begun, BothUnexplained, Identified, Unexplained, begin, small_inertia, unexplained,
 };
 pub use canonical::with_canonical_names;
-pub use case::{ARMATURE_PACE, Case, PACE, PASSING_PACE, Setting, Squares};
+pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{
     Balance, Coefficient, Discovery, LadderStep, LearnedCurve, NextExperiment, NotJudged,
     Oscillation, RandomLoad, Ranked, Rule, RuleNumber, Step, Unfitted, Unwatched, Verdict, Watch,

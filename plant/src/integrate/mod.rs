@@ -140,18 +140,13 @@ fn sub_step<R: Real>(h: R, substeps: usize) -> R {
 
 /// The longest sub-step that resolves every lane up to that speed, s.
 pub fn longest_substep<R: Real, const N: usize>(model: &Model<R, N>, speed: f64) -> f64 {
-    let [smooth, armature] = longest_substeps(model, speed);
-    smooth.min(armature)
-}
-
-/// The longest sub-steps that resolve all but the armature's decay, and that, of every lane, s.
-pub fn longest_substeps<R: Real, const N: usize>(model: &Model<R, N>, speed: f64) -> [f64; 2] {
-    let rates = (0..N).map(|l| {
+    let needed = (0..N).map(|l| {
         let motor = model.motors.lane(l);
         let armature = if model.force { 0.0 } else { (motor.r / motor.l).value() };
-        [model.fastest(l, speed) / RADIANS_A_STEP, armature / ARMATURE_A_STEP]
+        let smooth = model.fastest(l, speed) / RADIANS_A_STEP;
+        smooth.max(armature / ARMATURE_A_STEP)
     });
-    rates.fold([0.0; 2], |most, of| [0, 1].map(|k| f64::max(most[k], of[k]))).map(f64::recip)
+    1.0 / needed.fold(0.0, f64::max)
 }
 
 /// Equal sub-steps of an interval of `h` seconds, none longer than that; not finite where a rate is

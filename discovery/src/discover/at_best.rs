@@ -23,7 +23,8 @@ const FARTHER: [f64; 2] = [5.0, 25.0];
 impl Round<'_> {
     /// Laws that are worth a fit: the most probable; what every machine has; what excludes the best of
     /// them, for only fits tell which it is; and laws without a derivative at their null where a curve
-    /// shows something over their variables. Those of two masses come by themselves ([`Round::of_two_masses`]).
+    /// shows something over their variables. Those of two masses come by themselves
+    /// ([`Round::of_two_masses`]).
     fn promising<'w>(&self, weights: &'w Weights) -> Vec<&'w LawWeight> {
         let candidate = |it: &LawWeight| &self.all[it.candidate];
         let of_one = || weights.laws.iter().filter(|it| !self.is_of_free_run(candidate(it)));

@@ -1,6 +1,7 @@
 //! One effect that the user, or a benchmark, chose: added or weighed, whatever speaks for it.
 
 use drivescope_plant::drive::Drive;
+use drivescope_plant::effects::grid::Spans;
 use drivescope_plant::effects::registry::Entry;
 use drivescope_plant::file::LEARNED;
 
@@ -10,6 +11,7 @@ use super::decision::Rule;
 use super::ladder::begin;
 use super::learned::LearnedCurve;
 use super::not_judged::NotJudged;
+use super::refit::Model;
 use super::report::{Discovery, Unwatched, Verdict, Watch, seen_by};
 use super::round::Round;
 use super::spans::spans;
@@ -62,18 +64,7 @@ pub fn add(
             vec![candidate(entry, &model.fitted.drive, &spans)]
         }
     };
-    let turn = Round {
-        rule: &Rule::NAMING,
-        model: &model,
-        all: &chosen,
-        spans: &spans,
-        estimation,
-        validation,
-        watch,
-        named: &[],
-        formulas: &[],
-        randomness: None,
-    };
+    let turn = first_round(&model, (&chosen, &spans), (estimation, validation), watch);
     let ground = turn.ground().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let weights = turn.weights(&ground).ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let added = if kind == LEARNED {
@@ -124,18 +115,7 @@ pub fn bic_of(
             candidate(Entry::find(kind).ok_or_else(unknown)?, &model.fitted.drive, &spans)
         }
     }];
-    let turn = Round {
-        rule: &Rule::NAMING,
-        model: &model,
-        all: &all,
-        spans: &spans,
-        estimation,
-        validation,
-        watch: &Unwatched,
-        named: &[],
-        formulas: &[],
-        randomness: None,
-    };
+    let turn = first_round(&model, (&all, &spans), (estimation, validation), &Unwatched);
     let evidence = || {
         let ground = turn.ground()?;
         let weights = turn.weights(&ground)?;
@@ -143,4 +123,25 @@ pub fn bic_of(
         turn.at_their_best(&ground, &laws).first().map(|one| 2.0 * one.weighed.evidence)
     };
     Ok(evidence().unwrap_or(0.0))
+}
+
+/// The first round beside a base, of those candidates alone.
+fn first_round<'a>(
+    model: &'a Model,
+    (all, spans): (&'a [Candidate], &'a Spans),
+    (estimation, validation): (&'a Evidence, &'a Evidence),
+    watch: &'a dyn Watch,
+) -> Round<'a> {
+    Round {
+        rule: &Rule::NAMING,
+        model,
+        all,
+        spans,
+        estimation,
+        validation,
+        watch,
+        named: &[],
+        formulas: &[],
+        randomness: None,
+    }
 }

@@ -113,7 +113,7 @@ impl Round<'_> {
         let falls = fits && error(&model) <= (1.0 - FALLS) * was;
         one.model = model;
         let removed = self.removed_of_validation(&one.model);
-        let raises = self.raises_torque(candidate, of_round, &one.model);
+        let raises = self.law_raises_torque(candidate, of_round, &one.model);
         let lowers = falls && removed >= size && !raises;
         if lowers || self.explains_torque(&one.model.fitted.drive) {
             one.weighed.by_balance = !lowers;

@@ -2,6 +2,7 @@
 
 use drivescope_plant::drive::{Drive, EffectData};
 
+use super::candidate::Candidate;
 use super::candidates::candidates;
 use super::decision::{self, Rule};
 use super::judged::Judged;
@@ -15,7 +16,6 @@ use super::spans::{are_possible, spans};
 use super::typed;
 use super::unusable;
 use super::withdrawn::{explains_little, withdrawn};
-use crate::balances::unexplained;
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -148,13 +148,12 @@ fn searched(
             });
             found.unfitted = unfitted.collect();
             found.not_judged = not;
-            found.not_judged.extend(outcome.untold.iter().map(|it| NotJudged::untold(&all[*it])));
-            found
-                .not_judged
-                .extend(outcome.imitated.iter().map(|it| NotJudged::imitated(&all[*it])));
-            found
-                .not_judged
-                .extend(outcome.overflowing.iter().map(|it| NotJudged::overflowing(&all[*it])));
+            let of = |which: &[usize], why: fn(&Candidate) -> NotJudged| -> Vec<NotJudged> {
+                which.iter().map(|it| why(&all[*it])).collect()
+            };
+            found.not_judged.extend(of(&outcome.untold, NotJudged::untold));
+            found.not_judged.extend(of(&outcome.imitated, NotJudged::imitated));
+            found.not_judged.extend(of(&outcome.overflowing, NotJudged::overflowing));
         }
         found.load = outcome.load.or(found.load);
         randomness = outcome.randomness;
@@ -222,19 +221,17 @@ fn searched(
         });
         // The minimum of the estimation data may lie where those held out deny it, or behind an observer
         // where less of the torque is explained.
-        let observed = named.setting.observer.follows();
         let error = |of: &Model| of.validation.squares.error();
-        let left = |of: &Model| unexplained(&of.fitted.drive, validation)[0].map(|it| it.share);
-        let explains = |it: &Model| {
-            let both = left(it).zip(left(&named));
-            !observed || both.is_none_or(|(is, was)| is <= (1.0 + rule.size) * was)
+        let left = || turn.torque_left(&named.fitted.drive);
+        let still = |it: &Model| {
+            error(it) <= error(&model).max(error(&named)) && !turn.raises_torque(left(), it)
         };
-        let still = |it: &Model| error(it) <= error(&model).max(error(&named)) && explains(it);
         let polished = (!weighed.by_balance)
             .then(|| named.polished(estimation, validation, &seen).ok().filter(still))
             .flatten();
         let named = polished.unwrap_or(named);
         // Behind an observer, what comes next is asked beside what explains most torque.
+        let observed = named.setting.observer.follows();
         model = observed.then(|| balanced(&named, &added)).flatten().unwrap_or(named);
         found.climb(Some(kind), &model, (estimation, validation), watch);
         while let Some((place, fewer)) = needless(&model, &added, (estimation, validation), watch) {

@@ -21,11 +21,13 @@ impl Missing {
         let mut blocks = vec![Block::Cards(cards(self, curves))];
         let item =
             |effects: String, note: String| Item { key: None, code: false, head: effects, note };
-        let unfitted: Vec<&str> = self.unfitted.iter().map(|it| it.effect.as_str()).collect();
-        let weighed = || "weighed, and promised too little to be fitted".to_owned();
-        let weighed = (!unfitted.is_empty()).then(|| item(unfitted.join(", "), weighed()));
-        let not_shown = self.not_shown.iter();
-        let not_shown = not_shown
+        let weighed = (!self.unfitted.is_empty()).then(|| {
+            let names: Vec<&str> = self.unfitted.iter().map(|it| it.effect.as_str()).collect();
+            item(names.join(", "), "weighed, and promised too little to be fitted".to_owned())
+        });
+        let not_shown = self
+            .not_shown
+            .iter()
             .map(|(effects, reason)| item(effects.clone(), format!("not judged: {reason}")));
         let items: Vec<Item> = weighed.into_iter().chain(not_shown).collect();
         if !items.is_empty() {

@@ -9,6 +9,7 @@ use drivescope_plant::model::Model;
 use drivescope_plant::sampled::{
     InputLanes, Inputs, Sampled, Samples, SignalLanes, Span, speed_bound,
 };
+use drivescope_plant::unit::Unit;
 use drivescope_recording::{Recording, Signal};
 
 /// Signals of a sample that a run records, with the FMU's names.
@@ -18,7 +19,7 @@ pub const RECORDED: [&str; 6] = ["C_m", "T", "I_m", "i", "omega", "theta"];
 /// I_m of sample k and the ideal i, omega and theta at its end.
 pub fn closed_loop(drive: &Drive, inputs: &Recording) -> Recording {
     let integrator = Integrator::new(drive.model(), speed_bound(drive));
-    let mut made = empty(inputs);
+    let mut made = empty(inputs, &units(drive));
     run(&mut Sampled::new(drive, integrator, true), [inputs], std::slice::from_mut(&mut made));
     made
 }
@@ -28,6 +29,7 @@ pub fn closed_loop(drive: &Drive, inputs: &Recording) -> Recording {
 #[derive(Debug, Clone)]
 pub struct ClosedLoops<const N: usize> {
     at_rest: Sampled<N, Block<f64, N>>,
+    units: Units,
     made: Vec<Recording>,
 }
 
@@ -36,7 +38,8 @@ impl<const N: usize> ClosedLoops<N> {
     pub fn new(drive: &Drive) -> Self {
         let model = drive.model();
         let block = Block::new(Model::side_by_side([&model; N]), speed_bound(drive));
-        Self { at_rest: Sampled::new(drive, block, true), made: Vec::new() }
+        let at_rest = Sampled::new(drive, block, true);
+        Self { at_rest, units: units(drive), made: Vec::new() }
     }
 
     /// Runs a loop over each of the inputs, which have one length and sampling time; lanes that
@@ -50,7 +53,7 @@ impl<const N: usize> ClosedLoops<N> {
         for (k, of) in inputs.iter().enumerate() {
             match self.made.get_mut(k) {
                 Some(made) => reuse(made, of),
-                None => self.made.push(empty(of)),
+                None => self.made.push(empty(of, &self.units)),
             }
         }
         if let Some(last) = inputs.last() {
@@ -61,15 +64,27 @@ impl<const N: usize> ClosedLoops<N> {
     }
 }
 
+/// Units of [`RECORDED`].
+type Units = [String; RECORDED.len()];
+
+/// Those that the drive's FMU has.
+fn units(drive: &Drive) -> Units {
+    let unit = Unit::new(drive.clone(), false);
+    RECORDED.map(|name| {
+        let variable = unit.variables().iter().find(|variable| variable.name == name);
+        variable.map_or_else(String::new, |variable| variable.unit.clone())
+    })
+}
+
 /// A recording of a run over those inputs, its rows still to be written.
-fn empty(inputs: &Recording) -> Recording {
-    let signals = RECORDED.map(|name| Signal {
-        name: name.to_owned(),
-        unit: String::new(),
+fn empty(inputs: &Recording, units: &Units) -> Recording {
+    let signals = RECORDED.iter().zip(units).map(|(name, unit)| Signal {
+        name: (*name).to_owned(),
+        unit: unit.clone(),
         values: vec![0.0; inputs.len()],
     });
     let name = inputs.name.clone();
-    Recording::new(name, inputs.start_s, inputs.period_s, signals.into())
+    Recording::new(name, inputs.start_s, inputs.period_s, signals.collect())
 }
 
 /// Makes the recording of another run one over those inputs, its rows still to be written.
@@ -331,6 +346,8 @@ mod tests {
         assert_eq!(together.len(), 12);
         for (inputs, lane) in inputs.iter().zip(together) {
             assert!(closed_loop(&experiment.drive, inputs) == *lane);
+            let units = lane.signals.iter().map(|signal| signal.unit.as_str());
+            assert!(units.eq(["V", "rpm", "A", "A", "rad/s", "rad"]));
         }
     }
 }

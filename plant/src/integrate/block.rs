@@ -107,7 +107,7 @@ impl<R: Real, const N: usize> Block<R, N> {
         self.saved.clone_from(&state.x);
         let lanes = exact.lanes.iter().zip(&state.sign);
         let others = lanes.filter(|(exact, sign)| **exact == 0 && **sign != 0.0).count();
-        if plan.forward.is_some() && others <= N / FEW {
+        if plan.whole_spans || plan.forward.is_some() && others <= N / FEW {
             state.x[..OWN].copy_from_slice(&exact.next);
             self.redo = [1; N];
         } else {

@@ -21,16 +21,22 @@
 mod affine;
 mod automaton;
 mod block;
+mod collocation;
 mod exponential;
 mod grain;
+mod nodes;
 mod renew;
+mod span;
 mod step;
+
+use std::sync::OnceLock;
 
 use drivescope_numerics::Real;
 
 use crate::model::{Applied, Model, OWN, SPEED, at_rest};
 use affine::Affine;
 use grain::Grain;
+use span::Span;
 use step::{Armature, Stages};
 
 pub use block::Block;
@@ -93,14 +99,26 @@ struct Plan<R, const N: usize> {
     grain: Grain<N>,
     forward: Option<Affine<R, N>>,
     backward: Option<Affine<R, N>>,
+    /// Into how many spans an interval is divided, each of as many sub-steps.
+    spans: usize,
+    /// Whether a span may be made in one step.
+    whole_spans: bool,
+    /// How that is done: made where it is first needed, most runs are at speed throughout.
+    span: OnceLock<Box<Span<R>>>,
 }
 
 impl<R: Real, const N: usize> Plan<R, N> {
     fn new(model: &Model<R, N>, h: R, substeps: usize) -> Self {
+        let spans = collocation::spans(model, substeps);
+        let whole_spans = spans.is_some();
+        let spans = spans.unwrap_or(1);
+        // Each span takes as many sub-steps.
+        let substeps = substeps.next_multiple_of(spans);
         let armature = Armature::new(model, sub_step(h, substeps));
         let forward = Affine::new(model, 1.0, h);
         let backward = if model.dry() { Affine::new(model, -1.0, h) } else { None };
-        Self { h, substeps, armature, grain: Grain::new(model), forward, backward }
+        let (grain, span) = (Grain::new(model), OnceLock::new());
+        Self { h, substeps, armature, grain, forward, backward, spans, whole_spans, span }
     }
 
     /// Length of a sub-step.
@@ -118,6 +136,9 @@ impl<R: Real, const N: usize> Plan<R, N> {
             grain: self.grain.lane(l),
             forward: self.forward.as_ref().map(lane),
             backward: self.backward.as_ref().map(lane),
+            spans: self.spans,
+            whole_spans: self.whole_spans,
+            span: OnceLock::new(),
         }
     }
 
@@ -267,37 +288,7 @@ impl<R: Real> Integrator<R> {
                 return;
             }
         }
-        sub_steps(model, plan, (x, sign), applied, room, saved);
-    }
-}
-
-/// The sub-steps of an interval, each through the automaton.
-#[inline(never)]
-fn sub_steps<R: Real>(
-    model: &Model<R, 1>,
-    plan: &Plan<R, 1>,
-    (x, sign): (&mut Vec<[R; 1]>, &mut f64),
-    applied: &Applied<R, 1>,
-    room: &mut Stages<R, 1>,
-    saved: &mut Vec<[R; 1]>,
-) {
-    if plan.substeps == 0 {
-        x.fill([R::constant(f64::NAN)]);
-        return;
-    }
-    let h = plan.sub_step();
-    for k in 0..plan.substeps {
-        let time = applied.time + k as f64 * h.value();
-        let held = Applied { time, ..*applied };
-        saved.clone_from(x);
-        let before = *sign;
-        automaton::advance(model, (x, sign), &held, h, &plan.armature, room, saved);
-        let parts = plan.grain.parts(0, saved[SPEED][0].value(), x[SPEED][0].value());
-        if parts > 1.0 {
-            x.clone_from(saved);
-            *sign = before;
-            automaton::advance_in_parts(model, (x, sign), &held, h, parts, room, saved);
-        }
+        span::advance(model, plan, (x, sign), applied, room, saved);
     }
 }
 

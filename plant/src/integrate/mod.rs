@@ -3,10 +3,12 @@
 //! The rule that ties internal steps to samples and communication points: inputs are held
 //! from one instant at which they may change (a sample of the controller, a communication
 //! point, an event of the importer) to the next. Over such an interval of length h the state is
-//! advanced either by one exact affine step or by n equal sub-steps h / n; n follows from the
-//! fastest rate of the drive ([`longest_substep`]) and not from the state, so the result depends
-//! only on the state, the inputs and h. Events of stick-slip lie inside sub-steps, which are
-//! split there. Time is t0 + k h, never a running sum.
+//! advanced by one exact affine step where the drive is affine. Else n equal sub-steps h / n resolve
+//! it; n follows from the fastest rate of the drive ([`longest_substep`]). As many of them as hold
+//! a smooth motion without states of the laws' own are made as one: a span (`span.rs`), from the exact
+//! motor and the laws at a few instants (`collocation.rs`), or at rest from the armature alone. All
+//! of this depends only on the state, the inputs and h. Events of stick-slip lie inside spans and
+//! sub-steps, which are split there. Time is t0 + k h, never a running sum.
 //!
 //! [`Integrator`] advances one drive; [`Block`] advances lanes of drives and hands a lane that
 //! meets an event to the former, from its saved state: a lane equals the scalar run with the
@@ -26,6 +28,7 @@ mod exponential;
 mod grain;
 mod nodes;
 mod renew;
+mod response;
 mod span;
 mod step;
 
@@ -36,8 +39,8 @@ use drivescope_numerics::Real;
 use crate::model::{Applied, Model, OWN, SPEED, at_rest};
 use affine::Affine;
 use grain::Grain;
-use span::Span;
-use step::{Armature, Stages};
+use span::{Room, Span};
+use step::Armature;
 
 pub use block::Block;
 
@@ -210,8 +213,7 @@ pub struct Integrator<R> {
     plan: Option<Plan<R, 1>>,
     /// The plan for the length before: a delayed input splits every interval into two.
     other_plan: Option<Plan<R, 1>>,
-    room: Stages<R, 1>,
-    saved: Vec<[R; 1]>,
+    room: Room<R>,
 }
 
 impl<R: Real> Integrator<R> {
@@ -228,8 +230,8 @@ impl<R: Real> Integrator<R> {
     }
 
     fn with(model: Model<R, 1>, pace: Pace) -> Self {
-        let room = Stages::new(model.states());
-        Self { model, pace, plan: None, other_plan: None, room, saved: Vec::new() }
+        let room = Room::new(model.states());
+        Self { model, pace, plan: None, other_plan: None, room }
     }
 
     /// The drive.
@@ -275,7 +277,7 @@ impl<R: Real> Integrator<R> {
 
     #[inline]
     fn advance_planned(&mut self, state: &mut State<R, 1>, applied: &Applied<R, 1>) {
-        let Self { model, plan, room, saved, .. } = self;
+        let Self { model, plan, room, .. } = self;
         let Some(plan) = plan else { return };
         let State { x, sign: [sign] } = state;
         if model.dry() && *sign == 0.0 {
@@ -288,7 +290,7 @@ impl<R: Real> Integrator<R> {
                 return;
             }
         }
-        span::advance(model, plan, (x, sign), applied, room, saved);
+        span::advance(model, plan, (x, sign), applied, room);
     }
 }
 

@@ -17,7 +17,7 @@ pub(super) struct Nodes {
     pub(super) places: [f64; NODES],
     /// `coefficients[k][m]`: of t^m in the polynomial that is 1 at node k and 0 at the others.
     pub(super) coefficients: [[f64; NODES]; NODES],
-    /// Weights that give Legendre's last two coefficients of the values, and their mean square.
+    /// Weights that give Legendre's last two coefficients of the values.
     last: [[f64; NODES]; 2],
 }
 
@@ -77,10 +77,10 @@ impl Nodes {
         sum
     }
 
-    /// By how much the mean over the step errs, estimated from the last coefficients: these fall as
-    /// powers, and Lobatto's rule is right for twice as many.
+    /// The last two of Legendre's coefficients of the values, summed, and the greatest value: what the
+    /// polynomial leaves out is less than these.
     #[inline(always)]
-    pub(super) fn quadrature_error<R: Real>(&self, values: &[R; NODES]) -> f64 {
+    pub(super) fn tail<R: Real>(&self, values: &[R; NODES]) -> (f64, f64) {
         let mut sums = [0.0; 2];
         let mut greatest = 0.0;
         for node in 0..NODES {
@@ -90,8 +90,7 @@ impl Nodes {
             let size = value.abs();
             greatest = if size > greatest { size } else { greatest };
         }
-        let tail = sums[0].abs() + sums[1].abs();
-        if greatest > 0.0 { tail * (tail / greatest) } else { 0.0 }
+        (sums[0].abs() + sums[1].abs(), greatest)
     }
 }
 
@@ -124,11 +123,19 @@ mod tests {
     }
 
     #[test]
-    fn the_error_is_that_of_what_is_not_smooth() {
+    fn the_tail_is_long_where_the_values_are_not_smooth() {
         let nodes = Nodes::new();
-        let error = |f: fn(f64) -> f64| nodes.quadrature_error(&nodes.places.map(f));
-        assert!(error(|t| 1.0 + t.powi(5)) < 1e-25);
-        assert!(error(|t| (-3.0 * t).exp()) < 1e-7);
-        assert!(error(|t| (t - 0.4).abs()) > 1e-4);
+        let tail = |f: fn(f64) -> f64| nodes.tail(&nodes.places.map(f)).0;
+        assert!(tail(|t| 1.0 + t.powi(5)) < 1e-13);
+        assert!(tail(|t| (-3.0 * t).exp()) < 1e-3);
+        assert!(tail(|t| (t - 0.4).abs()) > 1e-3);
+    }
+
+    #[test]
+    fn the_last_coefficients_are_legendres() {
+        let nodes = Nodes::new();
+        let of = |degree| nodes.tail(&nodes.places.map(|t| legendre(degree, 2.0 * t - 1.0).0)).0;
+        assert!((of(6) - 1.0).abs() < 1e-13 && (of(7) - 1.0).abs() < 1e-13);
+        assert!(of(5) < 1e-13);
     }
 }

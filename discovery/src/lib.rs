@@ -97,8 +97,8 @@ pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};
 pub use discover::{
     Balance, Coefficient, Discovery, LadderStep, LearnedCurve, NextExperiment, NotJudged,
-    Oscillation, RandomLoad, Ranked, Rule, RuleNumber, Step, Unwatched, Verdict, Watch, add,
-    bic_of, discover, discover_by,
+    Oscillation, RandomLoad, Ranked, Rule, RuleNumber, Step, Unfitted, Unwatched, Verdict, Watch,
+    add, bic_of, discover, discover_by,
 };
 pub use doubt::{Doubt, doubts};
 pub use driving::{Driving, driving};

@@ -163,24 +163,34 @@ impl Text {
         self.line(padded.collect::<String>().trim_end());
     }
 
-    /// What is ranked as a table of its facts; what belongs to the others, first.
+    /// What is ranked as a table of its facts, each by its name; what belongs to the others, first.
     fn cards(&mut self, cards: &[Card]) {
         let (ranked, honest): (Vec<&Card>, Vec<&Card>) =
             cards.iter().partition(|card| card.rank.is_some());
         honest.iter().for_each(|card| self.blocks(&card.blocks));
-        let Some(first) = ranked.first() else { return };
-        let facts = first.facts.iter().filter(|it| is_shown(it));
+        if ranked.is_empty() {
+            return;
+        }
+        let mut names: Vec<&str> = Vec::new();
+        for fact in ranked.iter().flat_map(|card| &card.facts).filter(|it| is_shown(it)) {
+            if !names.contains(&fact.name.as_str()) {
+                names.push(&fact.name);
+            }
+        }
         let mut columns = vec![Column::new(Align::Name, "")];
-        columns.extend(facts.map(|it| Column::new(Align::Number, &it.name)));
+        columns.extend(names.iter().map(|name| Column::new(Align::Number, *name)));
         columns.push(Column::new(Align::Words, ""));
         let mut table = Table::new("", columns);
         for card in ranked {
             let mark = card.mark.as_ref().map_or("", |mark| match mark {
                 Ok(words) | Err(words) => words,
             });
-            let facts = card.facts.iter().filter(|it| is_shown(it));
+            let fact = |name: &&str| {
+                let own = card.facts.iter().find(|it| is_shown(it) && it.name == **name);
+                own.map_or("-", |it| it.value.as_str()).into()
+            };
             let mut cells = vec![card.title.as_str().into()];
-            cells.extend(facts.map(|it| it.value.as_str().into()));
+            cells.extend(names.iter().map(fact));
             cells.push(mark.into());
             table.push(cells);
         }

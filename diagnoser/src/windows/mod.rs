@@ -32,7 +32,7 @@ pub use standstill::Standstill;
 pub(crate) const WINDOW_S: f64 = 2.0;
 pub(crate) const BASELINE_S: f64 = 4.0;
 /// Share of healthy runs that raise an alarm.
-pub const FALSE_RUNS: f64 = 0.04;
+pub const FALSE_RUNS: f64 = 0.035;
 /// Runs below which long ones are cut into stretches, and below which there is no design.
 const FEW: usize = 8;
 const FEWEST: usize = 5;

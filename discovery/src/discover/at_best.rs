@@ -14,8 +14,6 @@ use crate::likelihood::{LawWeight, Weights};
 const PROMISING: f64 = 2.0;
 /// Share of the best law's evidence at its null from which another one is fitted.
 const CHANCE: f64 = 0.05;
-/// Share of what the best fitted law explains that one of two masses must promise at its null.
-const MASSES: f64 = 0.4;
 /// Shapes from which a law without a derivative at its null is fitted.
 const STARTS: usize = 2;
 /// Factors on the coefficients at its null from which a law with fast states is fitted besides: what it
@@ -25,7 +23,8 @@ const FARTHER: [f64; 2] = [5.0, 25.0];
 impl Round<'_> {
     /// Laws that are worth a fit: the most probable; what every machine has; what excludes the best of
     /// them, for only fits tell which it is; and laws without a derivative at their null where a curve
-    /// shows something over their variables. Those of two masses come by themselves ([`Round::of_two`]).
+    /// shows something over their variables. Those of two masses come by themselves
+    /// ([`Round::of_two_masses`]).
     fn promising<'w>(&self, weights: &'w Weights) -> Vec<&'w LawWeight> {
         let candidate = |it: &LawWeight| &self.all[it.candidate];
         let of_one = || weights.laws.iter().filter(|it| !self.is_of_free_run(candidate(it)));
@@ -46,7 +45,8 @@ impl Round<'_> {
             let over = &self.all[it.candidate].fails_over;
             curve.is_some_and(|it| it.curve.variables().iter().any(|v| over.contains(v)))
         };
-        let basic = |it: &LawWeight| candidate(it).info.basic && is_evident(it);
+        // What every machine has is fitted whatever a random load takes of it.
+        let basic = |it: &LawWeight| candidate(it).info.basic && it.finite && !it.imitated;
         let bends = |it: &LawWeight| !candidate(it).is_linear() && shown(it);
         let beside = |it: &&LawWeight| basic(it) || instead(it) || bends(it);
         let beside: Vec<&LawWeight> = of_one().filter(beside).collect();
@@ -66,27 +66,18 @@ impl Round<'_> {
         others.take(decision::REFITTED).collect()
     }
 
-    /// Laws of two masses: far from their nulls they are told only by their fits, which take long.
-    /// All of them, where one promises a part of what those that convince have; along a known motion, where
-    /// a column holds all that it would explain, as much.
-    fn of_two<'w>(
-        &self,
-        ground: &Ground,
-        weights: &'w Weights,
-        fitted: &[Judged],
-    ) -> Vec<&'w LawWeight> {
-        let convince = fitted.iter().filter(|one| one.refused.is_none());
-        let most = convince.fold(0.0_f64, |most, one| most.max(one.weighed.evidence));
-        let of_two = |it: &&LawWeight| self.is_of_free_run(&self.all[it.candidate]);
-        let two = || weights.laws.iter().filter(of_two);
-        let part = if ground.filtered().is_some() { MASSES } else { 1.0 };
-        let promises =
-            |it: &LawWeight| self.looks_beside() || (is_evident(it) && it.evidence >= part * most);
-        if two().any(promises) { two().collect() } else { Vec::new() }
-    }
-
     /// Laws at their best, fitted.
     pub(crate) fn at_their_best(&self, ground: &Ground, laws: &[&LawWeight]) -> Vec<Judged> {
+        self.fitted_beside(ground, laws, None)
+    }
+
+    /// The same; in free run those alone that come near the squared error that another law leaves.
+    pub(super) fn fitted_beside(
+        &self,
+        ground: &Ground,
+        laws: &[&LawWeight],
+        other: Option<f64>,
+    ) -> Vec<Judged> {
         let filtered = |weight: &LawWeight, of_free_run: Option<&Model>| {
             let it = &self.all[weight.candidate];
             let starts = weight.variants.iter().take(if it.is_linear() { 1 } else { STARTS });
@@ -126,7 +117,7 @@ impl Round<'_> {
             let it = &self.all[weight.candidate];
             let found = self
                 .is_of_free_run(it)
-                .then(|| self.fit_of_free_run(ground, it, &weight.variants))
+                .then(|| self.fit_of_free_run(ground, it, &weight.variants, other))
                 .flatten();
             let by_filter = filtered(weight, found.as_ref().map(|it| &it.model));
             let by_free_run = found.map(|found| found.judged(weight.candidate));
@@ -156,17 +147,6 @@ impl Round<'_> {
     ) -> bool {
         let others = self.others(weights, judged);
         self.join(ground, weights, &others, judged)
-    }
-
-    /// The same with those of two masses, where one promises a part of what the named one has.
-    pub(super) fn of_two_masses(
-        &self,
-        ground: &Ground,
-        weights: &Weights,
-        judged: &mut Vec<Judged>,
-    ) -> bool {
-        let two = self.of_two(ground, weights, judged);
-        self.join(ground, weights, &two, judged)
     }
 
     /// Puts those laws, fitted, among the judged ones; whether there are any.
@@ -226,6 +206,6 @@ fn ordered(mut judged: Vec<Judged>) -> Vec<Judged> {
 }
 
 /// Whether the recordings tell a law from the base.
-fn is_evident(it: &LawWeight) -> bool {
+pub(super) fn is_evident(it: &LawWeight) -> bool {
     it.finite && !it.imitated && it.evidence > PROMISING
 }

@@ -39,7 +39,7 @@ impl Round<'_> {
         shown.sort_by(|a, b| b.1.total_cmp(&a.1));
         shown.truncate(FITTED);
         let fitted = |(candidate, _): &(usize, f64)| {
-            let found = self.fit_of_free_run(ground, &self.all[*candidate], &[0])?;
+            let found = self.fit_of_free_run(ground, &self.all[*candidate], &[0], None)?;
             // What leaves more may only resemble what is missing.
             self.explains_all(&found.model).then(|| found.judged(*candidate))
         };

@@ -20,10 +20,10 @@ const MUCH: f64 = 0.5;
 const TAKEN: f64 = 0.2;
 
 impl Round<'_> {
-    /// Torque that a drive leaves unexplained in the recordings held out, rms; none where they do not
-    /// tell it.
+    /// Torque that a drive leaves unexplained in the recordings held out, as a share of the applied one, for
+    /// a fit may make all torques small by a small K; none where they do not tell it.
     pub(super) fn torque_left(&self, drive: &Drive) -> Option<f64> {
-        unexplained(drive, self.validation)[0].map(|it| it.rms)
+        unexplained(drive, self.validation)[0].map(|it| it.share)
     }
 
     /// The same of a drive of that structure at the values of the balances.
@@ -53,18 +53,22 @@ impl Round<'_> {
         })
     }
 
-    /// Whether more torque stays unexplained with a law than without, in the recordings held out: an
-    /// observer follows what a model does not predict, and its error may fall by a wrong inertia.
-    /// What stands at a sensor is no part of that balance.
-    pub(super) fn raises_torque(
+    /// Whether more torque stays unexplained with a law than without, in the recordings held out. What
+    /// stands at a sensor is no part of that balance.
+    pub(super) fn law_raises_torque(
         &self,
         candidate: &Candidate,
         before: Option<f64>,
         with: &Model,
     ) -> bool {
+        candidate.acts_at_motor() && self.raises_torque(before, with)
+    }
+
+    /// Whether more torque stays unexplained than before, in the recordings held out: an observer follows
+    /// what a model does not predict, and its error may fall by a wrong inertia.
+    pub(super) fn raises_torque(&self, before: Option<f64>, with: &Model) -> bool {
         // Where no observer follows the motion, its error says what a drive leaves.
-        let observed = self.model.setting.observer.follows();
-        if !observed || !candidate.acts_at_motor() {
+        if !self.model.setting.observer.follows() {
             return false;
         }
         let both = before.zip(self.torque_left(&with.fitted.drive));

@@ -9,21 +9,10 @@ use drivescope_plant::effects::law::Variable;
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
 use super::candidate::{Candidate, Variant};
+use super::not_judged::NotJudged;
 use super::typed;
 use crate::estimate::Evidence;
 use crate::measured::{Measured, Output};
-
-/// An effect that is not judged, and why.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct NotJudged {
-    pub effect: String,
-    /// Why, for a person.
-    pub reason: String,
-    /// Whether a person should hear of it unasked: other recordings could show it, or it is a law
-    /// that the user typed.
-    #[serde(skip)]
-    pub worth_saying: bool,
-}
 
 /// The candidates of a drive with these recordings, those of the laws that the user typed among
 /// them, and what cannot be judged.

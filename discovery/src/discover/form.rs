@@ -38,8 +38,8 @@ pub(super) struct Refused {
 
 impl Round<'_> {
     /// The last of the laws that were added, to the drive of the round, in whose place formulas have
-    /// the evidence that a name needs over it, and which has not that evidence itself beside the best of
-    /// them. What was named by the torque alone has no error of a motion to compare.
+    /// the evidence that a name needs over it and the error falls as far, and which has not that evidence
+    /// itself beside the best of them. What was named by the torque alone has no error of a motion to compare.
     pub(super) fn formulas_instead(&self, added: &[Added]) -> Option<Instead> {
         let asked = added.iter().enumerate().rev().filter(|(_, it)| it.by_error);
         asked.filter(|_| !self.watch.stopped()).find_map(|it| self.formulas_instead_of(it))
@@ -71,7 +71,12 @@ impl Round<'_> {
             return None;
         }
         let removed = [self.model, &with].map(|it| turn.removed_of_validation(it));
-        let of_kind = removed[0] >= (1.0 - self.rule.formula) * removed[1];
+        // What a filter tells of two masses is little; the error tells more.
+        let nearly = 1.0 - self.rule.formula;
+        if removed[1] < nearly * removed[0] {
+            return None;
+        }
+        let of_kind = removed[0] >= nearly * removed[1];
         let refused = (!of_kind).then(|| {
             let curve = turn.weights(&ground).and_then(|weights| turn.unknown(&ground, &weights));
             let learned = curve.map(|curve| turn.drawn(&curve, &formulas));

@@ -38,15 +38,15 @@ impl Round<'_> {
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
         for one in judged.iter_mut().filter(|one| one.refused.is_none()) {
+            if one.lowers {
+                break;
+            }
             let candidate = &self.all[one.candidate];
             let over = |it: &Variable| candidate.fails_over.contains(it);
             let less = |least: f64| one.weighed.evidence < least;
             if failed.iter().any(|(variables, least)| less(*least) && variables.iter().any(over)) {
                 one.refused = Some("a better one does not lower the error".to_owned());
                 continue;
-            }
-            if one.lowers {
-                break;
             }
             match self.fitted_lowers(ground, left, one) {
                 Ok(()) if self.stands_apart(one) => {
@@ -113,7 +113,7 @@ impl Round<'_> {
         let falls = fits && error(&model) <= (1.0 - FALLS) * was;
         one.model = model;
         let removed = self.removed_of_validation(&one.model);
-        let raises = self.raises_torque(candidate, of_round, &one.model);
+        let raises = self.law_raises_torque(candidate, of_round, &one.model);
         let lowers = falls && removed >= size && !raises;
         if lowers || self.explains_torque(&one.model.fitted.drive) {
             one.weighed.by_balance = !lowers;
@@ -194,7 +194,7 @@ impl Round<'_> {
         let shapes: Vec<usize> =
             if self.acts_beside(it) { (0..it.variants.len()).collect() } else { Vec::new() };
         let from_shapes =
-            || refit(self.model, it, &shapes, self.estimation, self.validation, &seen).ok();
+            || refit(self.model, (it, &shapes), None, self.estimation, self.validation, &seen);
         let ends = ends.chain((!shapes.is_empty()).then(from_shapes).flatten());
         let sum = |model: &Model| model.fitted.squares.sum;
         ends.min_by(|a, b| sum(a).total_cmp(&sum(b)))
@@ -218,7 +218,7 @@ impl Round<'_> {
         let by_filter = best.and_then(|one| self.in_free_run(&one));
         by_filter.or_else(|| {
             let (it, variants) = (&self.all[law.candidate], &law.variants);
-            refit(self.model, it, variants, self.estimation, self.validation, &seen).ok()
+            refit(self.model, (it, variants), None, self.estimation, self.validation, &seen)
         })
     }
 

@@ -57,12 +57,14 @@ impl Round<'_> {
     }
 
     /// Nothing where no fit ends, or the filter sees not every sample, which are not to be compared.
-    /// `variants` are shapes of the law, the most promising first.
+    /// `variants` are shapes of the law, the most promising first; `other` is the squared error that
+    /// another law leaves.
     pub(super) fn fit_of_free_run(
         &self,
         ground: &Ground,
         it: &Candidate,
         variants: &[usize],
+        other: Option<f64>,
     ) -> Option<FreeRunFit> {
         let ground = ground.filtered()?;
         if ground.scene.is_reduced(self.estimation, self.validation) {
@@ -70,11 +72,16 @@ impl Round<'_> {
         }
         let (estimation, validation) = (self.estimation, self.validation);
         let seen = |_| self.watch.stopped();
-        let model = refit(self.model, it, variants, estimation, validation, &seen).ok()?;
+        let model = refit(self.model, (it, variants), other, estimation, validation, &seen)?;
         let base = &self.model.fitted;
         // No inverse is told of what has a mass behind teeth: of the torque that the base leaves
-        // unexplained it has as much as of the error.
-        let remainder = unexplained(&base.drive, estimation)[0].map_or(0.0, |it| it.rms);
+        // unexplained it has as much as of the error. Without a balance the random load is that torque.
+        let random = || {
+            let load = ground.load();
+            load.oscillation.map_or(load.sd, |it| it.sd.hypot(load.sd))
+        };
+        let balance = unexplained(&base.drive, estimation)[0];
+        let remainder = balance.map_or_else(random, |it| it.rms);
         let kept = model.fitted.squares.sum / base.squares.sum;
         let size = remainder * (1.0 - kept).max(0.0).sqrt() / ground.references.torque;
         let [own, others] = self.ln_probabilities(&model);

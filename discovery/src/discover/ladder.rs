@@ -1,45 +1,27 @@
 //! The loop: weigh, fit, decide, add, until nothing is left or nobody knows.
 
 use drivescope_plant::drive::{Drive, EffectData};
-use drivescope_plant::effects::registry::Entry;
-use drivescope_plant::file::LEARNED;
 
 use super::candidate::Candidate;
-use super::candidates::{NotJudged, candidate, candidates};
+use super::candidates::candidates;
 use super::decision::{self, Rule};
 use super::judged::Judged;
-use super::learned::LearnedCurve;
 use super::needless::{Added, needless};
+use super::not_judged::NotJudged;
 use super::other_machine;
 use super::refit::Model;
-use super::report::{Discovery, LadderStep, Step, Unwatched, Verdict, Watch, seen_by};
+use super::report::{Discovery, Step, Unfitted, Verdict, Watch, seen_by};
 use super::round::{Formula, Outcome, Round};
 use super::spans::{are_possible, spans};
 use super::typed;
 use super::unusable;
+use super::withdrawn::{explains_little, withdrawn};
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
 use crate::estimate::{AS_WELL, Evidence, Options};
-use crate::observer::Observer;
 use crate::signals::SignalFinding;
 
-/// Why no curve is added.
-const NO_CURVE: &str = "no torque or voltage over speed, current, position or time alone lowers the \
-                        error on the validation data: see what `discover` shows";
-/// Why an effect is not added that nobody knows.
-const UNKNOWN: &str = "the library has no effect of that name";
-/// Why a typed law is not added whose coefficients are not at their null.
-const HAS_IT: &str = "the drive has it already, with coefficients that are not 0: `fit` estimates \
-                      them";
-/// Why an effect is not added with which nothing can be computed.
-const OVERFLOWS: &str = "the model overflows with it";
-/// Why an effect is not added with which no fit ends.
-const NO_FIT: &str = "no fit with it ends";
-/// Why nothing is named where the validation recordings contradict the others more than that explains.
-const OUTDONE: &str = "other values of the base explain more of the validation data";
-/// The same where most of the torque stays unexplained.
-const LEAVES_MOST: &str = "most of the torque stays unexplained with it";
 /// Starts of the base fit: the file's values may be far off.
 const STARTS: usize = 2;
 
@@ -114,27 +96,6 @@ pub fn discover_by(
     Ok(Discovery { signals: wrong, ..if better { again } else { found } })
 }
 
-/// Whether a step leaves so much of the applied torque unexplained, in the recordings held out, that it
-/// cannot be said of it that nothing is missing: more than there was, and behind an observer, where the
-/// torque is what tells, more than a third.
-fn explains_little(step: &LadderStep, observer: Observer) -> bool {
-    let most = if observer.follows() { 1.0 / 3.0 } else { 1.0 };
-    step.validation_unexplained.torque.is_some_and(|it| it.share > most)
-}
-
-/// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it
-/// is something else. What every machine has is missing all the same.
-fn leaves_most(found: &Discovery) -> bool {
-    let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
-        return false;
-    };
-    let left = |step: &LadderStep| step.validation_unexplained.torque.map(|it| it.rms * it.rms);
-    let most = left(first).zip(left(last)).is_some_and(|(was, is)| is > 0.5 * was);
-    let basic = |name: &String| Entry::find(name).is_some_and(|entry| entry.info.basic);
-    let special = !found.named.is_empty() && !found.named.iter().any(basic);
-    special && most && explains_little(last, found.observer)
-}
-
 /// The loop, from a base and the first step of its ladder.
 fn searched(
     rule: &Rule,
@@ -181,10 +142,18 @@ fn searched(
             turn.run()
         };
         if round == 0 {
+            let unfitted = outcome.unfitted.iter().map(|(candidate, evidence)| Unfitted {
+                effect: all[*candidate].name.clone(),
+                delta_bic: 2.0 * evidence,
+            });
+            found.unfitted = unfitted.collect();
             found.not_judged = not;
-            found.not_judged.extend(outcome.untold.iter().map(|it| untold(&all[*it])));
-            found.not_judged.extend(outcome.imitated.iter().map(|it| imitated(&all[*it])));
-            found.not_judged.extend(outcome.overflowing.iter().map(|it| overflowing(&all[*it])));
+            let of = |which: &[usize], why: fn(&Candidate) -> NotJudged| -> Vec<NotJudged> {
+                which.iter().map(|it| why(&all[*it])).collect()
+            };
+            found.not_judged.extend(of(&outcome.untold, NotJudged::untold));
+            found.not_judged.extend(of(&outcome.imitated, NotJudged::imitated));
+            found.not_judged.extend(of(&outcome.overflowing, NotJudged::overflowing));
         }
         found.load = outcome.load.or(found.load);
         randomness = outcome.randomness;
@@ -250,9 +219,13 @@ fn searched(
             by_error: !weighed.by_balance,
             formula: Formula::of(&all[candidate], weighed.size),
         });
-        // The minimum of the estimation data may lie where those held out deny it.
+        // The minimum of the estimation data may lie where those held out deny it, or behind an observer
+        // where less of the torque is explained.
         let error = |of: &Model| of.validation.squares.error();
-        let still = |it: &Model| error(it) <= error(&model).max(error(&named));
+        let left = || turn.torque_left(&named.fitted.drive);
+        let still = |it: &Model| {
+            error(it) <= error(&model).max(error(&named)) && !turn.raises_torque(left(), it)
+        };
         let polished = (!weighed.by_balance)
             .then(|| named.polished(estimation, validation, &seen).ok().filter(still))
             .flatten();
@@ -269,12 +242,7 @@ fn searched(
             found.climb(last, &model, (estimation, validation), watch);
         }
     }
-    let why = if other_machine::outdoes(&found) {
-        Some(OUTDONE)
-    } else {
-        leaves_most(&found).then_some(LEAVES_MOST)
-    };
-    if let Some(why) = why {
+    if let Some(why) = withdrawn(&found) {
         found.take_all_back(&base, why);
         model = base;
     }
@@ -283,123 +251,8 @@ fn searched(
     found
 }
 
-/// Adds one effect that the user chose, whatever speaks for it; `learned` is the curve that
-/// describes best what the drive lacks.
-///
-/// # Errors
-/// [`Error::CannotAdd`] if these recordings do not tell it or no fit with it ends, and those of a
-/// fit of the base.
-pub fn add(
-    drive: &Drive,
-    kind: &str,
-    estimation: &Evidence,
-    validation: &Evidence,
-    watch: &dyn Watch,
-) -> Result<Discovery, Error> {
-    let of_user = drive;
-    let (drive, typed) = &typed::apart(of_user);
-    let (model, mut found) = begin(drive, (estimation, validation), watch)?;
-    let seen = |error| seen_by(watch, error);
-    let cannot = |reason: String| Error::CannotAdd { effect: kind.to_owned(), reason };
-    let spans = spans(&model.fitted.drive, estimation);
-    let chosen: Vec<Candidate> = match typed.iter().find(|effect| effect.id == kind) {
-        _ if kind == LEARNED => Vec::new(),
-        Some(effect) => vec![typed::candidate(effect)],
-        None => {
-            let has = drive.effects.iter().any(|effect| effect.id == kind);
-            let why = if has { HAS_IT } else { UNKNOWN };
-            let entry = Entry::find(kind).ok_or_else(|| cannot(why.to_owned()))?;
-            if let Some(refusal) = model.fitted.drive.refuses(entry) {
-                return Err(cannot(refusal.to_string()));
-            }
-            vec![candidate(entry, &model.fitted.drive, &spans)]
-        }
-    };
-    let turn = Round {
-        rule: &Rule::NAMING,
-        model: &model,
-        all: &chosen,
-        spans: &spans,
-        estimation,
-        validation,
-        watch,
-        named: &[],
-        formulas: &[],
-        randomness: None,
-    };
-    let ground = turn.ground().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
-    let weights = turn.weights(&ground).ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
-    let added = if kind == LEARNED {
-        let curve = weights.repeating().next().ok_or_else(|| cannot(NO_CURVE.to_owned()))?;
-        let with = turn.with_curve(curve).ok_or_else(|| cannot(NO_FIT.to_owned()))?;
-        found.learned = Some(LearnedCurve::of(curve, turn.removed(&with), drive, &[]));
-        with
-    } else {
-        let law = weights.laws.first().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
-        if !law.finite {
-            return Err(cannot(OVERFLOWS.to_owned()));
-        }
-        if law.imitated {
-            return Err(cannot(imitated(&chosen[0]).reason));
-        }
-        turn.added(&ground, law)
-            .ok_or_else(|| cannot(NO_FIT.to_owned()))?
-            .polished(estimation, validation, &seen)?
-    };
-    found.named.push(kind.to_owned());
-    found.verdict = Verdict::Named;
-    found.climb(Some(kind.to_owned()), &added, (estimation, validation), watch);
-    found.end(added.fitted.drive, of_user);
-    Ok(found)
-}
-
-/// Twice the logarithm of the evidence of one effect over the base, fitted, as the loop counts it:
-/// what a case is worth whose truth is known, read as a gain in BIC. Nothing gained where no fit with
-/// it ends.
-///
-/// # Errors
-/// [`Error::CannotAdd`] for an effect that neither the library has nor the user typed, and those of a
-/// fit of the base.
-pub fn bic_of(
-    drive: &Drive,
-    kind: &str,
-    estimation: &Evidence,
-    validation: &Evidence,
-) -> Result<f64, Error> {
-    let (drive, typed) = &typed::apart(drive);
-    let (model, _) = begin(drive, (estimation, validation), &Unwatched)?;
-    let spans = spans(&model.fitted.drive, estimation);
-    let all = [match typed.iter().find(|effect| effect.id == kind) {
-        Some(effect) => typed::candidate(effect),
-        None => {
-            let unknown =
-                || Error::CannotAdd { effect: kind.to_owned(), reason: UNKNOWN.to_owned() };
-            candidate(Entry::find(kind).ok_or_else(unknown)?, &model.fitted.drive, &spans)
-        }
-    }];
-    let turn = Round {
-        rule: &Rule::NAMING,
-        model: &model,
-        all: &all,
-        spans: &spans,
-        estimation,
-        validation,
-        watch: &Unwatched,
-        named: &[],
-        formulas: &[],
-        randomness: None,
-    };
-    let evidence = || {
-        let ground = turn.ground()?;
-        let weights = turn.weights(&ground)?;
-        let laws: Vec<_> = weights.laws.iter().collect();
-        turn.at_their_best(&ground, &laws).first().map(|one| 2.0 * one.weighed.evidence)
-    };
-    Ok(evidence().unwrap_or(0.0))
-}
-
 /// The base, fitted to the motion, with the first step of its ladder.
-fn begin(
+pub(super) fn begin(
     drive: &Drive,
     (estimation, validation): (&Evidence, &Evidence),
     watch: &dyn Watch,
@@ -440,30 +293,4 @@ fn fails(model: &Model, estimation: &Evidence) -> Vec<Finding> {
     let options = compare::Options { curves: false, seed: 0 };
     let compared = compare::compare(&model.fitted.drive, estimation, &model.setting, &options);
     compared.map_or_else(|_| Vec::new(), |compared| compared.findings)
-}
-
-fn imitated(candidate: &Candidate) -> NotJudged {
-    NotJudged {
-        effect: candidate.name.clone(),
-        reason: "on these recordings it equals other values of the base parameters".to_owned(),
-        worth_saying: candidate.is_typed(),
-    }
-}
-
-fn untold(candidate: &Candidate) -> NotJudged {
-    NotJudged {
-        effect: candidate.name.clone(),
-        reason: "it shows in the motion, and here the torque is judged along the motion that was \
-                 measured"
-            .to_owned(),
-        worth_saying: false,
-    }
-}
-
-fn overflowing(candidate: &Candidate) -> NotJudged {
-    NotJudged {
-        effect: candidate.name.clone(),
-        reason: "it or its derivative divides by zero or overflows on these recordings".to_owned(),
-        worth_saying: true,
-    }
 }

@@ -15,6 +15,7 @@ mod by_free_run;
 mod by_torque;
 mod candidate;
 mod candidates;
+mod chosen;
 mod columns;
 mod curves;
 mod decision;
@@ -28,25 +29,29 @@ mod ladder;
 mod learned;
 mod naming;
 mod needless;
+mod not_judged;
 mod other_machine;
 mod probability;
 mod refit;
 mod report;
 mod round;
 mod spans;
+mod two_masses;
 mod typed;
 mod unusable;
 mod whiten;
+mod withdrawn;
 
-pub use candidates::NotJudged;
+pub use chosen::{add, bic_of};
 pub use curves::Balance;
 pub use decision::{Rule, RuleNumber};
 pub use experiment::NextExperiment;
-pub use ladder::{add, bic_of, discover, discover_by};
+pub use ladder::{discover, discover_by};
 pub use learned::LearnedCurve;
+pub use not_judged::NotJudged;
 pub use report::{
-    Coefficient, Discovery, LadderStep, Oscillation, RandomLoad, Ranked, Step, Unwatched, Verdict,
-    Watch,
+    Coefficient, Discovery, LadderStep, Oscillation, RandomLoad, Ranked, Step, Unfitted, Unwatched,
+    Verdict, Watch,
 };
 
 pub(crate) use candidate::Candidate;

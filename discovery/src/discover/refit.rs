@@ -96,6 +96,8 @@ const STARTS: usize = 5;
 const FIRST_STEPS: usize = 6;
 /// Starts that are followed to their ends: the best after the first steps may lead into a valley.
 const FOLLOWED: usize = 2;
+/// Squared error after the first steps over the least that is known from which on no start is followed.
+const FAR: f64 = 4.0;
 
 /// A drive fitted from where it stands, as closely as judging it needs.
 pub(crate) fn fit_near(
@@ -111,38 +113,30 @@ pub(crate) fn fit_near(
 
 /// The drive with a law whose null is infinite, fitted again from shapes of it, the most promising
 /// first, as closely as judging it needs. The best after a few steps are followed, and the best end
-/// counts.
+/// counts; nothing where no fit ends, or none is near the squared error that another law leaves.
 pub(crate) fn refit(
     base: &Model,
-    candidate: &Candidate,
-    variants: &[usize],
+    (candidate, variants): (&Candidate, &[usize]),
+    other: Option<f64>,
     estimation: &Evidence,
     validation: &Evidence,
     seen: Seen<'_>,
-) -> Result<Model, Error> {
+) -> Option<Model> {
     let first_steps = |variant: &usize| {
         let drive = candidate.added(&base.fitted.drive, &candidate.variants[*variant]);
         let options = Options { steps: FIRST_STEPS, ..NEARLY };
-        fit_seen(&drive, estimation, &base.setting.of(&drive), &options, seen)
+        fit_seen(&drive, estimation, &base.setting.of(&drive), &options, seen).ok()
     };
-    let begun: Vec<_> = variants.par_iter().take(STARTS).map(first_steps).collect();
-    let mut begun = some_of(begun)?;
+    let begun = variants.par_iter().take(STARTS).filter_map(first_steps);
+    let mut begun: Vec<Fitted> = begun.collect();
     begun.sort_by(|one, other| one.squares.sum.total_cmp(&other.squares.sum));
     begun.truncate(FOLLOWED);
-    let finish = |begun: &Fitted| fit_near(base, &begun.drive, estimation, validation, seen);
-    let ends: Vec<_> = begun.par_iter().map(finish).collect();
-    let ends = some_of(ends)?.into_iter();
-    let best = ends.min_by(|a, b| a.fitted.squares.sum.total_cmp(&b.fitted.squares.sum));
-    Ok(best.expect("an end"))
-}
-
-/// Those that succeeded; an error only if none did.
-fn some_of<T>(results: Vec<Result<T, Error>>) -> Result<Vec<T>, Error> {
-    let (succeeded, failed): (Vec<_>, Vec<_>) = results.into_iter().partition(Result::is_ok);
-    match failed.into_iter().next() {
-        Some(Err(error)) if succeeded.is_empty() => Err(error),
-        _ => Ok(succeeded.into_iter().flatten().collect()),
-    }
+    let sums = begun.iter().map(|it| it.squares.sum).chain(other);
+    let least = sums.min_by(f64::total_cmp)?;
+    begun.retain(|it| it.squares.sum <= FAR * least);
+    let finish = |begun: &Fitted| fit_near(base, &begun.drive, estimation, validation, seen).ok();
+    let ends: Vec<Model> = begun.par_iter().filter_map(finish).collect();
+    ends.into_iter().min_by(|a, b| a.fitted.squares.sum.total_cmp(&b.fitted.squares.sum))
 }
 
 /// The drive with a learned curve, fitted again but for the values of those names.

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
-use super::candidates::NotJudged;
 use super::experiment::NextExperiment;
 use super::learned::LearnedCurve;
+use super::not_judged::NotJudged;
 use crate::balances::BothUnexplained;
 use crate::compare::Finding;
 use crate::doubt::Doubt;
@@ -112,6 +112,14 @@ pub struct Ranked {
     pub refused: Option<String>,
 }
 
+/// A candidate that promised too little to be fitted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unfitted {
+    pub effect: String,
+    /// As of [`Ranked`], where it vanishes; a law that vanishes at no finite value may have more.
+    pub delta_bic: f64,
+}
+
 /// What is random in the load torque (force) beside what the model explains.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RandomLoad {
@@ -169,6 +177,8 @@ pub struct Discovery {
     pub remaining: Verdict,
     /// Candidates of the first round, best first, then those that later rounds named.
     pub ranking: Vec<Ranked>,
+    /// Candidates of the first round that were weighed and not fitted, most probable first.
+    pub unfitted: Vec<Unfitted>,
     /// Where the base fails, most telling first, as a comparison says.
     pub fails: Vec<Finding>,
     /// What could not be judged.
@@ -203,6 +213,7 @@ impl Discovery {
             named: Vec::new(),
             remaining: verdict,
             ranking: Vec::new(),
+            unfitted: Vec::new(),
             fails: Vec::new(),
             not_judged: Vec::new(),
             load: None,

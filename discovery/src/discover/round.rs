@@ -64,6 +64,9 @@ impl Formula {
 pub(crate) struct Outcome {
     /// Fitted candidates, most probable first.
     pub(crate) judged: Vec<Judged>,
+    /// Candidates that were weighed and promised too little for a fit, most probable first, with ln of
+    /// their evidence.
+    pub(crate) unfitted: Vec<(usize, f64)>,
     /// Candidates that the base parameters imitate.
     pub(crate) imitated: Vec<usize>,
     /// Candidates with which the model has no finite run or derivative.
@@ -111,6 +114,10 @@ impl Round<'_> {
         let imitated = of(|it| it.finite && it.imitated);
         let overflowing = of(|it| !it.finite);
         judged.extend(disturbances);
+        let is_judged = |candidate: usize| judged.iter().any(|one| one.candidate == candidate);
+        let weighed = weights.laws.iter().filter(|it| it.finite && !it.imitated);
+        let unfitted = weighed.map(|it| (it.candidate, it.evidence)).filter(|it| !is_judged(it.0));
+        let unfitted = unfitted.collect();
         let nothing = judged.iter().all(|one| one.refused.is_some());
         // Where the noise alone is left, what a curve takes of it is nothing.
         let open = nothing && !self.is_at_floor();
@@ -129,6 +136,7 @@ impl Round<'_> {
         let remainder = weights.left_by_formulas + self.rule.curve_odds.ln();
         Outcome {
             judged,
+            unfitted,
             imitated,
             overflowing,
             untold,

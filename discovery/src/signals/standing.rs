@@ -56,7 +56,7 @@ const LIVELY: f64 = 0.6;
 const ONE_SPEED: f64 = 0.1;
 /// Standard deviation of a torque or current over its mean below which it mostly holds a load: what
 /// it does besides may have any sign, for a load drives as well as it brakes.
-const HOLDS: f64 = 0.3;
+const HOLDS: f64 = 0.4;
 
 /// How a motion stands to what drives.
 #[derive(Debug, Clone, Copy, PartialEq)]

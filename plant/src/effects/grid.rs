@@ -70,7 +70,7 @@ const MOST_PERIODS: usize = 48;
 /// Further ones: the least common multiples of usual numbers of slots and poles, and six a pair of poles.
 const FURTHER: [usize; 13] = [54, 60, 66, 72, 84, 90, 96, 108, 120, 126, 132, 144, 168];
 /// Periods that must have passed by for a repetition to be seen: along fewer a wave is any smooth curve.
-const REPEATED: f64 = 2.0;
+pub(super) const REPEATED: f64 = 2.0;
 
 /// The least number of periods a revolution that repeats on the way of a rotor; 0 where no way is known.
 fn least_repeated(spans: &Spans) -> usize {
@@ -79,7 +79,7 @@ fn least_repeated(spans: &Spans) -> usize {
 
 /// Whether samples lie close enough for a wave of that many periods a revolution, or that wave number,
 /// rad/m: two in a period, or it is not told from slower ones.
-fn is_resolved(periods: f64, spans: &Spans) -> bool {
+pub(super) fn is_resolved(periods: f64, spans: &Spans) -> bool {
     periods * spans.step < PI
 }
 

@@ -8,8 +8,8 @@
 //! by the rate of the laws times the step. The nodes are lanes of the field, so that a sweep is vector
 //! code also for one drive.
 //!
-//! At its end such a step errs as the square of the last coefficients of g, which thus tell whether
-//! the nodes resolved it. A step that does not converge or is not resolved is refused, and made of
+//! The last coefficients of g tell whether the nodes resolved it: at its end a step errs as their
+//! square where the laws are smooth, and as themselves where they may have kinks. A step that does not converge or is not resolved is refused, and made of
 //! sub-steps instead. Where the shaft stops in it, the instant is located on the response, which holds
 //! between the nodes too.
 
@@ -239,7 +239,10 @@ impl<R: Real> Collocation<R> {
         share: f64,
     ) -> Course<R> {
         let start = [x[CURRENT][0], x[SPEED][0], x[POSITION][0]];
-        if !self.is_resolved(added, y, share < 1.0) {
+        // Where no turn is located, a drag may be kinked at one.
+        let turns = !self.model.directed() && turns(&y[SPEED]);
+        let everywhere = share < 1.0 || turns || !self.model.is_smooth();
+        if !self.is_resolved(added, y, everywhere) {
             return Course::Refused;
         }
         if self.model.directed() && !self.goes_on(y, rates, sign) {
@@ -305,6 +308,12 @@ fn value(coefficients: &[f64; NODES], t: f64) -> f64 {
 fn slope(coefficients: &[f64; NODES], t: f64) -> f64 {
     let terms = coefficients.iter().enumerate().skip(1).rev();
     terms.fold(0.0, |sum, (power, c)| sum * t + power as f64 * c)
+}
+
+/// Whether a speed changes its sign.
+#[inline(always)]
+fn turns<R: Real>(speeds: &AtNodes<R>) -> bool {
+    speeds.iter().any(|speed| speed.value() * speeds[0].value() < 0.0)
 }
 
 /// The greater of a variable's magnitudes at the two ends.

@@ -19,14 +19,19 @@ impl Missing {
     /// What may be missing, and what could not be judged.
     pub(super) fn candidates(&self, curves: &[Curve]) -> Vec<Block> {
         let mut blocks = vec![Block::Cards(cards(self, curves))];
-        if !self.not_shown.is_empty() {
-            let item = |(effects, reason): &(String, String)| Item {
-                key: None,
-                code: false,
-                head: effects.clone(),
-                note: format!("not judged: {reason}"),
-            };
-            blocks.push(Block::List(self.not_shown.iter().map(item).collect()));
+        let item =
+            |effects: String, note: String| Item { key: None, code: false, head: effects, note };
+        let weighed = (!self.unfitted.is_empty()).then(|| {
+            let names: Vec<&str> = self.unfitted.iter().map(|it| it.effect.as_str()).collect();
+            item(names.join(", "), "weighed, and promised too little to be fitted".to_owned())
+        });
+        let not_shown = self
+            .not_shown
+            .iter()
+            .map(|(effects, reason)| item(effects.clone(), format!("not judged: {reason}")));
+        let items: Vec<Item> = weighed.into_iter().chain(not_shown).collect();
+        if !items.is_empty() {
+            blocks.push(Block::List(items));
         }
         blocks
     }

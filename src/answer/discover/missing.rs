@@ -2,7 +2,7 @@
 
 use drivescope_discovery::{
     Discovery, Formula, LadderStep, LearnedCurve, NextExperiment, NotJudged, RandomLoad, Ranked,
-    Verdict,
+    Unfitted, Verdict,
 };
 use drivescope_plant::drive::{EffectData, LawData, Motion};
 use drivescope_plant::effects::info::Variable;
@@ -27,6 +27,8 @@ pub(crate) struct Missing {
     pub(super) named: Vec<String>,
     pub(super) remaining: Verdict,
     pub(super) ranking: Vec<Ranked>,
+    /// What was weighed and promised too little for a fit.
+    pub(super) unfitted: Vec<Unfitted>,
     pub(super) ladder: Vec<LadderStep>,
     pub(super) not_judged: Vec<NotJudged>,
     pub(super) load: Option<RandomLoad>,
@@ -107,6 +109,7 @@ impl Missing {
             named: found.named.clone(),
             remaining: found.remaining,
             ranking: found.ranking.clone(),
+            unfitted: found.unfitted.clone(),
             ladder: found.ladder.clone(),
             not_judged: found.not_judged.clone(),
             load: found.load,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use drivescope_discovery::{
     BothUnexplained, Coefficient, LadderStep, LearnedCurve, Oscillation, RandomLoad, Ranked,
-    Unexplained, Verdict,
+    Unexplained, Unfitted, Verdict,
 };
 use drivescope_plant::drive::Motion;
 
@@ -52,6 +52,7 @@ fn missing() -> Missing {
         named: vec!["cogging".to_owned()],
         remaining: Verdict::None,
         ranking: vec![ranked("quadratic_drag", Some("too small")), ranked("cogging", None)],
+        unfitted: vec![Unfitted { effect: "iron_loss".to_owned(), delta_bic: -3.0 }],
         ladder: vec![step(None, 2.345_67), step(Some("cogging"), 1.234_56)],
         not_judged: Vec::new(),
         load: Some(RandomLoad { sd: 0.001_234, time: 0.056, oscillation }),
@@ -94,6 +95,8 @@ fn text_page_and_report_tell_the_same_numbers() {
     for number in ["0.9877", "12.3 %", "87.6 %", "6.05 Hz", "1.605 times its floor", "43 %"] {
         assert!(said.contains(number), "{number} is not in: {said}");
     }
+    assert!(said.contains("iron_loss: weighed, and promised too little"), "{said}");
+    assert!(on_page(&blocks).contains("promised too little"));
     let (first, second) = (said.find("cogging  "), said.find("quadratic_drag  "));
     assert!(first < second, "what is named stands first: {said}");
 }

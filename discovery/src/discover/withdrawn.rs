@@ -1,0 +1,46 @@
+//! What takes names back once everything was named: they explain too little.
+
+use drivescope_plant::effects::registry::Entry;
+
+use super::other_machine;
+use super::report::{Discovery, LadderStep};
+use crate::observer::Observer;
+
+/// Why nothing is named where the validation recordings contradict the others more than that explains.
+const OUTDONE: &str = "other values of the base explain more of the validation data";
+/// The same where most of the torque stays unexplained.
+const LEAVES_MOST: &str = "most of the torque stays unexplained with it";
+/// Share of the applied torque that is much to leave unexplained behind an observer.
+const MUCH: f64 = 1.0 / 3.0;
+/// Share of the squared torque that was unexplained which is most of it.
+const MOST: f64 = 0.5;
+
+/// Why everything that was named is taken back; nothing where it stands.
+pub(super) fn withdrawn(found: &Discovery) -> Option<&'static str> {
+    if other_machine::outdoes(found) {
+        Some(OUTDONE)
+    } else {
+        leaves_most(found).then_some(LEAVES_MOST)
+    }
+}
+
+/// Whether a step leaves so much of the applied torque unexplained, in the recordings held out, that it
+/// cannot be said of it that nothing is missing: more than there was, and behind an observer, where the
+/// torque is what tells, more than a third.
+pub(super) fn explains_little(step: &LadderStep, observer: Observer) -> bool {
+    let most = if observer.follows() { MUCH } else { 1.0 };
+    step.validation_unexplained.torque.is_some_and(|it| it.share > most)
+}
+
+/// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it
+/// is something else. What every machine has is missing all the same.
+fn leaves_most(found: &Discovery) -> bool {
+    let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
+        return false;
+    };
+    let left = |step: &LadderStep| step.validation_unexplained.torque.map(|it| it.rms * it.rms);
+    let most = left(first).zip(left(last)).is_some_and(|(was, is)| is > MOST * was);
+    let basic = |name: &String| Entry::find(name).is_some_and(|entry| entry.info.basic);
+    let special = !found.named.is_empty() && !found.named.iter().any(basic);
+    special && most && explains_little(last, found.observer)
+}

@@ -24,10 +24,10 @@ use support::{PERIOD, closed_loop, dr300, dr300_friction, drive, ours, part};
 /// Sub-steps of a sample in the benchmarks of a sub-step.
 const SUBSTEPS: usize = 20;
 
-/// Coulomb, Stribeck, drag and saturation.
+/// Coulomb, Stribeck, saturation and a sensor that lags: its state asks for sub-steps.
 fn four<R: Real>() -> Vec<Part<R>> {
     let mut parts = dr300_friction();
-    parts.push(part(Kind::QuadraticDrag, &[1e-7]));
+    parts.push(part(Kind::SpeedSensorLag, &[0.02]));
     parts.push(part(Kind::Saturation, &[0.02]));
     parts
 }
@@ -72,6 +72,14 @@ fn lanes<const N: usize>(model: &Model<f64, 1>) -> impl FnMut(usize) + use<N> {
     }
 }
 
+/// Coulomb, Stribeck, drag and saturation.
+fn without_memory<R: Real>() -> Vec<Part<R>> {
+    let mut parts = dr300_friction();
+    parts.push(part(Kind::QuadraticDrag, &[1e-7]));
+    parts.push(part(Kind::Saturation, &[0.02]));
+    parts
+}
+
 /// Stick-slip over a slow sine.
 fn stick_slip() -> impl FnMut(usize) {
     let mut scenarios = support::stick_slip().into_iter();
@@ -90,6 +98,10 @@ fn stick_slip() -> impl FnMut(usize) {
 fn stepping(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("exact step, per sample");
     exact(&mut group);
+    group.bench_function("four smooth effects in one step, scalar", |b| {
+        let mut run = scalar(drive::<f64>(&without_memory()));
+        b.iter(|| run(1));
+    });
     group.finish();
     let mut group = criterion.benchmark_group("sub-step, per drive");
     let mut time = |name: &str, drives: usize, mut run: Box<dyn FnMut(usize)>| {

@@ -214,6 +214,12 @@ impl Info {
         }
     }
 
+    /// Whether the law gives the same as long as the shaft rests: it follows speed and position alone.
+    pub fn is_steady_at_rest(&self) -> bool {
+        let moves = [Variable::Omega, Variable::OmegaSign, Variable::Theta];
+        self.fails_over.iter().all(|over| moves.contains(over))
+    }
+
     /// Whether it distorts what a sensor shows.
     pub const fn senses(&self) -> bool {
         let mut k = 0;

@@ -140,6 +140,17 @@ impl Curve {
         self.times == Some(Factor::Direction)
     }
 
+    /// Whether it lies over time.
+    pub(super) fn reads_time(&self) -> bool {
+        self.over == Over::Time
+    }
+
+    /// Whether it gives the same as long as the shaft rests.
+    pub(super) fn is_steady_at_rest(&self) -> bool {
+        matches!(self.over, Over::Speed | Over::SpeedMagnitude | Over::Position)
+            && self.times != Some(Factor::Current)
+    }
+
     /// The curve's value in every lane; `p` are its values at the knots. The sign of the motion is
     /// left to who knows whether the shaft sticks.
     #[inline(always)]

@@ -31,14 +31,20 @@ pub(super) struct Affine<R, const N: usize> {
 }
 
 /// A continuous affine drive of one direction: d(i, omega)/dt = a (i, omega) + b (u, T_l, 1).
-struct Continuous<R> {
-    a: [[R; 2]; 2],
-    b: [[R; 3]; 2],
+#[derive(Debug, Clone)]
+pub(super) struct Continuous<R> {
+    pub(super) a: [[R; 2]; 2],
+    pub(super) b: [[R; 3]; 2],
 }
 
 impl<R: Real> Continuous<R> {
     /// Reads the matrices off the field: lane `l`, direction `sign`, speeds beyond `beyond`.
-    fn read<const N: usize>(model: &Model<R, N>, l: usize, sign: f64, beyond: f64) -> Self {
+    pub(super) fn read<const N: usize>(
+        model: &Model<R, N>,
+        l: usize,
+        sign: f64,
+        beyond: f64,
+    ) -> Self {
         let one = model.lane(l);
         // Two speeds in the affine zone: their difference is the speed column.
         let base = sign * (beyond + 1.0);

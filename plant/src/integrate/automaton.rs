@@ -184,7 +184,12 @@ fn through_events<R: Real>(
 }
 
 /// The sign of the motion after an event, at which the state is `x`.
-fn after<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], sign: f64, applied: &Applied<R, 1>) -> f64 {
+pub(super) fn after<R: Real>(
+    model: &Model<R, 1>,
+    x: &[[R; 1]],
+    sign: f64,
+    applied: &Applied<R, 1>,
+) -> f64 {
     if !model.dry() {
         return -sign;
     }
@@ -198,7 +203,7 @@ fn after<R: Real>(model: &Model<R, 1>, x: &[[R; 1]], sign: f64, applied: &Applie
 
 /// The state at a located event, its speed exactly zero, and by how much the instant moves with
 /// the parameters: d tau = -d(event) / (rate of the event). The value of that is zero.
-fn at_event<R: Real>(
+pub(super) fn at_event<R: Real>(
     model: &Model<R, 1>,
     x: &[[R; 1]],
     sign: f64,
@@ -254,7 +259,12 @@ fn lowest(h: f64, mut event: impl FnMut(f64) -> f64) -> (f64, f64) {
 
 /// The instant in (0, h] at which an event function that ends negative becomes so; nothing if
 /// it is negative from the start on. By the Illinois method, to a rounding error of `h`.
-fn locate(start: f64, end: f64, h: f64, mut event: impl FnMut(f64) -> f64) -> Option<f64> {
+pub(super) fn locate(
+    start: f64,
+    end: f64,
+    h: f64,
+    mut event: impl FnMut(f64) -> f64,
+) -> Option<f64> {
     let (mut low, mut at_low) = (0.0, start);
     let (mut high, mut at_high) = (h, end);
     // An event leaves exactly zero behind: go forward until the function is clear of it.

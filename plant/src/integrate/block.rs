@@ -23,6 +23,8 @@ pub struct Block<R, const N: usize> {
     moving: Rows<R, N>,
     /// One integrator a lane, once that has met an event.
     pub(super) alone: Vec<Option<Integrator<R>>>,
+    /// The state of a lane that is made alone.
+    one: State<R, 1>,
     /// 1 where the sub-steps do not stand: a number, so that a loop over it is vector code.
     redo: [u64; N],
 }
@@ -44,7 +46,8 @@ impl<R: Real, const N: usize> Block<R, N> {
         let room = Stages::new(model.states());
         let saved = vec![[R::zero(); N]; model.states()];
         let moving = Rows::zero(model.states());
-        Self { model, pace, plan: None, room, saved, moving, alone: Vec::new(), redo: [0; N] }
+        let one = State { x: vec![[R::zero()]; model.states()], sign: [0.0] };
+        Self { model, pace, plan: None, room, saved, moving, alone: Vec::new(), one, redo: [0; N] }
     }
 
     /// The drives.
@@ -79,12 +82,16 @@ impl<R: Real, const N: usize> Block<R, N> {
             self.ready(h);
         }
         let Some(plan) = &self.plan else { return };
-        let exact = Exact::new(plan, state, applied);
-        if exact.everywhere() {
-            state.x[..OWN].copy_from_slice(&exact.next);
-        } else {
-            self.advance_others(state, applied, &exact);
+        // Most of the time all lanes go one way: what each of them takes need not be chosen then,
+        // which would stand between a sample and the next.
+        if let Some(affine) = plan.affine(state.sign[0]) {
+            let next = affine.step(&state.x, applied);
+            if all(&affine.holds((&state.x, &state.sign), &next, applied)) {
+                state.x[..OWN].copy_from_slice(&next);
+                return;
+            }
         }
+        widest(Apart { block: self, state, applied });
     }
 
     /// The plan for intervals of length `h`; the lanes alone make theirs when they need it.
@@ -107,7 +114,7 @@ impl<R: Real, const N: usize> Block<R, N> {
         self.saved.clone_from(&state.x);
         let lanes = exact.lanes.iter().zip(&state.sign);
         let others = lanes.filter(|(exact, sign)| **exact == 0 && **sign != 0.0).count();
-        if plan.forward.is_some() && others <= N / FEW {
+        if plan.whole_spans || plan.forward.is_some() && others <= N / FEW {
             state.x[..OWN].copy_from_slice(&exact.next);
             self.redo = [1; N];
         } else {
@@ -129,12 +136,13 @@ impl<R: Real, const N: usize> Block<R, N> {
             made.plan = Some(plan.lane(l, made.model()));
             made
         });
-        let mut alone = State {
-            x: self.saved.iter().map(|values| [values[l]]).collect(),
-            sign: [state.sign[l]],
-        };
+        let alone = &mut self.one;
+        alone.sign = [state.sign[l]];
+        for (value, values) in alone.x.iter_mut().zip(&self.saved) {
+            *value = [values[l]];
+        }
         let held = Applied { u: [applied.u[l]], load: [applied.load[l]], time: applied.time };
-        integrator.advance_planned(&mut alone, &held);
+        integrator.advance_planned(alone, &held);
         state.sign[l] = alone.sign[0];
         for (values, value) in state.x.iter_mut().zip(&alone.x) {
             values[l] = value[0];
@@ -171,16 +179,6 @@ impl<R: Real, const N: usize> Exact<R, N> {
         made
     }
 
-    /// Whether it holds in every lane.
-    #[inline(always)]
-    fn everywhere(&self) -> bool {
-        let mut all = 1;
-        for l in 0..N {
-            all &= self.lanes[l];
-        }
-        all == 1
-    }
-
     /// Puts it into the states of the lanes where it holds.
     fn put_into(&self, x: &mut [[R; N]]) {
         for (values, next) in x.iter_mut().zip(&self.next) {
@@ -189,6 +187,16 @@ impl<R: Real, const N: usize> Exact<R, N> {
             }
         }
     }
+}
+
+/// Whether it is 1 in every lane.
+#[inline(always)]
+fn all<const N: usize>(lanes: &[u64; N]) -> bool {
+    let mut all = 1;
+    for l in 0..N {
+        all &= lanes[l];
+    }
+    all == 1
 }
 
 /// Whether any lane goes that way.
@@ -213,6 +221,27 @@ impl<R: Real, const N: usize> Work for Advance<'_, R, N> {
     #[inline(always)]
     fn run(self) {
         self.block.advance_inlined(self.state, self.applied, self.h);
+    }
+}
+
+/// An interval of which each lane takes its own part.
+struct Apart<'a, R, const N: usize> {
+    block: &'a mut Block<R, N>,
+    state: &'a mut State<R, N>,
+    applied: &'a Applied<R, N>,
+}
+
+impl<R: Real, const N: usize> Work for Apart<'_, R, N> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { block, state, applied } = self;
+        let Some(plan) = &block.plan else { return };
+        let exact = Exact::new(plan, state, applied);
+        if all(&exact.lanes) {
+            state.x[..OWN].copy_from_slice(&exact.next);
+        } else {
+            block.advance_others(state, applied, &exact);
+        }
     }
 }
 

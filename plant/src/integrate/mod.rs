@@ -3,10 +3,12 @@
 //! The rule that ties internal steps to samples and communication points: inputs are held
 //! from one instant at which they may change (a sample of the controller, a communication
 //! point, an event of the importer) to the next. Over such an interval of length h the state is
-//! advanced either by one exact affine step or by n equal sub-steps h / n; n follows from the
-//! fastest rate of the drive ([`longest_substep`]) and not from the state, so the result depends
-//! only on the state, the inputs and h. Events of stick-slip lie inside sub-steps, which are
-//! split there. Time is t0 + k h, never a running sum.
+//! advanced by one exact affine step where the drive is affine. Else n equal sub-steps h / n resolve
+//! it; n follows from the fastest rate of the drive ([`longest_substep`]). As many of them as hold
+//! a smooth motion without states of the laws' own are made as one: a span (`span.rs`), from the exact
+//! motor and the laws at a few instants (`collocation.rs`), or at rest from the armature alone. All
+//! of this depends only on the state, the inputs and h. Events of stick-slip lie inside spans and
+//! sub-steps, which are split there. Time is t0 + k h, never a running sum.
 //!
 //! [`Integrator`] advances one drive; [`Block`] advances lanes of drives and hands a lane that
 //! meets an event to the former, from its saved state: a lane equals the scalar run with the
@@ -21,17 +23,24 @@
 mod affine;
 mod automaton;
 mod block;
+mod collocation;
 mod exponential;
 mod grain;
+mod nodes;
 mod renew;
+mod response;
+mod span;
 mod step;
+
+use std::sync::OnceLock;
 
 use drivescope_numerics::Real;
 
 use crate::model::{Applied, Model, OWN, SPEED, at_rest};
 use affine::Affine;
 use grain::Grain;
-use step::{Armature, Stages};
+use span::{Room, Span};
+use step::Armature;
 
 pub use block::Block;
 
@@ -93,14 +102,26 @@ struct Plan<R, const N: usize> {
     grain: Grain<N>,
     forward: Option<Affine<R, N>>,
     backward: Option<Affine<R, N>>,
+    /// Into how many spans an interval is divided, each of as many sub-steps.
+    spans: usize,
+    /// Whether a span may be made in one step.
+    whole_spans: bool,
+    /// How that is done: made where it is first needed, most runs are at speed throughout.
+    span: OnceLock<Box<Span<R>>>,
 }
 
 impl<R: Real, const N: usize> Plan<R, N> {
     fn new(model: &Model<R, N>, h: R, substeps: usize) -> Self {
+        let spans = collocation::spans(model, substeps);
+        let whole_spans = spans.is_some();
+        let spans = spans.unwrap_or(1);
+        // Each span takes as many sub-steps.
+        let substeps = substeps.next_multiple_of(spans);
         let armature = Armature::new(model, sub_step(h, substeps));
         let forward = Affine::new(model, 1.0, h);
         let backward = if model.dry() { Affine::new(model, -1.0, h) } else { None };
-        Self { h, substeps, armature, grain: Grain::new(model), forward, backward }
+        let (grain, span) = (Grain::new(model), OnceLock::new());
+        Self { h, substeps, armature, grain, forward, backward, spans, whole_spans, span }
     }
 
     /// Length of a sub-step.
@@ -118,6 +139,9 @@ impl<R: Real, const N: usize> Plan<R, N> {
             grain: self.grain.lane(l),
             forward: self.forward.as_ref().map(lane),
             backward: self.backward.as_ref().map(lane),
+            spans: self.spans,
+            whole_spans: self.whole_spans,
+            span: OnceLock::new(),
         }
     }
 
@@ -189,8 +213,7 @@ pub struct Integrator<R> {
     plan: Option<Plan<R, 1>>,
     /// The plan for the length before: a delayed input splits every interval into two.
     other_plan: Option<Plan<R, 1>>,
-    room: Stages<R, 1>,
-    saved: Vec<[R; 1]>,
+    room: Room<R>,
 }
 
 impl<R: Real> Integrator<R> {
@@ -207,8 +230,8 @@ impl<R: Real> Integrator<R> {
     }
 
     fn with(model: Model<R, 1>, pace: Pace) -> Self {
-        let room = Stages::new(model.states());
-        Self { model, pace, plan: None, other_plan: None, room, saved: Vec::new() }
+        let room = Room::new(model.states());
+        Self { model, pace, plan: None, other_plan: None, room }
     }
 
     /// The drive.
@@ -254,7 +277,7 @@ impl<R: Real> Integrator<R> {
 
     #[inline]
     fn advance_planned(&mut self, state: &mut State<R, 1>, applied: &Applied<R, 1>) {
-        let Self { model, plan, room, saved, .. } = self;
+        let Self { model, plan, room, .. } = self;
         let Some(plan) = plan else { return };
         let State { x, sign: [sign] } = state;
         if model.dry() && *sign == 0.0 {
@@ -267,37 +290,7 @@ impl<R: Real> Integrator<R> {
                 return;
             }
         }
-        sub_steps(model, plan, (x, sign), applied, room, saved);
-    }
-}
-
-/// The sub-steps of an interval, each through the automaton.
-#[inline(never)]
-fn sub_steps<R: Real>(
-    model: &Model<R, 1>,
-    plan: &Plan<R, 1>,
-    (x, sign): (&mut Vec<[R; 1]>, &mut f64),
-    applied: &Applied<R, 1>,
-    room: &mut Stages<R, 1>,
-    saved: &mut Vec<[R; 1]>,
-) {
-    if plan.substeps == 0 {
-        x.fill([R::constant(f64::NAN)]);
-        return;
-    }
-    let h = plan.sub_step();
-    for k in 0..plan.substeps {
-        let time = applied.time + k as f64 * h.value();
-        let held = Applied { time, ..*applied };
-        saved.clone_from(x);
-        let before = *sign;
-        automaton::advance(model, (x, sign), &held, h, &plan.armature, room, saved);
-        let parts = plan.grain.parts(0, saved[SPEED][0].value(), x[SPEED][0].value());
-        if parts > 1.0 {
-            x.clone_from(saved);
-            *sign = before;
-            automaton::advance_in_parts(model, (x, sign), &held, h, parts, room, saved);
-        }
+        span::advance(model, plan, (x, sign), applied, room);
     }
 }
 

@@ -199,6 +199,24 @@ pub(super) fn step<R: Real, const N: usize>(
     }
 }
 
+/// Advances a shaft that sticks by the armature's step where nothing but the current moves: what else
+/// makes its rate is constant then.
+pub(super) fn step_at_rest<R: Real>(
+    model: &Model<R, 1>,
+    x: &mut [[R; 1]],
+    applied: &Applied<R, 1>,
+    armature: &Armature<R, 1>,
+    room: &mut Stages<R, 1>,
+) {
+    let slope = &mut *room.slopes[0];
+    field_at(model, x, (applied, applied.time), (&[0.0], &armature.inverses), slope, None);
+    let (c, i) = (&armature.coefficients, x[CURRENT][0]);
+    let steady = slope[CURRENT][0] + armature.rate[0] * i;
+    // The weights of the slopes add up to h phi_1.
+    let weight = c.first[0] + c.middle[0].scaled(2.0) + c.last[0];
+    x[CURRENT] = [c.whole[0] * i + weight * steady];
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

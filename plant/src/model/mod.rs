@@ -13,7 +13,7 @@ use std::sync::Arc;
 use drivescope_numerics::Real;
 
 use crate::effects::custom::Law;
-use crate::effects::law::{Beside, Info, OutputLanes};
+use crate::effects::law::{Beside, Info, OutputLanes, Variable};
 use crate::effects::registry::{Kind, Placed, REGISTRY};
 
 pub use along::{Along, acting};
@@ -62,6 +62,10 @@ pub struct Model<R, const N: usize> {
     control: Option<Controls<R, N>>,
     kinked: bool,
     restless: bool,
+    /// Whether a law changes with time while nothing moves.
+    timed: bool,
+    /// Whether a law may have kinks while the motion goes one way.
+    rough: bool,
     /// Whether an effect distorts what a sensor shows.
     distorting: bool,
     /// The state that each of [`Beside::ALL`] tells of.
@@ -100,7 +104,18 @@ impl<R: Real> Model<R, 1> {
         let any = |of: fn(&Info) -> bool| parts.iter().filter_map(|q| info(q.kind)).any(of);
         let kinked = any(|i| i.replaces_dry);
         let dry = (any(|i| i.dry) || laws.iter().any(Law::is_dry)) && !kinked;
-        let restless = parts.iter().any(|q| info(q.kind).is_none_or(|i| !i.dry));
+        let restless = |kind| match kind {
+            Kind::Custom(k) => !laws[k].is_steady_at_rest(),
+            other => own_states(other) > 0 || info(other).is_none_or(|i| !i.is_steady_at_rest()),
+        };
+        let restless = parts.iter().any(|part| restless(part.kind));
+        let timed = |kind| match kind {
+            Kind::Custom(k) => laws[k].reads_time(),
+            other => info(other).is_some_and(|i| i.fails_over.contains(&Variable::Time)),
+        };
+        let timed = parts.iter().any(|part| timed(part.kind));
+        let rough = |kind| info(kind).is_none_or(|i| i.kinked);
+        let rough = parts.iter().any(|part| rough(part.kind));
         let senses = |kind| match kind {
             Kind::Custom(k) => laws[k].senses(),
             other => info(other).is_some_and(Info::senses),
@@ -118,9 +133,18 @@ impl<R: Real> Model<R, 1> {
             control: None,
             kinked,
             restless,
+            timed,
+            rough,
             distorting,
             beside: beside::states(parts),
         }
+    }
+}
+
+impl<R: Real> Model<R, 1> {
+    /// The same motor without any effect.
+    pub(crate) fn bare(&self) -> Self {
+        Self::new(self.motors.lane(0), self.force, &[], Arc::from([]))
     }
 }
 
@@ -158,6 +182,8 @@ impl<R: Real, const N: usize> Model<R, N> {
             }),
             kinked: first.kinked,
             restless: first.restless,
+            timed: first.timed,
+            rough: first.rough,
             distorting: first.distorting,
             beside: first.beside,
         }
@@ -177,6 +203,8 @@ impl<R: Real, const N: usize> Model<R, N> {
             control: self.control.map(|controls| Controls::splat(controls.lane(l))),
             kinked: self.kinked,
             restless: self.restless,
+            timed: self.timed,
+            rough: self.rough,
             distorting: self.distorting,
             beside: self.beside,
         }
@@ -235,6 +263,18 @@ impl<R: Real, const N: usize> Model<R, N> {
     /// base drive it follows the current, which goes one way.
     pub(crate) fn restless(&self) -> bool {
         self.restless
+    }
+
+    /// Whether the rates follow from current, speed, position and what acts: no law has a state of its
+    /// own or follows time, and no continuous controller does.
+    pub(crate) fn is_without_memory(&self) -> bool {
+        self.own_states == 0 && self.control.is_none() && !self.timed
+    }
+
+    /// Whether the rates are smooth while the motion goes one way: no law is typed or learned, whose
+    /// kinks nobody declares, and none has one like |i|.
+    pub(crate) fn is_smooth(&self) -> bool {
+        !self.rough
     }
 
     /// Whether a state is stiff and takes exponential stages of its own decay rate.

@@ -178,6 +178,23 @@ impl Law {
         if read.is_empty() { Variable::ALL.to_vec() } else { read }
     }
 
+    /// Whether the law changes with time while nothing moves.
+    pub(crate) fn reads_time(&self) -> bool {
+        match &self.form {
+            Form::Typed(tape) => tape.read().contains(&Variable::Time),
+            Form::Learned(curve) => curve.reads_time(),
+        }
+    }
+
+    /// Whether the law gives the same as long as the shaft rests: it reads speed and position alone.
+    pub(crate) fn is_steady_at_rest(&self) -> bool {
+        let moves = [Variable::Omega, Variable::OmegaSign, Variable::Theta];
+        match &self.form {
+            Form::Typed(tape) => tape.read().iter().all(|over| moves.contains(over)),
+            Form::Learned(curve) => curve.is_steady_at_rest(),
+        }
+    }
+
     /// Whether the law is a dry friction, whose sign is that of the motion.
     pub fn is_dry(&self) -> bool {
         self.target == Target::Torque

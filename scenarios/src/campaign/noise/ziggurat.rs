@@ -89,13 +89,19 @@ impl<const N: usize> Normals<N> {
             any |= outside[l];
         }
         if any != 0 {
-            for l in 0..N {
-                if outside[l] != 0 {
-                    value[l] = self.at_the_edge(l, (drawn[l] & 0xFF) as usize, value[l]);
-                }
-            }
+            self.at_the_edges(&drawn, &outside, &mut value);
         }
         value
+    }
+
+    /// The numbers of the lanes that are beside their rectangles; not a part of the vector code, which
+    /// it would crowd.
+    #[cold]
+    #[inline(never)]
+    fn at_the_edges(&mut self, drawn: &[u64; N], outside: &[u64; N], value: &mut [f64; N]) {
+        for l in (0..N).filter(|l| outside[*l] != 0) {
+            value[l] = self.at_the_edge(l, (drawn[l] & 0xFF) as usize, value[l]);
+        }
     }
 
     /// The next 64 bits of a lane.
@@ -114,8 +120,6 @@ impl<const N: usize> Normals<N> {
     }
 
     /// A number beside the rectangle of its layer: taken, or another in its place.
-    #[cold]
-    #[inline(never)]
     fn at_the_edge(&mut self, l: usize, mut layer: usize, mut value: f64) -> f64 {
         loop {
             if value.abs() < self.layers.x[layer + 1] {

@@ -7,7 +7,9 @@ use drivescope_numerics::Real;
 
 use crate::model::{Applied, CURRENT, Model, OWN, POSITION, SPEED, field};
 
-/// Columns of the step: current, speed, input, load, one.
+/// Columns of the step: current, input, speed, load, one. Beside each other stand what do not lie so in
+/// memory: a state is kept number by number, and read as a vector it would have to be waited for, which
+/// takes as long as the step of one drive.
 const COLUMNS: usize = 5;
 
 /// The exact step of `N` drives in one direction of motion.
@@ -141,7 +143,7 @@ impl<R: Real, const N: usize> Affine<R, N> {
         let mut last = None;
         for l in 0..N {
             let Continuous { a, b } = Continuous::read(model, l, sign, beyond[l]);
-            let row = [a[1][0], a[1][1], b[1][0], b[1][1], b[1][2]];
+            let row = [a[1][0], b[1][0], a[1][1], b[1][1], b[1][2]];
             for (column, value) in row.into_iter().enumerate() {
                 acceleration[column][l] = value.value();
             }
@@ -155,7 +157,7 @@ impl<R: Real, const N: usize> Affine<R, N> {
                 rings = true;
                 let b_value = b.map(|row| row.map(R::value));
                 let current =
-                    [a_value[0][0], a_value[0][1], b_value[0][0], b_value[0][1], b_value[0][2]];
+                    [a_value[0][0], b_value[0][0], a_value[0][1], b_value[0][1], b_value[0][2]];
                 for (column, slope) in current.into_iter().enumerate() {
                     let own = acceleration[column][l];
                     let jerk = a_value[1][0] * slope + a_value[1][1] * own;
@@ -169,11 +171,10 @@ impl<R: Real, const N: usize> Affine<R, N> {
             };
             last = Some((a, phi));
             for row in 0..OWN {
-                matrix[row][0][l] = phi[row][0];
-                matrix[row][1][l] = phi[row][1];
-                for column in 0..3 {
-                    matrix[row][2 + column][l] =
-                        phi[row][3] * b[0][column] + phi[row][4] * b[1][column];
+                let held = |column: usize| phi[row][3] * b[0][column] + phi[row][4] * b[1][column];
+                let made = [phi[row][0], held(0), phi[row][1], held(1), held(2)];
+                for (column, value) in made.into_iter().enumerate() {
+                    matrix[row][column][l] = value;
                 }
             }
         }
@@ -235,8 +236,8 @@ impl<R: Real, const N: usize> Affine<R, N> {
         for row in 0..OWN {
             let m = &self.matrix[row];
             for l in 0..N {
-                let from_state = m[0][l] * x[CURRENT][l] + m[1][l] * x[SPEED][l];
-                let from_input = m[2][l] * applied.u[l] + m[3][l] * applied.load[l] + m[4][l];
+                let from_state = m[0][l] * x[CURRENT][l] + m[2][l] * x[SPEED][l];
+                let from_input = m[1][l] * applied.u[l] + m[3][l] * applied.load[l] + m[4][l];
                 next[row][l] = from_state + from_input;
             }
         }
@@ -257,8 +258,8 @@ fn along<R: Real, const N: usize>(
     let mut sum = [0.0; N];
     for l in 0..N {
         sum[l] = row[0][l] * x[CURRENT][l].value()
-            + row[1][l] * x[SPEED][l].value()
-            + row[2][l] * applied.u[l].value()
+            + row[1][l] * applied.u[l].value()
+            + row[2][l] * x[SPEED][l].value()
             + row[3][l] * applied.load[l].value()
             + row[4][l];
     }

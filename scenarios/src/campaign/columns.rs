@@ -57,11 +57,13 @@ pub(super) fn columns(plan: &Plan) -> Vec<Column> {
     ));
     made.push(numbers("kappa", "1", "drift of the CUSUM, in standard deviations"));
     made.push(numbers("healthy_time", "s", "judged time before the first fault"));
-    made.push(numbers(
-        "residual",
-        plan.experiment.tacho_unit(),
-        "mean residual of the process model over the fault, 0 without one",
-    ));
+    if plan.tests_residual() {
+        made.push(numbers(
+            "residual",
+            plan.experiment.tacho_unit(),
+            "mean residual of the process model over the fault, 0 without one",
+        ));
+    }
     for method in &plan.methods {
         let name = |what: &str| format!("{}_{what}", method.id());
         made.push(flags(&name("detected"), "whether the fault was declared"));

@@ -128,7 +128,9 @@ impl Rows {
             .map_or((samples, samples), |(from, until)| (from as u64, until as u64));
         let healthy = from.saturating_sub(plan.run_up as u64);
         row.number(healthy as f64 * period_s);
-        row.number(judged.map_or(f64::NAN, |it| it.residual));
+        if plan.tests_residual() {
+            row.number(judged.map_or(f64::NAN, |it| it.residual));
+        }
         let faulty = from < samples;
         for (number, method) in plan.methods.iter().enumerate() {
             let bank = judged.and_then(|it| it.bank.as_ref()).filter(|_| *method == Method::Bank);

@@ -29,7 +29,8 @@ pub(in crate::campaign) struct Outcome {
     pub(in crate::campaign) found: Vec<Found>,
     /// What the bank found beside, if the plan has one.
     pub(in crate::campaign) bank: Option<BankFound>,
-    /// Mean of the residual over the fault, unit of T; over health where nothing fails.
+    /// Mean of the residual over the fault, unit of T; over health where nothing fails; 0 where no
+    /// method tests it.
     pub(in crate::campaign) residual: f64,
 }
 
@@ -121,12 +122,17 @@ impl<'a, const N: usize> Watch<'a, N> {
     /// What tests the residual.
     #[inline(always)]
     fn judge(&mut self, k: u64, c_m: &[f64; N], t: &[f64; N]) {
+        for l in 0..N {
+            self.finite[l] += 0.0 * t[l];
+        }
         let [constant, bands, cusum] = self.methods;
+        if !(constant || bands || cusum) {
+            return;
+        }
         let modelled = self.process.step(c_m);
         let mut residual = [0.0; N];
         for l in 0..N {
             residual[l] = t[l] - modelled[l];
-            self.finite[l] += 0.0 * t[l];
         }
         let judged = u64::from(k >= self.run_up);
         let mut phase = Phase { healthy: [0; N], faulty: [0; N] };

@@ -215,8 +215,12 @@ fn places(given: &str, folder: &Path) -> [PathBuf; 2] {
     [folder.join(given), PathBuf::from(given)]
 }
 
-/// The drive that a plan names, for a report of it.
 impl Plan {
+    /// Whether a method tests the residual of the process model.
+    pub(super) fn tests_residual(&self) -> bool {
+        self.methods.iter().any(|method| Method::OF_RESIDUAL.contains(method))
+    }
+
     /// The nominal drive.
     pub fn drive(&self) -> &Drive {
         &self.experiment.drive

@@ -15,6 +15,8 @@ const LIMIT_SHARE: f64 = 0.01;
 const LIMIT_RUN: usize = 5;
 /// How many times the usual stay at other values that is.
 const LONGER: f64 = 3.0;
+/// An extreme below this share of the greatest magnitude is where a drive rests.
+const AT_REST: f64 = 0.01;
 /// Part of the range that a swing goes through.
 const SWING: f64 = 0.1;
 /// Speed below this share of the largest does not count as a direction.
@@ -70,7 +72,9 @@ impl SignalQuality {
             ));
             return warnings;
         }
-        for Limit { value, share, longest, at } in &self.limits {
+        // A position at its extreme is where the drive stops.
+        let limited = !matches!(name.as_str(), "theta" | "x" | "theta_load" | "x_load");
+        for Limit { value, share, longest, at } in self.limits.iter().filter(|_| limited) {
             let (share, stay) = (100.0 * share, *longest as f64 * period_s);
             let value = rounded(*value);
             warnings.push(format!(
@@ -122,8 +126,9 @@ pub(crate) fn inspect(name: &str, unit: &str, values: &[f64], lines: &Lines) -> 
     }
     let constant = min == max;
     let limits = if levels.len() > SWITCHED_LEVELS {
-        // A drive at rest sits at zero without being limited.
-        let extremes = [min, max].into_iter().filter(|value| *value != 0.0);
+        // A drive at rest sits at zero, or at its sensor's offset, without being limited.
+        let at_rest = AT_REST * min.abs().max(max.abs());
+        let extremes = [min, max].into_iter().filter(|value| value.abs() > at_rest);
         let usual = usual_stay(values, min, max);
         let limits = extremes.filter_map(|extreme| limit(extreme, values, lines));
         limits.filter(|it| it.longest as f64 > LONGER * usual).collect()
@@ -229,6 +234,8 @@ mod tests {
         assert_eq!(of(&warming).limits, []);
         let resting: Vec<f64> = sine(1.0).iter().map(|value| value.max(0.0)).collect();
         assert_eq!(of(&resting).limits, []);
+        let offset: Vec<f64> = resting.iter().map(|value| value.max(0.004)).collect();
+        assert_eq!(of(&offset).limits, []);
         assert!(!of(&resting).both_signs && of(&sine(1.0)).both_signs);
     }
 

@@ -94,6 +94,9 @@ impl Run for Init {
         first.choice.remarks.iter().for_each(|remark| session.remark(remark));
         let (text, _) = first.file(&self.output.display().to_string())?;
         output::write_file(&self.output, |out| out.write_all(text.as_bytes()))?;
+        if let Some(remark) = strays(&first.quality.fits) {
+            session.remark(remark);
+        }
         let next = self.next();
         let answer = InitAnswer {
             output: self.output.clone(),
@@ -117,6 +120,20 @@ impl Init {
         let fit = Next::new("fit").files([&self.output, &self.recording]);
         self.reading.on(fit).options(" -o fitted.toml")
     }
+}
+
+/// What to say where the drive follows a signal worse than the signal's mean does.
+fn strays(fits: &[Fit]) -> Option<String> {
+    let worse = fits.iter().filter(|it| it.percent.is_some_and(|percent| percent < 0.0));
+    let signals: Vec<&str> = worse.map(|it| it.signal.as_str()).collect();
+    (!signals.is_empty()).then(|| {
+        format!(
+            "the drive follows {} worse than the mean does: its values are where a fit starts, no \
+             more; if the fit stays there, look at the units and signs of the columns (--columns), or \
+             give what a data sheet says (--given)",
+            signals.join(" and ")
+        )
+    })
 }
 
 fn parameter(value: &Value) -> Parameter<'_> {
@@ -158,4 +175,22 @@ fn said(first: &FirstDrive, answer: &InitAnswer<'_>) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_that_follows_worse_than_the_mean_is_named() {
+        let fit = |signal: &str, percent| Fit {
+            signal: signal.to_owned(),
+            percent,
+            rms: 1.0,
+            unit: "rad/s".to_owned(),
+        };
+        assert_eq!(strays(&[fit("omega", Some(90.0)), fit("i", None)]), None);
+        let said = strays(&[fit("omega", Some(-161.0)), fit("i", Some(3.0))]).expect("a sentence");
+        assert!(said.starts_with("the drive follows omega worse than the mean does"), "{said}");
+    }
 }

@@ -66,6 +66,9 @@ pub fn add(
     };
     let turn = first_round(&model, (&chosen, &spans), (estimation, validation), watch);
     let ground = turn.ground().ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
+    if let Some(untold) = chosen.iter().find(|it| !ground.tells(it)) {
+        return Err(cannot(NotJudged::untold(untold).reason));
+    }
     let weights = turn.weights(&ground).ok_or_else(|| cannot(OVERFLOWS.to_owned()))?;
     let added = if kind == LEARNED {
         let curve = weights.repeating().next().ok_or_else(|| cannot(NO_CURVE.to_owned()))?;

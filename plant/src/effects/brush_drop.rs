@@ -3,7 +3,7 @@
 
 use drivescope_numerics::Real;
 
-use super::grid::rounded;
+use super::grid::{reaches_the_armature, rounded};
 use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Voltage V_b tanh(i / i_b) lost at the brushes.
@@ -17,6 +17,7 @@ impl Effect<2, 0> for BrushDrop {
         aliases: &["dead_time"],
         nulls: &[("V_b", 0.0)],
         grid: |spans| rounded("i_b", spans),
+        possible: |values, spans| reaches_the_armature(values[0], spans),
         ..Info::new(
             "brush_drop",
             "voltage = -V_b * tanh(i / i_b)",

@@ -7,7 +7,7 @@
 
 use drivescope_numerics::Real;
 
-use super::grid::rounded;
+use super::grid::{reaches_the_armature, rounded};
 use super::law::{ActsOn, Effect, Info, OwnState, Parameter, Sum, Variable, View};
 
 /// Voltage V_d sgn(i), rounded over i_d, that the bridge keeps back.
@@ -21,6 +21,7 @@ impl Effect<2, 0> for DeadTime {
         aliases: &["brush_drop"],
         nulls: &[("V_d", 0.0)],
         grid: |spans| rounded("i_d", spans),
+        possible: |values, spans| reaches_the_armature(values[0], spans),
         ..Info::new(
             "dead_time",
             "voltage = -V_d * i / sqrt(i^2 + i_d^2)",

@@ -139,6 +139,14 @@ pub(super) fn has_flux(share: f64) -> bool {
     share >= LEAST
 }
 
+/// Whether a voltage that is lost on the way leaves the armature enough of what was applied.
+pub(super) fn reaches_the_armature(lost: f64, spans: &Spans) -> bool {
+    /// Of the greatest voltage: bridges keep back some per cent, brushes a volt or two; where a third is
+    /// lost with the sign of the motion, it is friction that holds the shaft.
+    const MOST: f64 = 1.0 / 3.0;
+    lost <= MOST * spans.voltage
+}
+
 /// Currents over which a voltage drop is rounded.
 pub(super) fn rounded(name: &'static str, spans: &Spans) -> Vec<Shape> {
     /// Over the greatest current.

@@ -88,7 +88,7 @@ impl<R: Real> Room<R> {
 /// What becomes of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Course<R> {
-    /// It was made.
+    /// `x` is its end.
     Made,
     /// The speed was zero after that time, s, at that state.
     Stops(f64, [R; OWN]),

@@ -126,13 +126,15 @@ impl Shape {
             // Late by a part d of a sample: (d / h) (u_(k-1) - u_k) on its mean over the sample.
             Self::LateInput => Series::voltage(each(&|k| path.u[k.saturating_sub(1)] - path.u[k])),
             Self::SpeedShownLate => {
+                // Of the samples that have passed: the input of the coming one may answer what was
+                // measured here, and in a closed loop the sensor's noise would show as lateness.
                 let (h, alpha) = (path.period_s, &path.alpha);
-                let before = |k: usize| alpha[k.saturating_sub(1)];
+                let before = |k: usize, samples: usize| alpha[k.saturating_sub(samples)];
                 Series::Shown(
                     Output::Speed,
                     each(&|k| match column {
-                        0 => -LATE_S * 0.5 * (before(k) + alpha[k]),
-                        _ => LATE_S * LATE_S * (alpha[k] - before(k)) / h,
+                        0 => -LATE_S * before(k, 1),
+                        _ => LATE_S * LATE_S * (before(k, 1) - before(k, 2)) / h,
                     }),
                 )
             }

@@ -195,3 +195,21 @@ fn the_load_s_position_tells_the_stiffness_of_a_real_joint() {
     let (published, off) = STIFFNESS;
     assert!((k / published - 1.0).abs() < off, "{k} N m/rad, published {published}");
 }
+
+/// Where the shaft is fast throughout, least squares on the balances find any Stribeck torque, and one that
+/// would hold the shaft takes so many sub-steps that no search ends.
+#[test]
+fn a_loop_that_is_fast_throughout_is_fitted() {
+    let here = folder();
+    let here = here.path();
+    let reference = "120 + 60 * sign(sin(1.5 * t))";
+    let run = ["simulate", "dr300", "-o", "fast.csv", "--duration", "12", "--seed", "14"];
+    done(here, &[&run[..], &["--reference", reference]].concat());
+    let answer =
+        done(here, &["fit", "dr300", "fast.csv", "-o", "fitted.toml", "--json", "-"]).json();
+    let all = answer["parameters"].as_array().expect("a list");
+    let value =
+        |name: &str| all.iter().find(|it| it["name"] == name).and_then(|it| it["value"].as_f64());
+    let k_e = value("K_e").expect("it is estimated");
+    assert!((k_e / 0.0599 - 1.0).abs() < 0.01, "{answer}");
+}

@@ -4,12 +4,15 @@
 mod by_torque;
 mod by_voltage;
 
-use drivescope_plant::drive::Drive;
+use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::effects::registry::Entry;
+use drivescope_plant::model::{Applied, at_rest};
 
 use super::laws::{Linear, without_states};
 use super::windows::Windows;
 use super::{Balances, Begun, Identified};
 use crate::estimate::{Evidence, set};
+use crate::measured::Output;
 
 /// The drive at the values that least squares on the balances of the recordings give. What they do
 /// not tell, and what is fixed, keeps its value. The drive as it is if the balances say nothing at
@@ -24,7 +27,39 @@ pub fn begin(drive: &Drive, evidence: &Evidence) -> Begun {
         by_voltage::begin(&mut begun, &balances, &linear);
     }
     by_torque::begin(&mut begun, &balances, &linear, evidence);
+    if holds(&begun.drive, evidence) && !holds(drive, evidence) {
+        keep_dry_friction(&mut begun, drive);
+    }
     begun
+}
+
+/// Whether dry friction would hold the shaft against all that drives it: no recording in which it moves
+/// has such a level. Where it moves fast throughout, least squares find any for a Stribeck torque.
+fn holds(drive: &Drive, evidence: &Evidence) -> bool {
+    let model = drive.model();
+    let applied = Applied { u: [0.0], load: [0.0], time: 0.0 };
+    let levels = at_rest(&model, &vec![[0.0]; model.states()], &applied);
+    let driving = evidence.recordings.iter().map(|it| {
+        let (signal, factor) = match (drive.motor.input, it.output(Output::Current)) {
+            (Input::Voltage, Some(current)) => (&current.values, 1.0),
+            (Input::Voltage, None) => (&it.u, 1.0 / drive.motor.r.unwrap_or(1.0)),
+            (Input::Force, _) => (&it.u, 1.0),
+        };
+        let finite = signal.iter().filter(|it| it.is_finite());
+        drive.motor.k_m * factor * finite.fold(0.0, |most: f64, it| most.max(it.abs()))
+    });
+    levels.forward.min(levels.backward) > driving.fold(0.0, f64::max)
+}
+
+/// Gives the laws of dry friction their values in that drive back.
+fn keep_dry_friction(begun: &mut Begun, from: &Drive) {
+    let is_dry = |kind: &str| Entry::find(kind).is_some_and(|law| law.info.dry);
+    for (effect, own) in begun.drive.effects.iter_mut().zip(&from.effects) {
+        if is_dry(&effect.kind) {
+            effect.clone_from(own);
+            begun.identified.retain(|it| !it.name.starts_with(&format!("{}.", own.id)));
+        }
+    }
 }
 
 fn is_fitted(drive: &Drive, name: &str) -> bool {

@@ -210,3 +210,17 @@ fn a_loop_that_is_fast_throughout_is_fitted() {
     let k_e = answer["parameters"]["K_e"]["value"].as_f64().expect("it is estimated");
     assert!((k_e / 0.0599 - 1.0).abs() < 0.01, "{answer}");
 }
+
+/// Samples of 5 ms are slow beside a winding of 1.6 ms: least squares on its balance explain it better with
+/// another L, and the motion five times worse.
+#[test]
+fn a_fit_to_a_slowly_sampled_loop_does_not_raise_the_error() {
+    let here = folder();
+    let here = here.path();
+    let run = ["simulate", "dr300", "-o", "steps.csv", "--duration", "8", "--seed", "3"];
+    done(here, &[&run[..], &["--reference", "150 * sign(sin(2 * t))"]].concat());
+    let answer =
+        done(here, &["fit", "dr300", "steps.csv", "-o", "fitted.toml", "--json", "-"]).json();
+    let error = |of: &Value| of["error"].as_f64().expect("a number");
+    assert!(error(&answer) < error(&answer["before"]), "{answer}");
+}

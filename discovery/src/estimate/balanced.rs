@@ -21,7 +21,11 @@ pub(crate) const AS_WELL: f64 = 1.2;
 /// The same in free run, which weighs the noise better than least squares do: only a motion that the
 /// model cannot make draws its parameters so far away.
 const IN_FREE_RUN: f64 = 3.0;
-/// The same of a drive that has the values of least squares, but for the digits of its file.
+/// Share of a balance that a drive may leave in free run in any case. Least squares on samples that are
+/// slow beside the winding explain more than the drive that made them: their L takes what the samples
+/// leave out.
+const EXPLAINED: f64 = 0.1;
+/// Times what least squares leave that a drive with their values leaves, but for the digits of its file.
 const NEARLY: f64 = 1.01;
 
 /// The fit as it is, or that of the balances where it explains one of them worse.
@@ -51,8 +55,12 @@ pub(crate) fn is_worse(
     left: Option<Unexplained>,
     least: Option<Unexplained>,
 ) -> bool {
-    let may = if setting.observer.follows() { AS_WELL } else { IN_FREE_RUN };
-    left.zip(least).is_some_and(|(left, least)| left.rms > may * least.rms)
+    let Some((left, least)) = left.zip(least) else { return false };
+    if setting.observer.follows() {
+        left.rms > AS_WELL * least.rms
+    } else {
+        left.share > EXPLAINED && left.rms > IN_FREE_RUN * least.rms
+    }
 }
 
 /// Whether the drive explains its balances as well as least squares on them: a fit of the observed

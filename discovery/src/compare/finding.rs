@@ -12,20 +12,19 @@ use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::layout::Layout;
-use super::score::{Score, basis, least_squares, outside, own_basis, score};
+use super::score::{Score, basis, outside, own_basis, score};
 use super::shape::Shape;
 use super::whitening::{self, Whitening};
 
 /// Probability, after correction for the number of shapes (Bonferroni, by variable), below which a
-/// shape is reported. One in a hundred and not one in twenty: a random load is no normal noise.
-pub(super) const LEVEL: f64 = 1e-2;
+/// shape is reported. One in a thousand and not one in twenty: blocks are few, a random load is no normal
+/// noise, and a real effect of any size falls far below.
+pub(super) const LEVEL: f64 = 1e-3;
 /// Share of the noise's power that a shape must explain to be worth a word: the error then falls
 /// by a quarter of a per cent at least.
 const WORTH: f64 = 0.005;
 /// Shapes that are tested for a variable in first place.
 const TESTED: usize = 3;
-/// How often filter and coefficients are found by turns.
-const TURNS: usize = 3;
 /// Variables that are reported at most.
 const MOST: usize = 4;
 
@@ -116,7 +115,7 @@ impl Data<'_> {
         };
         let clearly = plain.iter().take(TESTED).filter(|it| it.worth > 0.0);
         clearly.map(|it| it.number).find_map(judge).or_else(|| {
-            let filter = self.whitening(added);
+            let filter = Whitening::fit(self.remainder(added).as_slice(), self.layout);
             let white = |column: &[f64]| filter.apply(column, self.layout);
             let mut ranked = self.ranked(added, &white, &self.white_blocks);
             let p_value = |it: &Ranked| it.score.p_value * self.hypotheses[it.number];
@@ -136,26 +135,6 @@ impl Data<'_> {
     pub(super) fn remainder(&self, added: &[usize]) -> DVector<f64> {
         let known = basis(self.known(added), self.layout.rows());
         outside(&known, &self.residual)
-    }
-
-    /// The filter that makes white what is left beside the base and these shapes. Least squares on the
-    /// plain residual take much of a slow load away, and what is left would pass for less slow than it
-    /// is; so the coefficients are those of the filtered residual, and the filter follows them
-    /// (Cochrane and Orcutt, 1949).
-    fn whitening(&self, added: &[usize]) -> Whitening {
-        let columns: Vec<&[f64]> = self.known(added).collect();
-        let mut filter = Whitening::fit(self.remainder(added).as_slice(), self.layout);
-        for _ in 0..TURNS {
-            let white: Vec<Vec<f64>> =
-                columns.iter().map(|column| filter.apply(column, self.layout)).collect();
-            let weights = least_squares(&white, &filter.apply(&self.residual, self.layout));
-            let mut left = self.residual.clone();
-            for (column, weight) in columns.iter().zip(&weights) {
-                left.iter_mut().zip(*column).for_each(|(left, it)| *left -= weight * it);
-            }
-            filter = Whitening::fit(&left, self.layout);
-        }
-        filter
     }
 
     fn filtered(&self, added: &[usize], filter: &dyn Fn(&[f64]) -> Vec<f64>) -> DMatrix<f64> {
@@ -186,12 +165,12 @@ impl Data<'_> {
             .collect()
     }
 
-    /// Probability of a shape with the residual made white after its removal: what a slow shape takes
-    /// from a random load is missing from that load then. So it must also lower the error of
-    /// predicting each group from those before, each with its own filter (the likelihood ratio).
+    /// Probability of a shape with the residual made white after its removal. What a shape over the time
+    /// takes from a random load is missing from that load then: it must lower the error of predicting
+    /// each group from those before as well, each with its own filter (the likelihood ratio).
     fn confirmed(&self, added: &[usize], number: usize) -> Option<f64> {
         let with: Vec<usize> = added.iter().copied().chain([number]).collect();
-        let whitening = self.whitening(&with);
+        let whitening = Whitening::fit(self.remainder(&with).as_slice(), self.layout);
         let filter = |column: &[f64]| whitening.apply(column, self.layout);
         let known = self.filtered(added, &filter);
         let columns: Vec<Vec<f64>> =
@@ -199,6 +178,9 @@ impl Data<'_> {
         let own = own_basis(&known, &columns)?;
         let e = outside(&known, &filter(&self.residual));
         let score = score(&own, &e, by_reference(&self.white_blocks));
+        if self.shapes[number].variable() != Variable::Time {
+            return Some(score.p_value);
+        }
         let left = &e - &own * own.tr_mul(&e);
         let after = whitening.log_determinant(left.as_slice(), self.layout);
         let ratio = whitening::groups(self.layout) * (self.predicted(added) - after);
@@ -209,7 +191,7 @@ impl Data<'_> {
 
     /// ln of the determinant of the errors of predicting each group from those before, with these shapes.
     fn predicted(&self, added: &[usize]) -> f64 {
-        let whitening = self.whitening(added);
+        let whitening = Whitening::fit(self.remainder(added).as_slice(), self.layout);
         let filter = |column: &[f64]| whitening.apply(column, self.layout);
         let left = outside(&self.filtered(added, &filter), &filter(&self.residual));
         whitening.log_determinant(left.as_slice(), self.layout)

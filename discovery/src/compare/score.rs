@@ -8,9 +8,8 @@
 //! s_b s_b' and W = beta' V^-1 beta, divided by k (G - 1) / (G - k), is compared with F(k, G - k) for k columns and G blocks
 //! (Hotelling, 1931): few blocks know their variance badly, and the law of F knows that.
 //!
-//! A shape of which a few blocks hold most knows it worse: G is the number of equal blocks that would
-//! share it as unequally, 1 / sum (tr M_b / k)^2, and a direction that lives in one block is left out.
-//! Where the residual is white, its own variance is the better judge: beta' beta over it, divided by k, is F(k, n - k) for n
+//! A shape of which a few blocks hold most knows it worse than that law says. Where the residual is
+//! white, its own variance is the better judge: beta' beta over it, divided by k, is F(k, n - k) for n
 //! rows. The greater probability of the two counts: the blocks guard against what is not white, the
 //! rows against shapes that live in few blocks.
 
@@ -23,8 +22,8 @@ const OUTSIDE: f64 = 1e-4;
 /// A column of the base is left out if less than this share of its length is new.
 const NEW: f64 = 1e-5;
 
-/// Share of a direction in one block above which that block alone tells of it.
-const ALONE: f64 = 0.5;
+/// Share of a direction outside a block below which it is in that block alone.
+const ALONE: f64 = 1e-3;
 
 /// What a shape explains.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,33 +57,6 @@ pub(super) fn basis<'a>(columns: impl Iterator<Item = &'a [f64]>, rows: usize) -
         }
     }
     if kept.is_empty() { DMatrix::zeros(rows, 0) } else { DMatrix::from_columns(&kept) }
-}
-
-/// Weights of columns whose sum comes closest to `y`, the least ones where several do.
-pub(super) fn least_squares(columns: &[Vec<f64>], y: &[f64]) -> Vec<f64> {
-    let sizes: Vec<f64> = columns.iter().map(|it| length(it)).collect();
-    let columns: Vec<DVector<f64>> = columns
-        .iter()
-        .zip(&sizes)
-        .map(|(column, size)| DVector::from_column_slice(column) / *size)
-        .collect();
-    if columns.is_empty() {
-        return Vec::new();
-    }
-    let columns = DMatrix::from_columns(&columns);
-    let eigen = SymmetricEigen::new(columns.tr_mul(&columns));
-    let mut turned = eigen.eigenvectors.tr_mul(&columns.tr_mul(&DVector::from_column_slice(y)));
-    for (weight, value) in turned.iter_mut().zip(eigen.eigenvalues.iter()) {
-        *weight = if *value > NEW { *weight / value } else { 0.0 };
-    }
-    let weights = eigen.eigenvectors * turned;
-    weights.iter().zip(sizes).map(|(weight, size)| weight / size).collect()
-}
-
-/// Length of a column, 1 if it is empty.
-fn length(column: &[f64]) -> f64 {
-    let squares: f64 = column.iter().map(|it| it * it).sum();
-    if squares > 0.0 { squares.sqrt() } else { 1.0 }
 }
 
 /// What is left of a column outside the basis.
@@ -134,80 +106,25 @@ pub(super) fn score(own: &DMatrix<f64>, e: &DVector<f64>, blocks: (&[usize], usi
     }
     let variance = scores.norm_squared() / k as f64;
     let gain = beta.norm_squared();
-    let left = remainder.iter().filter(|it| **it != 0.0).count() as f64 - k as f64;
-    let by_rows = chance(gain / k as f64 / (remainder.norm_squared() / left), k as f64, left);
-    let by_blocks = Blocks { beta, scores, shares }.spread().p_value();
+    for (mut score, share) in scores.column_iter_mut().zip(shares) {
+        let eigen = SymmetricEigen::new(share);
+        if eigen.eigenvalues.iter().any(|share| 1.0 - share < ALONE) {
+            // A direction that is in one block alone has no variance to be judged by.
+            return Score { gain, columns: k, variance, p_value: 1.0 };
+        }
+        let mut rotated = eigen.eigenvectors.tr_mul(&score);
+        for (value, share) in rotated.iter_mut().zip(eigen.eigenvalues.iter()) {
+            *value /= (1.0 - share).sqrt();
+        }
+        score.copy_from(&(eigen.eigenvectors * rotated));
+    }
+    let v = &scores * scores.transpose();
+    let w = v.cholesky().map_or(0.0, |it| beta.dot(&it.solve(&beta)));
+    let (g, k_f) = (blocks.1 as f64, k as f64);
+    let by_blocks = chance(w * (g - k_f) / (k_f * (g - 1.0)), k_f, g - k_f);
+    let left = remainder.iter().filter(|it| **it != 0.0).count() as f64 - k_f;
+    let by_rows = chance(gain / k_f / (remainder.norm_squared() / left), k_f, left);
     Score { gain, columns: k, variance, p_value: by_blocks.max(by_rows) }
-}
-
-/// Coefficients, and what each block says of their variance.
-struct Blocks {
-    beta: DVector<f64>,
-    /// A column a block.
-    scores: DMatrix<f64>,
-    /// M_b of each.
-    shares: Vec<DMatrix<f64>>,
-}
-
-impl Blocks {
-    /// Without the directions that live in one block for the most part: they have no variance to be
-    /// judged by.
-    fn spread(mut self) -> Self {
-        while let Some(alone) = self.alone() {
-            // What is left is orthogonal to it.
-            let k = self.beta.len();
-            let others = DMatrix::identity(k, k) - &alone * alone.transpose();
-            let eigen = SymmetricEigen::new(others);
-            let kept: Vec<DVector<f64>> = (0..k)
-                .filter(|j| eigen.eigenvalues[*j] > 0.5)
-                .map(|j| eigen.eigenvectors.column(j).into_owned())
-                .collect();
-            let kept =
-                if kept.is_empty() { DMatrix::zeros(k, 0) } else { DMatrix::from_columns(&kept) };
-            let turned = kept.transpose();
-            self.beta = &turned * self.beta;
-            self.scores = &turned * self.scores;
-            self.shares.iter_mut().for_each(|share| *share = &turned * &*share * &kept);
-        }
-        self
-    }
-
-    /// The direction that lives in one block more than any other does, if that is the most of it.
-    fn alone(&self) -> Option<DVector<f64>> {
-        if self.beta.is_empty() {
-            return None;
-        }
-        let most = |share: &DMatrix<f64>| {
-            let eigen = SymmetricEigen::new(share.clone());
-            let at = (0..eigen.eigenvalues.len())
-                .max_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]))?;
-            Some((eigen.eigenvalues[at], eigen.eigenvectors.column(at).into_owned()))
-        };
-        let each = self.shares.iter().filter_map(most);
-        let (share, direction) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (share > ALONE).then_some(direction)
-    }
-
-    /// Probability of as much by chance. As many blocks count as would hold equal parts: few know their
-    /// variance badly.
-    fn p_value(mut self) -> f64 {
-        if self.beta.is_empty() {
-            return 1.0;
-        }
-        let k = self.beta.len() as f64;
-        for (mut score, share) in self.scores.column_iter_mut().zip(&self.shares) {
-            let eigen = SymmetricEigen::new(share.clone());
-            let mut rotated = eigen.eigenvectors.tr_mul(&score);
-            for (value, share) in rotated.iter_mut().zip(eigen.eigenvalues.iter()) {
-                *value /= (1.0 - share).sqrt();
-            }
-            score.copy_from(&(eigen.eigenvectors * rotated));
-        }
-        let v = &self.scores * self.scores.transpose();
-        let w = v.cholesky().map_or(0.0, |it| self.beta.dot(&it.solve(&self.beta)));
-        let g = 1.0 / self.shares.iter().map(|share| (share.trace() / k).powi(2)).sum::<f64>();
-        chance(w * (g - k) / (k * (g - 1.0)), k, g - k)
-    }
 }
 
 /// Probability of a greater value under F with those degrees of freedom; 1 where there are too few, so

@@ -12,7 +12,7 @@ use super::laws::{Linear, without_states};
 use super::windows::Windows;
 use super::{Balances, Begun, Identified};
 use crate::estimate::{Evidence, set};
-use crate::measured::Output;
+use crate::measured::{Measured, Output};
 
 /// The drive at the values that least squares on the balances of the recordings give. What they do
 /// not tell, and what is fixed, keeps its value. The drive as it is if the balances say nothing at
@@ -27,19 +27,41 @@ pub fn begin(drive: &Drive, evidence: &Evidence) -> Begun {
         by_voltage::begin(&mut begun, &balances, &linear);
     }
     by_torque::begin(&mut begun, &balances, &linear, evidence);
-    if holds(&begun.drive, evidence) && !holds(drive, evidence) {
-        keep_dry_friction(&mut begun, drive);
-    }
+    release(&mut begun, drive, evidence);
     begun
 }
 
-/// Whether dry friction would hold the shaft against all that drives it: no recording in which it moves
-/// has such a level. Where it moves fast throughout, least squares find any for a Stribeck torque.
-fn holds(drive: &Drive, evidence: &Evidence) -> bool {
+/// Gives laws of dry friction their values in that drive back, the one first that holds the shaft most,
+/// while they would hold it against all that drives it: no recording in which it moves has such a
+/// level. Where it moves fast throughout, least squares find any for a Stribeck torque.
+fn release(begun: &mut Begun, from: &Drive, evidence: &Evidence) {
+    let is_dry = |k: &usize| Entry::find(&from.effects[*k].kind).is_some_and(|law| law.info.dry);
+    let mut dry: Vec<usize> = (0..from.effects.len()).filter(is_dry).collect();
+    while level(&begun.drive) > driving(&begun.drive, evidence) {
+        let with = |k: usize| {
+            let mut drive = begun.drive.clone();
+            drive.effects[k].clone_from(&from.effects[k]);
+            drive
+        };
+        let lowest = |a: &usize, b: &usize| level(&with(*a)).total_cmp(&level(&with(*b)));
+        let Some(k) = dry.iter().copied().min_by(lowest) else { return };
+        dry.retain(|it| *it != k);
+        begun.drive = with(k);
+        begun.identified.retain(|it| !it.name.starts_with(&format!("{}.", from.effects[k].id)));
+    }
+}
+
+/// Dry friction of a shaft at rest, the lower one of both directions, N m (N).
+fn level(drive: &Drive) -> f64 {
     let model = drive.model();
     let applied = Applied { u: [0.0], load: [0.0], time: 0.0 };
     let levels = at_rest(&model, &vec![[0.0]; model.states()], &applied);
-    let driving = evidence.recordings.iter().map(|it| {
+    levels.forward.min(levels.backward)
+}
+
+/// The greatest torque (force) that drives in the recordings.
+fn driving(drive: &Drive, evidence: &Evidence) -> f64 {
+    let of = |it: &Measured| {
         let (signal, factor) = match (drive.motor.input, it.output(Output::Current)) {
             (Input::Voltage, Some(current)) => (&current.values, 1.0),
             (Input::Voltage, None) => (&it.u, 1.0 / drive.motor.r.unwrap_or(1.0)),
@@ -47,19 +69,8 @@ fn holds(drive: &Drive, evidence: &Evidence) -> bool {
         };
         let finite = signal.iter().filter(|it| it.is_finite());
         drive.motor.k_m * factor * finite.fold(0.0, |most: f64, it| most.max(it.abs()))
-    });
-    levels.forward.min(levels.backward) > driving.fold(0.0, f64::max)
-}
-
-/// Gives the laws of dry friction their values in that drive back.
-fn keep_dry_friction(begun: &mut Begun, from: &Drive) {
-    let is_dry = |kind: &str| Entry::find(kind).is_some_and(|law| law.info.dry);
-    for (effect, own) in begun.drive.effects.iter_mut().zip(&from.effects) {
-        if is_dry(&effect.kind) {
-            effect.clone_from(own);
-            begun.identified.retain(|it| !it.name.starts_with(&format!("{}.", own.id)));
-        }
-    }
+    };
+    evidence.recordings.iter().map(of).fold(0.0, f64::max)
 }
 
 fn is_fitted(drive: &Drive, name: &str) -> bool {
@@ -83,7 +94,6 @@ fn take(begun: &mut Begun, name: &str, value: Option<f64>, identified: Option<f6
 mod tests {
     use super::*;
     use crate::balances::{small_inertia, unexplained};
-    use crate::measured::Measured;
     use crate::testing::{bench, dr300, gaussian};
     use drivescope_recording::Recording;
 

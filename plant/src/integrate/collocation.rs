@@ -85,6 +85,9 @@ impl<R: Real> Room<R> {
     }
 }
 
+/// Rows of values at the nodes.
+type Values<'a, R> = &'a [AtNodes<R>];
+
 /// What becomes of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Course<R> {
@@ -234,7 +237,7 @@ impl<R: Real> Collocation<R> {
     fn ended(
         &self,
         x: &mut [[R; 1]],
-        (y, rates, added): (&[AtNodes<R>], &[AtNodes<R>], &[AtNodes<R>]),
+        (y, rates, added): (Values<'_, R>, Values<'_, R>, Values<'_, R>),
         (sign, applied): (f64, &Applied<R, 1>),
         share: f64,
     ) -> Course<R> {

@@ -14,8 +14,8 @@ const LAYERS: usize = 1024;
 /// The bits of a word that choose the layer.
 const LAYER: u64 = LAYERS as u64 - 1;
 /// Where the tail begins, and the area of a layer.
-const TAIL: f64 = 4.038_849_846_109_504_5;
-const AREA: f64 = 0.001_226_324_646_353_088_1;
+const TAIL: f64 = 4.038_849_846_109_504;
+const AREA: f64 = 0.001_226_324_646_353_088;
 
 /// Right ends of the layers, from the bottom, and exp(-x^2 / 2) there.
 #[derive(Debug)]

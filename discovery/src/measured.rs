@@ -184,6 +184,17 @@ impl Measured {
         self.outputs.iter().find(|channel| channel.output == output)
     }
 
+    /// Current of every sample; without a measured one, the most that u can drive, and of a
+    /// force-driven drive the commanded signal.
+    pub(crate) fn current<'a>(&'a self, drive: &Drive) -> impl Iterator<Item = f64> + use<'a> {
+        let (values, factor) = match (drive.motor.input, self.output(Output::Current)) {
+            (Input::Force, _) => (&self.u, 1.0),
+            (Input::Voltage, Some(channel)) => (&channel.values, 1.0),
+            (Input::Voltage, None) => (&self.u, 1.0 / drive.motor.r.unwrap_or(1.0)),
+        };
+        values.iter().map(move |value| factor * value).filter(|value| value.is_finite())
+    }
+
     /// Measured values within the pieces, all outputs together.
     pub fn values(&self) -> usize {
         self.outputs.iter().map(|channel| self.values_of(channel)).sum()
@@ -229,6 +240,11 @@ impl Measured {
             remarks: self.remarks.clone(),
         })
     }
+}
+
+/// The greatest magnitude of those values that are finite; 0 if none is.
+pub(crate) fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.filter(|value| value.is_finite()).fold(0.0, |most, value| most.max(value.abs()))
 }
 
 /// A signal as an output of that name and unit.

@@ -24,12 +24,17 @@ use support::{PERIOD, closed_loop, dr300, dr300_friction, drive, ours, part};
 /// Sub-steps of a sample in the benchmarks of a sub-step.
 const SUBSTEPS: usize = 20;
 
-/// Coulomb, Stribeck, saturation and a sensor that lags: its state asks for sub-steps.
-fn four<R: Real>() -> Vec<Part<R>> {
+/// Coulomb, Stribeck, saturation and that one.
+fn four_with<R: Real>(other: Part<R>) -> Vec<Part<R>> {
     let mut parts = dr300_friction();
-    parts.push(part(Kind::SpeedSensorLag, &[0.02]));
+    parts.push(other);
     parts.push(part(Kind::Saturation, &[0.02]));
     parts
+}
+
+/// With a sensor that lags: its state asks for sub-steps.
+fn four<R: Real>() -> Vec<Part<R>> {
+    four_with(part(Kind::SpeedSensorLag, &[0.02]))
 }
 
 /// Every effect of the library at its nominal values.
@@ -72,14 +77,6 @@ fn lanes<const N: usize>(model: &Model<f64, 1>) -> impl FnMut(usize) + use<N> {
     }
 }
 
-/// Coulomb, Stribeck, drag and saturation.
-fn without_memory<R: Real>() -> Vec<Part<R>> {
-    let mut parts = dr300_friction();
-    parts.push(part(Kind::QuadraticDrag, &[1e-7]));
-    parts.push(part(Kind::Saturation, &[0.02]));
-    parts
-}
-
 /// Stick-slip over a slow sine.
 fn stick_slip() -> impl FnMut(usize) {
     let mut scenarios = support::stick_slip().into_iter();
@@ -99,7 +96,7 @@ fn stepping(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("exact step, per sample");
     exact(&mut group);
     group.bench_function("four smooth effects in one step, scalar", |b| {
-        let mut run = scalar(drive::<f64>(&without_memory()));
+        let mut run = scalar(drive::<f64>(&four_with(part(Kind::QuadraticDrag, &[1e-7]))));
         b.iter(|| run(1));
     });
     group.finish();

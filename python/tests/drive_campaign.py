@@ -9,4 +9,4 @@ from drivescope import dask
 
 with Client(sys.argv[1], timeout=cluster.PATIENCE) as client:
     client.wait_for_workers(cluster.WORKERS, timeout=cluster.PATIENCE)
-    dask.campaign("plan.toml", "spread", client, batch_s=0.3, runner=cluster.slowly)
+    dask.campaign("plan.toml", "spread", client, batch_s=0.1, runner=cluster.slowly)

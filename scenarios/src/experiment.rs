@@ -183,8 +183,7 @@ impl Experiment {
 
     /// Unit of a variable of the drive's FMUs; nothing if they have no such variable.
     pub(crate) fn unit_of(&self, name: &str) -> Option<&str> {
-        let variable = self.variables.iter().find(|variable| variable.name == name);
-        variable.map(|variable| variable.unit.as_str())
+        unit_among(&self.variables, name)
     }
 
     fn noise(&self, stream: Stream) -> NoiseStream {
@@ -210,6 +209,12 @@ impl Experiment {
     fn recording(&self, signals: Vec<Signal>) -> Recording {
         Recording::new(self.drive.name.clone(), 0.0, self.period_s, signals)
     }
+}
+
+/// Unit of the variable of that name, if there is one.
+pub(crate) fn unit_among<'a>(variables: &'a [Variable], name: &str) -> Option<&'a str> {
+    let variable = variables.iter().find(|variable| variable.name == name);
+    variable.map(|variable| variable.unit.as_str())
 }
 
 /// An open-loop run's inputs and the control signal behind them.

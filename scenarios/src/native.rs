@@ -12,6 +12,8 @@ use drivescope_plant::sampled::{
 use drivescope_plant::unit::Unit;
 use drivescope_recording::{Recording, Signal};
 
+use crate::experiment::unit_among;
+
 /// Signals of a sample that a run records, with the FMU's names.
 pub const RECORDED: [&str; 6] = ["C_m", "T", "I_m", "i", "omega", "theta"];
 
@@ -70,10 +72,7 @@ type Units = [String; RECORDED.len()];
 /// Those that the drive's FMU has.
 fn units(drive: &Drive) -> Units {
     let unit = Unit::new(drive.clone(), false);
-    RECORDED.map(|name| {
-        let variable = unit.variables().iter().find(|variable| variable.name == name);
-        variable.map_or_else(String::new, |variable| variable.unit.clone())
-    })
+    RECORDED.map(|name| unit_among(unit.variables(), name).unwrap_or_default().to_owned())
 }
 
 /// A recording of a run over those inputs, its rows still to be written.

@@ -32,6 +32,7 @@ use voltage::VoltageWindows;
 use windows::{Reading, Windows};
 
 pub use begin::begin;
+pub(crate) use begin::friction_at_rest;
 
 /// Share of the applied torque that an inertia which nothing tells may take.
 pub(crate) const UNIDENTIFIED_INERTIA: f64 = 0.01;

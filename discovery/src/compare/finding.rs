@@ -115,7 +115,7 @@ impl Data<'_> {
         };
         let clearly = plain.iter().take(TESTED).filter(|it| it.worth > 0.0);
         clearly.map(|it| it.number).find_map(judge).or_else(|| {
-            let filter = Whitening::fit(self.remainder(added).as_slice(), self.layout);
+            let filter = self.whitening(added);
             let white = |column: &[f64]| filter.apply(column, self.layout);
             let mut ranked = self.ranked(added, &white, &self.white_blocks);
             let p_value = |it: &Ranked| it.score.p_value * self.hypotheses[it.number];
@@ -137,9 +137,34 @@ impl Data<'_> {
         outside(&known, &self.residual)
     }
 
-    fn filtered(&self, added: &[usize], filter: &dyn Fn(&[f64]) -> Vec<f64>) -> DMatrix<f64> {
+    /// The filter that makes it white.
+    fn whitening(&self, added: &[usize]) -> Whitening {
+        Whitening::fit(self.remainder(added).as_slice(), self.layout)
+    }
+
+    /// A basis of the base and of these shapes through that filter, and what is left of the residual
+    /// outside it.
+    fn filtered(
+        &self,
+        added: &[usize],
+        filter: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> (DMatrix<f64>, DVector<f64>) {
         let columns: Vec<Vec<f64>> = self.known(added).map(filter).collect();
-        basis(columns.iter().map(Vec::as_slice), self.layout.rows())
+        let known = basis(columns.iter().map(Vec::as_slice), self.layout.rows());
+        let left = outside(&known, &filter(&self.residual));
+        (known, left)
+    }
+
+    /// A basis of what a shape has through that filter outside `known`; none if that is nothing.
+    fn own(
+        &self,
+        known: &DMatrix<f64>,
+        number: usize,
+        filter: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> Option<DMatrix<f64>> {
+        let columns: Vec<Vec<f64>> =
+            self.columns[number].iter().map(|column| filter(column)).collect();
+        own_basis(known, &columns)
     }
 
     /// All other shapes through that filter.
@@ -149,16 +174,14 @@ impl Data<'_> {
         filter: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
         blocks: &(Vec<usize>, usize),
     ) -> Vec<Ranked> {
-        let known = self.filtered(added, filter);
-        let e = outside(&known, &filter(&self.residual));
+        let (known, e) = self.filtered(added, filter);
         let chance = self.layout.values().ln();
         let others = (0..self.shapes.len()).into_par_iter();
         others
             .filter(|number| !added.contains(number))
             .filter_map(|number| {
-                let columns: Vec<Vec<f64>> =
-                    self.columns[number].iter().map(|column| filter(column)).collect();
-                let score = score(&own_basis(&known, &columns)?, &e, by_reference(blocks));
+                let own = self.own(&known, number, filter)?;
+                let score = score(&own, &e, by_reference(blocks));
                 let by_chance = score.variance.max(1.0) * score.columns as f64 * chance;
                 Some(Ranked { number, score, worth: score.gain - by_chance })
             })
@@ -170,13 +193,10 @@ impl Data<'_> {
     /// each group from those before as well, each with its own filter (the likelihood ratio).
     fn confirmed(&self, added: &[usize], number: usize) -> Option<f64> {
         let with: Vec<usize> = added.iter().copied().chain([number]).collect();
-        let whitening = Whitening::fit(self.remainder(&with).as_slice(), self.layout);
+        let whitening = self.whitening(&with);
         let filter = |column: &[f64]| whitening.apply(column, self.layout);
-        let known = self.filtered(added, &filter);
-        let columns: Vec<Vec<f64>> =
-            self.columns[number].iter().map(|column| filter(column)).collect();
-        let own = own_basis(&known, &columns)?;
-        let e = outside(&known, &filter(&self.residual));
+        let (known, e) = self.filtered(added, &filter);
+        let own = self.own(&known, number, &filter)?;
         let score = score(&own, &e, by_reference(&self.white_blocks));
         if self.shapes[number].variable() != Variable::Time {
             return Some(score.p_value);
@@ -191,9 +211,9 @@ impl Data<'_> {
 
     /// ln of the determinant of the errors of predicting each group from those before, with these shapes.
     fn predicted(&self, added: &[usize]) -> f64 {
-        let whitening = Whitening::fit(self.remainder(added).as_slice(), self.layout);
+        let whitening = self.whitening(added);
         let filter = |column: &[f64]| whitening.apply(column, self.layout);
-        let left = outside(&self.filtered(added, &filter), &filter(&self.residual));
+        let (_, left) = self.filtered(added, &filter);
         whitening.log_determinant(left.as_slice(), self.layout)
     }
 }

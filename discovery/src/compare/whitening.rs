@@ -155,9 +155,9 @@ impl Whitening {
     /// ln of the determinant of the innovations' covariance, where the filtered residual is `white`: how
     /// well each group is predicted from those before.
     pub(super) fn log_determinant(&self, white: &[f64], layout: &Layout) -> f64 {
-        let size = |it: DMatrix<f64>| it.diagonal().iter().map(|it| it.ln()).sum::<f64>();
-        let own = covariance(white, layout).cholesky().map_or(f64::NAN, |it| size(it.l()));
-        2.0 * (own - size(self.scale.clone()))
+        let size = |it: &DMatrix<f64>| it.diagonal().iter().map(|it| it.ln()).sum::<f64>();
+        let own = covariance(white, layout).cholesky().map_or(f64::NAN, |it| size(it.l_dirty()));
+        2.0 * (own - size(&self.scale))
     }
 
     /// The errors of predicting each group from those before, in units of the noise.

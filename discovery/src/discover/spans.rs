@@ -1,12 +1,12 @@
 //! How far the recordings of a drive go: what grids of shapes and curves are scaled to.
 
-use drivescope_plant::drive::{Drive, Input, Motion};
+use drivescope_plant::drive::{Drive, Motion};
 use drivescope_plant::effects::grid::{SLOW_SPEED, Spans};
 use drivescope_plant::effects::registry::Entry;
-use drivescope_plant::model::{Applied, at_rest};
 
+use crate::balances::friction_at_rest;
 use crate::estimate::Evidence;
-use crate::measured::{Measured, Output};
+use crate::measured::{Measured, Output, largest};
 
 /// Samples over which a position is differentiated.
 const SPAN: usize = 10;
@@ -22,8 +22,8 @@ pub(crate) fn spans(drive: &Drive, evidence: &Evidence) -> Spans {
         resistance: drive.motor.r.unwrap_or(1.0),
         dry: dry(drive),
         speed,
-        current: most(&|one| largest(current(drive, one))),
-        heat: most(&|one| current(drive, one).map(|i| i * i).sum::<f64>() * one.period_s),
+        current: most(&|one| largest(one.current(drive))),
+        heat: most(&|one| one.current(drive).map(|i| i * i).sum::<f64>() * one.period_s),
         voltage: most(&|one| largest(one.u.iter().copied())),
         travel: most(&travel),
         step: step(evidence, speed),
@@ -44,25 +44,8 @@ pub(super) fn are_possible(drive: &Drive, those: impl Fn(&str) -> bool, spans: &
 
 /// Mean level of dry friction of both directions at rest, N m (N).
 fn dry(drive: &Drive) -> f64 {
-    let model = drive.model();
-    let applied = Applied { u: [0.0], load: [0.0], time: 0.0 };
-    let torques = at_rest(&model, &vec![[0.0]; model.states()], &applied);
+    let torques = friction_at_rest(drive);
     0.5 * (torques.forward + torques.backward)
-}
-
-/// Current of every sample; without a measured one, the most that u can drive, and of a
-/// force-driven drive the commanded signal.
-fn current<'a>(drive: &Drive, one: &'a Measured) -> impl Iterator<Item = f64> + 'a {
-    let (values, factor) = match (drive.motor.input, one.output(Output::Current)) {
-        (Input::Force, _) => (&one.u, 1.0),
-        (Input::Voltage, Some(channel)) => (&channel.values, 1.0),
-        (Input::Voltage, None) => (&one.u, 1.0 / drive.motor.r.unwrap_or(1.0)),
-    };
-    values.iter().map(move |value| factor * value).filter(|value| value.is_finite())
-}
-
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.filter(|value| value.is_finite()).fold(0.0, |most, value| most.max(value.abs()))
 }
 
 fn fastest(measured: &Measured) -> f64 {

@@ -83,6 +83,11 @@ impl Variable {
         Self::Limits,
     ];
 
+    /// Whether it stays as it is while the shaft rests.
+    pub const fn rests(self) -> bool {
+        matches!(self, Self::Omega | Self::OmegaSign | Self::Theta)
+    }
+
     /// Its name in results.
     pub const fn name(self) -> &'static str {
         match self {
@@ -216,8 +221,7 @@ impl Info {
 
     /// Whether the law gives the same as long as the shaft rests: it follows speed and position alone.
     pub fn is_steady_at_rest(&self) -> bool {
-        let moves = [Variable::Omega, Variable::OmegaSign, Variable::Theta];
-        self.fails_over.iter().all(|over| moves.contains(over))
+        self.fails_over.iter().all(|over| over.rests())
     }
 
     /// Whether it distorts what a sensor shows.

@@ -5,7 +5,7 @@ use drivescope_numerics::Real;
 use super::collocation::{self, Collocation, Course};
 use super::step::{Armature, Stages, step_at_rest};
 use super::{Plan, automaton, sub_step};
-use crate::model::{Applied, Model, OWN, SPEED, at_rest, field};
+use crate::model::{Applied, CURRENT, Model, OWN, SPEED, at_rest, field};
 
 /// What makes a span in one step.
 #[derive(Debug, Clone)]
@@ -62,9 +62,7 @@ pub(super) fn advance<R: Real>(
         let held = Applied { time: applied.time + k as f64 * h.value(), ..*applied };
         match span {
             Some(span) => under.whole(span, &held, h),
-            None => {
-                under.sub_steps(&held, plan.substeps / plan.spans, &plan.armature, plan.sub_step())
-            }
+            None => under.in_sub_steps(&held),
         }
     }
 }
@@ -100,9 +98,14 @@ impl<R: Real> Under<'_, R> {
             }
         };
         if !done {
-            let Plan { substeps, spans, armature, .. } = self.plan;
-            self.sub_steps(applied, substeps / spans, armature, self.plan.sub_step());
+            self.in_sub_steps(applied);
         }
+    }
+
+    /// Makes a span in the sub-steps of the plan.
+    fn in_sub_steps(&mut self, applied: &Applied<R, 1>) {
+        let Plan { substeps, spans, armature, .. } = self.plan;
+        self.sub_steps(applied, substeps / spans, armature, self.plan.sub_step());
     }
 
     /// Takes a step of a shaft that sticks throughout; else leaves all as it is and says so.
@@ -111,11 +114,11 @@ impl<R: Real> Under<'_, R> {
             return false;
         }
         // The torque on the shaft follows the current, which goes one way: the end tells.
-        self.room.saved.clone_from(self.x);
+        let before = self.x[CURRENT];
         step_at_rest(self.model, self.x, applied, armature, &mut self.room.stages);
         let stays = at_rest(self.model, self.x, applied).margin().value() >= 0.0;
         if !stays {
-            self.x.copy_from_slice(&self.room.saved);
+            self.x[CURRENT] = before;
         }
         stays
     }
@@ -130,7 +133,7 @@ impl<R: Real> Under<'_, R> {
         h: R,
     ) {
         let then = Applied { time: applied.time + instant, ..*applied };
-        *self.x = there.map(|value| [value]).into();
+        self.x.copy_from_slice(&there.map(|value| [value]));
         let slope = self.slope(&then);
         // By how much the instant moves with the parameters: the value of that is zero.
         let rate = slope[SPEED][0].value();

@@ -64,8 +64,8 @@ pub struct Model<R, const N: usize> {
     restless: bool,
     /// Whether a law changes with time while nothing moves.
     timed: bool,
-    /// Whether a law may have kinks while the motion goes one way.
-    rough: bool,
+    /// Whether no law may have kinks while the motion goes one way.
+    smooth: bool,
     /// Whether an effect distorts what a sensor shows.
     distorting: bool,
     /// The state that each of [`Beside::ALL`] tells of.
@@ -114,8 +114,8 @@ impl<R: Real> Model<R, 1> {
             other => info(other).is_some_and(|i| i.fails_over.contains(&Variable::Time)),
         };
         let timed = parts.iter().any(|part| timed(part.kind));
-        let rough = |kind| info(kind).is_none_or(|i| i.kinked);
-        let rough = parts.iter().any(|part| rough(part.kind));
+        let smooth = |kind| info(kind).is_some_and(|i| !i.kinked);
+        let smooth = parts.iter().all(|part| smooth(part.kind));
         let senses = |kind| match kind {
             Kind::Custom(k) => laws[k].senses(),
             other => info(other).is_some_and(Info::senses),
@@ -134,7 +134,7 @@ impl<R: Real> Model<R, 1> {
             kinked,
             restless,
             timed,
-            rough,
+            smooth,
             distorting,
             beside: beside::states(parts),
         }
@@ -183,7 +183,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             kinked: first.kinked,
             restless: first.restless,
             timed: first.timed,
-            rough: first.rough,
+            smooth: first.smooth,
             distorting: first.distorting,
             beside: first.beside,
         }
@@ -204,7 +204,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             kinked: self.kinked,
             restless: self.restless,
             timed: self.timed,
-            rough: self.rough,
+            smooth: self.smooth,
             distorting: self.distorting,
             beside: self.beside,
         }
@@ -274,7 +274,7 @@ impl<R: Real, const N: usize> Model<R, N> {
     /// Whether the rates are smooth while the motion goes one way: no law is typed or learned, whose
     /// kinks nobody declares, and none has one like |i|.
     pub(crate) fn is_smooth(&self) -> bool {
-        !self.rough
+        self.smooth
     }
 
     /// Whether a state is stiff and takes exponential stages of its own decay rate.

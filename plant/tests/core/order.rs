@@ -45,6 +45,11 @@ fn is_four(order: f64) {
     assert!((3.7..4.6).contains(&order), "order {order}");
 }
 
+/// The order where the shaft turns one way.
+fn order_in_motion(parts: &[Part<f64>]) -> f64 {
+    order(&drive(parts), 60.0, |t| 6.0 + 3.0 * (TAU * 3.0 * t).sin(), 32)
+}
+
 /// Laws that are smooth.
 fn smooth() -> Vec<Part<f64>> {
     vec![
@@ -58,14 +63,13 @@ fn smooth() -> Vec<Part<f64>> {
 fn the_smooth_field_converges_with_order_four() {
     let mut parts = smooth();
     parts.push(part(Kind::SpeedSensorLag, &[0.02]));
-    is_four(order(&drive(&parts), 60.0, |t| 6.0 + 3.0 * (TAU * 3.0 * t).sin(), 32));
+    is_four(order_in_motion(&parts));
 }
 
 /// 32 sub-steps at once, then 16: a quarter of the bits of the first are enough to see order six.
 #[test]
 fn steps_over_many_sub_steps_converge_faster() {
-    let order = order(&drive(&smooth()), 60.0, |t| 6.0 + 3.0 * (TAU * 3.0 * t).sin(), 32);
-    println!("order {order:.2}");
+    let order = order_in_motion(&smooth());
     assert!(order > 6.0, "order {order}");
 }
 

@@ -4,15 +4,15 @@
 mod by_torque;
 mod by_voltage;
 
-use drivescope_plant::drive::{Drive, Input};
+use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::registry::Entry;
-use drivescope_plant::model::{Applied, at_rest};
+use drivescope_plant::model::{Applied, AtRest, at_rest};
 
 use super::laws::{Linear, without_states};
 use super::windows::Windows;
 use super::{Balances, Begun, Identified};
 use crate::estimate::{Evidence, set};
-use crate::measured::{Measured, Output};
+use crate::measured::largest;
 
 /// The drive at the values that least squares on the balances of the recordings give. What they do
 /// not tell, and what is fixed, keeps its value. The drive as it is if the balances say nothing at
@@ -37,7 +37,9 @@ pub fn begin(drive: &Drive, evidence: &Evidence) -> Begun {
 fn release(begun: &mut Begun, from: &Drive, evidence: &Evidence) {
     let is_dry = |k: &usize| Entry::find(&from.effects[*k].kind).is_some_and(|law| law.info.dry);
     let mut dry: Vec<usize> = (0..from.effects.len()).filter(is_dry).collect();
-    while level(&begun.drive) > driving(&begun.drive, evidence) {
+    let currents = evidence.recordings.iter().map(|it| largest(it.current(&begun.drive)));
+    let driving = begun.drive.motor.k_m * currents.fold(0.0, f64::max);
+    while level(&begun.drive) > driving {
         let with = |k: usize| {
             let mut drive = begun.drive.clone();
             drive.effects[k].clone_from(&from.effects[k]);
@@ -51,26 +53,17 @@ fn release(begun: &mut Begun, from: &Drive, evidence: &Evidence) {
     }
 }
 
-/// Dry friction of a shaft at rest, the lower one of both directions, N m (N).
-fn level(drive: &Drive) -> f64 {
+/// Torques (forces) of dry friction on a shaft at rest.
+pub(crate) fn friction_at_rest(drive: &Drive) -> AtRest<f64> {
     let model = drive.model();
     let applied = Applied { u: [0.0], load: [0.0], time: 0.0 };
-    let levels = at_rest(&model, &vec![[0.0]; model.states()], &applied);
-    levels.forward.min(levels.backward)
+    at_rest(&model, &vec![[0.0]; model.states()], &applied)
 }
 
-/// The greatest torque (force) that drives in the recordings.
-fn driving(drive: &Drive, evidence: &Evidence) -> f64 {
-    let of = |it: &Measured| {
-        let (signal, factor) = match (drive.motor.input, it.output(Output::Current)) {
-            (Input::Voltage, Some(current)) => (&current.values, 1.0),
-            (Input::Voltage, None) => (&it.u, 1.0 / drive.motor.r.unwrap_or(1.0)),
-            (Input::Force, _) => (&it.u, 1.0),
-        };
-        let finite = signal.iter().filter(|it| it.is_finite());
-        drive.motor.k_m * factor * finite.fold(0.0, |most: f64, it| most.max(it.abs()))
-    };
-    evidence.recordings.iter().map(of).fold(0.0, f64::max)
+/// The lower one of both directions, N m (N).
+fn level(drive: &Drive) -> f64 {
+    let levels = friction_at_rest(drive);
+    levels.forward.min(levels.backward)
 }
 
 fn is_fitted(drive: &Drive, name: &str) -> bool {
@@ -94,6 +87,7 @@ fn take(begun: &mut Begun, name: &str, value: Option<f64>, identified: Option<f6
 mod tests {
     use super::*;
     use crate::balances::{small_inertia, unexplained};
+    use crate::measured::Measured;
     use crate::testing::{bench, dr300, gaussian};
     use drivescope_recording::Recording;
 

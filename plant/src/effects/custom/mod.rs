@@ -188,9 +188,8 @@ impl Law {
 
     /// Whether the law gives the same as long as the shaft rests: it reads speed and position alone.
     pub(crate) fn is_steady_at_rest(&self) -> bool {
-        let moves = [Variable::Omega, Variable::OmegaSign, Variable::Theta];
         match &self.form {
-            Form::Typed(tape) => tape.read().iter().all(|over| moves.contains(over)),
+            Form::Typed(tape) => tape.read().iter().all(|over| over.rests()),
             Form::Learned(curve) => curve.is_steady_at_rest(),
         }
     }

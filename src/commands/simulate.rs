@@ -138,6 +138,7 @@ impl Simulate {
         let closed = drive.controller.is_some() && self.input.is_none();
         let period_s = self.period_s(&drive, closed)?;
         let samples = self.samples(period_s)?;
+        self.check_faults(samples, period_s)?;
         let quantity = match drive.motion {
             Motion::Rotary => (Quantity::AngularSpeed, Quantity::Torque),
             Motion::Linear => (Quantity::Speed, Quantity::Force),
@@ -213,6 +214,22 @@ impl Simulate {
         }
         // Both ends are recorded.
         Ok(steps as usize + 1)
+    }
+
+    /// A fault that never acts would be a healthy run under the name of a faulty one.
+    fn check_faults(&self, samples: usize, period_s: f64) -> miette::Result<()> {
+        let beside = self.fault.iter().find(|fault| !fault.is_within(samples, period_s));
+        beside.map_or(Ok(()), |fault| {
+            let (from, duration) = (rounded(fault.from_s), rounded(self.duration));
+            let to = fault.to_s.is_finite().then(|| format!("..{}", rounded(fault.to_s)));
+            let what = format!(
+                "--fault {}={}@{from}{}: no sample of the run of {duration} s lies there",
+                fault.mechanism.id,
+                rounded(fault.size),
+                to.unwrap_or_default()
+            );
+            Err(usage(what, "let it begin earlier, or make the run longer: --duration S"))
+        })
     }
 
     /// Writes the recording and tells of it.

@@ -1,6 +1,7 @@
 //! A fault as it is typed: `KIND=SIZE[@FROM[..TO]][:PROFILE]`, such as `tacho=5%@20..25` or
 //! `tacho=20%@5:ramp=10`.
 
+use std::ops::Range;
 use std::str::FromStr;
 
 use drivescope_plant::fault::{MECHANISMS, Mechanism};
@@ -106,11 +107,21 @@ impl FaultOverTime {
     /// The size that acts during each sample, which begins at k x `period_s`; an onset between two
     /// samples acts from the later one. The seed is that of what comes at random.
     pub(crate) fn sizes(&self, samples: usize, period_s: f64, seed: u64) -> Vec<f64> {
+        let shares = self.profile.shares(self.span(period_s), samples, period_s, seed);
+        shares.into_iter().map(|share| self.size * share).collect()
+    }
+
+    /// Whether any of the samples lies in its span.
+    pub(crate) fn is_within(&self, samples: usize, period_s: f64) -> bool {
+        let span = self.span(period_s);
+        !span.is_empty() && span.start < samples
+    }
+
+    /// The samples from its onset to its end.
+    fn span(&self, period_s: f64) -> Range<usize> {
         // A time typed in decimals may lie a rounding beside k x period.
         let sample = |time: f64| (time / period_s - 1e-6).ceil().max(0.0) as usize;
-        let span = sample(self.from_s)..sample(self.to_s);
-        let shares = self.profile.shares(span, samples, period_s, seed);
-        shares.into_iter().map(|share| self.size * share).collect()
+        sample(self.from_s)..sample(self.to_s)
     }
 }
 

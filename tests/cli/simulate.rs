@@ -116,6 +116,8 @@ fn wrong_runs_are_refused_before_anything_is_written() {
         (&["-o", "a.csv", "--reference", "3 [V]"], "`V`"),
         (&["-o", "a.csv", "--load", "omega"], "`omega`"),
         (&["-o", "a.csv", "--fault", "taco=1"], "`taco`"),
+        (&["-o", "a.csv", "--fault", "tacho=5@9"], "run of 5 s"),
+        (&["-o", "a.csv", "--fault", "tacho=5@2.001..2.002"], "no sample"),
         (&["-o", "a.csv", "--duration", "-1"], "--duration"),
         (&["-o", "a.csv", "--duration", "1e300"], "--duration"),
         (&["-o", "a.csv", "--period", "0.001"], "0.005"),

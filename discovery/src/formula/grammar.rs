@@ -48,15 +48,63 @@ pub(super) enum Magnitude {
     Cosine { a: f64 },
 }
 
+/// So many times the greatest value of its variable a width cannot be told from an infinite one.
+const WIDE: f64 = 30.0;
+
 impl Magnitude {
     /// Its constants.
-    fn shape(self) -> Vec<f64> {
+    fn constants(&mut self) -> Vec<&mut f64> {
         use Magnitude::*;
         match self {
             One | Root | Linear | ThreeHalves | Square | Cube => vec![],
             Decay { a } | LinearDecay { a } | Bell { a } | LinearBell { a } => vec![a],
             Saturating { a } | Sine { a } | Cosine { a } => vec![a],
             SteepBell { a, b } | Bump { a, b } => vec![a, b],
+        }
+    }
+
+    /// Values of its constants.
+    fn shape(mut self) -> Vec<f64> {
+        self.constants().into_iter().map(|it| *it).collect()
+    }
+
+    /// The function with fewer constants that it is up to the greatest value of its variable, in
+    /// proportion, where a width of it lies far beyond.
+    fn simpler(self, greatest: f64) -> Option<Self> {
+        use Magnitude::*;
+        let wide = |a: f64| a.abs() > WIDE * greatest;
+        match self {
+            Decay { a } | Bell { a } | Cosine { a } if wide(a) => Some(One),
+            LinearDecay { a } | LinearBell { a } | Saturating { a } | Sine { a } if wide(a) => {
+                Some(Linear)
+            }
+            SteepBell { a, b } if wide(b) => Some(Saturating { a }),
+            SteepBell { a, b } if wide(a) => Some(LinearBell { a: b }),
+            _ => None,
+        }
+    }
+
+    /// Turns widths of either sign, which a fit finds alike, into positive ones; whether an odd
+    /// factor of it changes its sign by that.
+    fn straighten(&mut self) -> bool {
+        use Magnitude::*;
+        let turned = |a: &mut f64| {
+            let negative = *a < 0.0;
+            *a = a.abs();
+            negative
+        };
+        match self {
+            Saturating { a } | Sine { a } => turned(a),
+            SteepBell { a, b } => {
+                turned(b);
+                turned(a)
+            }
+            Bell { a } | LinearBell { a } | Bump { a, .. } | Cosine { a } => {
+                turned(a);
+                false
+            }
+            One | Root | Linear | ThreeHalves | Square | Cube => false,
+            Decay { .. } | LinearDecay { .. } => false,
         }
     }
 
@@ -98,6 +146,13 @@ impl Factor {
         let sign = if value == 0.0 { 0.0 } else { value.signum() };
         let magnitude = self.magnitude.at(value.abs(), rounded);
         if self.odd { sign * magnitude } else { magnitude }
+    }
+
+    /// What it is up to the greatest value of its variable with fewer constants; `Some(None)` is 1.
+    fn simpler(self, greatest: f64) -> Option<Option<Self>> {
+        let magnitude = self.magnitude.simpler(greatest)?;
+        let is_one = magnitude == Magnitude::One && !self.odd;
+        Some((!is_one).then_some(Self { magnitude, ..self }))
     }
 
     /// As a custom law has it, `names` being those of its constants.
@@ -196,6 +251,38 @@ impl Form {
                 [product * sin, product * cos]
             }
         }
+    }
+
+    /// With the values that a fit found for its constants, widths positive; the sign that its
+    /// coefficients take by that.
+    pub(super) fn fitted(mut self, value: impl Fn(&str) -> Option<f64>) -> (Self, f64) {
+        let mut sign = 1.0;
+        if let Some(Wave::Number(number)) = &mut self.wave {
+            *number = value(WAVE_NUMBER).unwrap_or(*number);
+        }
+        let mut names = SHAPES.iter();
+        for factor in [&mut self.speed, &mut self.current].into_iter().flatten() {
+            for (constant, name) in factor.magnitude.constants().into_iter().zip(names.by_ref()) {
+                *constant = value(name).unwrap_or(*constant);
+            }
+            if factor.magnitude.straighten() && factor.odd {
+                sign = -sign;
+            }
+        }
+        (self, sign)
+    }
+
+    /// The formula with fewer constants that it is up to those greatest values of speed and current.
+    pub(super) fn simpler(self, [speed, current]: [f64; 2]) -> Option<Self> {
+        let of = |factor: Option<Factor>, greatest| factor.and_then(|it| it.simpler(greatest));
+        let simpler = match (of(self.speed, speed), of(self.current, current)) {
+            (Some(speed), _) => Self { speed, ..self },
+            (None, Some(current)) => Self { current, ..self },
+            (None, None) => return None,
+        };
+        // A constant is no formula.
+        let varies = simpler.speed.is_some() || simpler.current.is_some() || simpler.wave.is_some();
+        varies.then_some(simpler)
     }
 
     /// As the text of a custom law.

@@ -80,7 +80,7 @@ impl Formula {
 }
 
 /// A law by what it gives.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FormulaLaw {
     /// A torque (force) in the positive direction, N m (N).

@@ -39,6 +39,33 @@ fn the_text_of_every_formula_is_a_custom_law_with_its_values() {
 }
 
 #[test]
+fn a_width_far_beyond_the_recordings_is_left_out() {
+    let drive = dr300();
+    let names = names(&drive, &GREATEST);
+    let places = [[120.0, -0.7, 2.3], [-31.0, 1.9, -5.1], [350.0, 0.3, 0.2]];
+    let mut simplified = 0;
+    for form in all(&drive).iter().filter_map(|kind| kind.last()) {
+        assert_eq!(form.fitted(|_| None), (*form, 1.0));
+        assert_eq!(form.simpler([GREATEST.speed, GREATEST.current]), None);
+        // Widths of either sign are alike to a fit.
+        let (far, sign) = form.fitted(|_| Some(-1e5));
+        let Some(simpler) = far.simpler([GREATEST.speed, GREATEST.current]) else { continue };
+        simplified += 1;
+        let texts = [&far, &simpler].map(|it| complexity(&it.written(&names).text));
+        assert!(texts[1] < texts[0], "{}", far.written(&names).text);
+        let ratios = places.map(|it| {
+            let ([at, _], [simple, _]) = (far.at(it, &names), simpler.at(it, &names));
+            at / simple
+        });
+        let same = ratios.iter().all(|it| (it / ratios[0] - 1.0).abs() < 0.01);
+        assert!(same, "{}: {ratios:?}", far.written(&names).text);
+        let written = form.fitted(|_| Some(-1e5)).0.written(&names);
+        assert!(sign == 1.0 || written.shape.iter().all(|(_, value)| *value > 0.0));
+    }
+    assert!(simplified > 100, "{simplified}");
+}
+
+#[test]
 fn no_formula_is_proposed_twice() {
     let drive = dr300();
     let names = names(&drive, &GREATEST);

@@ -22,7 +22,6 @@ const APART: f64 = 0.03;
 #[derive(Debug, Clone)]
 pub(super) struct Weighed {
     pub(super) form: Form,
-    pub(super) complexity: usize,
     /// ln of the number of formulas that are no more complex: what choosing it costs.
     pub(super) price: f64,
     /// ln of its evidence over that of the base, averaged over its shapes.
@@ -62,6 +61,11 @@ impl Visited {
         let greatest = Greatest { speed: most(0), current: most(1), travel: (high - low).max(0.0) };
         let names = names(drive, &greatest);
         Self { runs, names, greatest }
+    }
+
+    /// The greatest speed and current.
+    pub(super) fn greatest(&self) -> [f64; 2] {
+        [self.greatest.speed, self.greatest.current]
     }
 
     /// Some of the places.
@@ -109,7 +113,7 @@ pub(super) fn weighed(
     let mut groups_evidence = groups_evidence.into_iter();
     let one = |(kind, size): (&Kind, &usize)| {
         let own: Vec<GroupEvidence> = groups_evidence.by_ref().take(kind.len()).collect();
-        best(kind, own, *size, sizes.iter().filter(|it| *it <= size).count())
+        best(kind, own, sizes.iter().filter(|it| *it <= size).count())
     };
     let mut all: Vec<Weighed> = kinds.iter().zip(&sizes).filter_map(one).collect();
     all.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
@@ -120,12 +124,7 @@ fn size(kind: &Kind, names: &Names) -> usize {
     kind.first().map_or(0, |form| complexity(&form.written(names).text))
 }
 
-fn best(
-    kind: &Kind,
-    groups_evidence: Vec<GroupEvidence>,
-    complexity: usize,
-    as_simple: usize,
-) -> Option<Weighed> {
+fn best(kind: &Kind, groups_evidence: Vec<GroupEvidence>, as_simple: usize) -> Option<Weighed> {
     let shapes = groups_evidence.len() as f64;
     let (form, it) = kind
         .iter()
@@ -134,7 +133,6 @@ fn best(
     // Of few shapes that are far apart one holds nearly all of the mean.
     Some(Weighed {
         form: *form,
-        complexity,
         price: (as_simple as f64).ln(),
         evidence: it.evidence - shapes.ln(),
         coefficients: it.coefficients,

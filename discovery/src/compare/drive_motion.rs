@@ -7,6 +7,8 @@ use drivescope_plant::drive::Input;
 use drivescope_plant::model::{CURRENT, POSITION, SPEED};
 
 use crate::case::Case;
+use crate::likelihood::{Recorded, Tick};
+use crate::measured::Measured;
 use crate::run::Runner;
 
 /// Share of the samples whose magnitude is below what counts as a signal's usual top: a short
@@ -27,6 +29,8 @@ pub(super) struct DriveMotion {
     pub(super) alpha: Vec<f64>,
     /// Input.
     pub(super) u: Vec<f64>,
+    /// Share of the recording that has passed.
+    pub(super) share: Vec<f64>,
     /// Way since the motion last began or turned, rad (m).
     pub(super) since: Vec<f64>,
     /// Sampling time, s.
@@ -48,6 +52,7 @@ impl DriveMotion {
             direction: zeros(),
             alpha: zeros(),
             u: measured.u.clone(),
+            share: (0..measured.len()).map(|k| k as f64 / measured.len() as f64).collect(),
             since: zeros(),
             period_s: measured.period_s,
             place,
@@ -79,6 +84,45 @@ impl DriveMotion {
             }
         }
         path
+    }
+
+    /// The same by the filter, which follows what was measured: one value a tick of its `whole` recording,
+    /// or of the stretches and means of it that are filtered.
+    pub(super) fn filtered(it: &Recorded, ticks: &[Tick], whole: &Measured) -> Self {
+        let measured = &it.measured;
+        let force = it.drive.motor.input == Input::Force;
+        let each = |f: &dyn Fn(&Tick) -> f64| ticks.iter().map(f).collect::<Vec<f64>>();
+        let times: Vec<f64> = (0..whole.len()).map(|k| whole.time(k)).collect();
+        let passed = |tick: &Tick| {
+            let time = measured.time(tick.sample);
+            times.partition_point(|it| *it < time) as f64 / times.len() as f64
+        };
+        let place = |tick: &Tick| {
+            let of_angle = measured.angle.as_ref().map(|angle| angle[tick.sample]);
+            of_angle.unwrap_or(tick.mean[POSITION])
+        };
+        let (mut way, mut last) = (0.0, 0.0);
+        let mut since = |tick: &Tick| {
+            let direction = it.direction.at(tick.sample);
+            if tick.begins || direction != last {
+                (way, last) = (0.0, direction);
+            }
+            way += tick.mean[SPEED].abs() * measured.period_s;
+            way
+        };
+        Self {
+            since: ticks.iter().map(&mut since).collect(),
+            i: each(&|tick| if force { measured.u[tick.sample] } else { tick.mean[CURRENT] }),
+            omega: each(&|tick| tick.mean[SPEED]),
+            theta: each(&place),
+            direction: each(&|tick| it.direction.at(tick.sample)),
+            alpha: each(&|tick| tick.acceleration(measured.period_s)),
+            u: each(&|tick| measured.u[tick.sample]),
+            share: each(&passed),
+            period_s: measured.period_s,
+            place: it.place,
+            force,
+        }
     }
 
     pub(super) fn len(&self) -> usize {

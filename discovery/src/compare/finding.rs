@@ -30,6 +30,9 @@ const MOST: usize = 4;
 
 /// Residual, base and shapes, as columns of a [`Layout`].
 pub(super) struct Data<'a> {
+    /// Probability by chance of what a shape explains beside others and a random load, where the drive can
+    /// be filtered.
+    pub(super) beside_load: &'a (dyn Fn(&[Shape], Shape) -> Option<f64> + Sync),
     pub(super) layout: &'a Layout,
     pub(super) residual: Vec<f64>,
     pub(super) base: Vec<Vec<f64>>,
@@ -110,8 +113,13 @@ impl Data<'_> {
         let worth = WORTH * self.floor * self.layout.values();
         let judge = |number: usize| {
             let gain = plain.iter().find(|it| it.number == number)?.score.gain;
-            let p_value = (self.confirmed(added, number)? * self.hypotheses[number]).min(1.0);
-            (p_value < LEVEL && gain > worth).then_some((number, p_value))
+            let corrected = |p_value: f64| (p_value * self.hypotheses[number]).min(1.0);
+            let stands = |p_value: &f64| *p_value < LEVEL && gain > worth;
+            let p_value = Some(corrected(self.confirmed(added, number)?)).filter(stands)?;
+            let known: Vec<Shape> = added.iter().map(|it| self.shapes[*it]).collect();
+            let beside_load = (self.beside_load)(&known, self.shapes[number]).map(corrected);
+            let p_value = p_value.max(beside_load.unwrap_or(0.0));
+            stands(&p_value).then_some((number, p_value))
         };
         let clearly = plain.iter().take(TESTED).filter(|it| it.worth > 0.0);
         clearly.map(|it| it.number).find_map(judge).or_else(|| {

@@ -14,6 +14,7 @@
 //! [`Comparison::by_parameters`] says how much that was.
 
 mod angles;
+mod beside_load;
 mod columns;
 mod curve;
 mod drive_motion;
@@ -26,6 +27,8 @@ mod series;
 mod shape;
 mod span;
 mod whitening;
+
+use std::sync::OnceLock;
 
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::effects::info::Variable;
@@ -42,6 +45,7 @@ use crate::case::{Case, Setting};
 use crate::estimate::{Evidence, at_its_balances, evaluate, with_own};
 use crate::measured::Output;
 use crate::response::Linearised;
+use beside_load::BesideLoad;
 use columns::Builder;
 use drive_motion::{DriveMotion, Scales};
 use finding::{Data, Found, hypotheses};
@@ -213,7 +217,13 @@ pub fn compare(
     let columns = builder.shapes(&shapes);
     let hypotheses = hypotheses(&shapes, waves.looked_at);
     let (blocks, white_blocks) = (layout.blocks(block_s), layout.blocks(BLOCK_S.0));
+    let filtered = OnceLock::new();
+    let beside_load = |known: &[Shape], shape: Shape| {
+        let make = || BesideLoad::of(drive, setting, evidence, &judged.recordings, limit);
+        filtered.get_or_init(make).as_ref()?.p_value(known, shape)
+    };
     let data = Data {
+        beside_load: &beside_load,
         layout: &layout,
         residual,
         base,

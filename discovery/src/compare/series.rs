@@ -113,12 +113,12 @@ impl Shape {
                 let last = (TIME_KNOTS - 1) as f64;
                 let knots: [f64; TIME_KNOTS] = std::array::from_fn(|j| j as f64 / last);
                 let here = if path.place == place { 1.0 } else { 0.0 };
-                let at = |k: usize| k as f64 / path.len() as f64;
+                let at = |k: usize| path.share[k];
                 Series::torque(each(&|k| -here * path.direction[k] * hat(&knots, column, at(k))))
             }
             Self::FrictionDrift(place) => {
                 let here = if path.place == place { 1.0 } else { 0.0 };
-                let at = |k: usize| (k as f64 / path.len() as f64).powi(column as i32 + 1);
+                let at = |k: usize| path.share[k].powi(column as i32 + 1);
                 Series::torque(each(&|k| -here * path.direction[k] * at(k)))
             }
             Self::ResistanceOverHeat => Series::voltage(heated(path, scales, HEAT_S[column])),

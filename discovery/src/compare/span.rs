@@ -259,6 +259,7 @@ mod tests {
             direction,
             alpha: vec![0.0; samples],
             u: vec![1.0; samples],
+            share: vec![0.0; samples],
             since: vec![1.0; samples],
             period_s: 1e-3,
             place: 0,

@@ -179,9 +179,7 @@ fn searched(
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
-            // What a comparison sees of a motion that an observer follows is the observer's work too.
-            let free = !model.setting.observer.follows();
-            if round == 0 && found.remaining == Verdict::None && free && !watch.stopped() {
+            if round == 0 && found.remaining == Verdict::None && !watch.stopped() {
                 let convicts = |it: &Finding| convicts(rule, it);
                 let contradicted = match watch.compares() {
                     true => found.fails.iter().any(convicts),

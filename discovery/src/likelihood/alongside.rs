@@ -39,7 +39,15 @@ pub(crate) struct GroupEvidence {
 impl Alongside {
     /// Nothing where the drive overflows.
     pub(crate) fn of(ground: &Filtered) -> Option<Self> {
-        let scene = excerpt(&ground.scene);
+        Self::along(excerpt(&ground.scene), ground)
+    }
+
+    /// The same along all of the recordings.
+    pub(crate) fn whole(ground: &Filtered) -> Option<Self> {
+        Self::along(ground.scene.clone(), ground)
+    }
+
+    fn along(scene: Scene, ground: &Filtered) -> Option<Self> {
         let all = ground.randomnesses();
         let own = *all.first()?;
         let along = scene.tracks(&own)?;
@@ -66,6 +74,44 @@ impl Alongside {
         groups: &[usize],
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Option<Vec<GroupEvidence>> {
+        let each = self.under_each(series, groups, stopped, group_evidence)?;
+        let most = most(&each);
+        let of = |group: usize| {
+            let under = |(base, each_group): &(f64, Vec<GroupEvidence>)| {
+                let GroupEvidence { evidence, coefficients } = each_group[group].clone();
+                GroupEvidence { evidence: evidence + base - most, coefficients }
+            };
+            let best = each.iter().map(under).max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+            best.unwrap_or_default()
+        };
+        Some((0..groups.len()).map(of).collect())
+    }
+
+    /// ln of the ratio of the greatest likelihood with each group to that of the base, each with the
+    /// randomness with which it is most.
+    pub(crate) fn log_ratios(
+        &self,
+        series: impl Fn(usize) -> Vec<Series> + Sync,
+        groups: &[usize],
+    ) -> Option<Vec<f64>> {
+        let each = self.under_each(series, groups, &|| false, log_ratio)?;
+        let most = most(&each);
+        let of = |group: usize| {
+            let under = each.iter().map(|(base, ratios)| base + ratios[group] - most);
+            under.fold(f64::NEG_INFINITY, f64::max)
+        };
+        Some((0..groups.len()).map(of).collect())
+    }
+
+    /// ln of the evidence of the base with each of the randomnesses, and what the information and the
+    /// score of each group say beside it, with the scales of their units.
+    fn under_each<T>(
+        &self,
+        series: impl Fn(usize) -> Vec<Series> + Sync,
+        groups: &[usize],
+        stopped: &(dyn Fn() -> bool + Sync),
+        of: impl Fn(&DMatrix<f64>, &DVector<f64>, &[f64]) -> T,
+    ) -> Option<Vec<(f64, Vec<T>)>> {
         let recordings = 0..self.scene.recordings.len();
         let series: Vec<Vec<Series>> = recordings.into_par_iter().map(&series).collect();
         let sources = sources(groups);
@@ -96,26 +142,17 @@ impl Alongside {
                 let columns: Vec<usize> = (from - count..from).collect();
                 let (information, score) = beside.information_and_score(&products, &columns);
                 let scale: Vec<f64> = columns.iter().map(|it| pooled.scale[*it]).collect();
-                group_evidence(&information, &score, &scale)
+                of(&information, &score, &scale)
             });
-            Some((
-                likelihood + log_evidence(&products, &terms),
-                each.collect::<Vec<GroupEvidence>>(),
-            ))
+            Some((likelihood + log_evidence(&products, &terms), each.collect()))
         };
-        let each: Vec<(f64, Vec<GroupEvidence>)> =
-            grams.iter().zip(&self.filters).filter_map(under).collect();
-        let most = each.iter().map(|(base, _)| *base).fold(f64::NEG_INFINITY, f64::max);
-        let of = |group: usize| {
-            let under = |(base, each_group): &(f64, Vec<GroupEvidence>)| {
-                let GroupEvidence { evidence, coefficients } = each_group[group].clone();
-                GroupEvidence { evidence: evidence + base - most, coefficients }
-            };
-            let best = each.iter().map(under).max_by(|a, b| a.evidence.total_cmp(&b.evidence));
-            best.unwrap_or_default()
-        };
-        Some((0..groups.len()).map(of).collect())
+        Some(grams.iter().zip(&self.filters).filter_map(under).collect())
     }
+}
+
+/// The greatest evidence of the base.
+fn most<T>(each: &[(f64, T)]) -> f64 {
+    each.iter().map(|(base, _)| *base).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Counts of columns that hold whole groups.
@@ -128,6 +165,18 @@ fn sources(groups: &[usize]) -> Vec<usize> {
         }
     }
     sources
+}
+
+/// Share of the information of a column that is added to it: what others imitate as closely tells
+/// nothing.
+const RIDGE: f64 = 1e-9;
+
+/// ln of the ratio of likelihoods that columns of that information and score are worth at their best.
+fn log_ratio(information: &DMatrix<f64>, score: &DVector<f64>, _: &[f64]) -> f64 {
+    let mut h = information.clone();
+    (0..h.nrows()).for_each(|k| h[(k, k)] += RIDGE * h[(k, k)].abs() + f64::MIN_POSITIVE);
+    let half = h.cholesky().and_then(|it| it.l().solve_lower_triangular(score));
+    half.map_or(0.0, |half| 0.5 * half.norm_squared())
 }
 
 /// Of columns of that information and score, in units of which those are the scales.

@@ -127,6 +127,7 @@ mod tests {
         let recording = noisy(loaded(&drive, u, &load, PERIOD_S), [i, omega], 3);
         let measured = Measured::new(&drive, &recording).expect("it can be used");
         let recorded = Recorded {
+            place: 0,
             drive: drive.clone(),
             own: Vec::new(),
             direction: Arc::new(Direction::of(&measured, &SDS)),

@@ -81,7 +81,7 @@ impl Direction {
         Self { signs: self.signs[range.clone()].to_vec(), loose: self.loose[range].to_vec() }
     }
 
-    pub(super) fn at(&self, sample: usize) -> f64 {
+    pub(crate) fn at(&self, sample: usize) -> f64 {
         self.signs[sample]
     }
 

@@ -52,6 +52,7 @@ pub(crate) use ground::Filtered;
 pub(crate) use inverse::Inverse;
 pub(crate) use optimum::{Law, Optimum};
 pub(crate) use randomness::Randomness;
-pub(crate) use scene::Scene;
+pub(crate) use scene::{Recorded, Scene};
+pub(crate) use track::Tick;
 pub(crate) use weigh::weigh;
 pub(crate) use weights::{CurveWeight, LawWeight, Weights};

@@ -16,13 +16,15 @@ use super::state::SENSORS;
 use super::track::Track;
 use crate::case::Setting;
 use crate::discover::Model;
-use crate::estimate::{Evidence, with_own};
+use crate::estimate::{Evidence, Fit, with_own};
 use crate::measured::{Measured, Output};
 use crate::observer::Observer;
 
 /// One recording with the drive as it was there.
 #[derive(Debug, Clone)]
 pub(crate) struct Recorded {
+    /// Its number among the recordings.
+    pub(crate) place: usize,
     pub(crate) drive: Drive,
     /// Parameters that belong to this recording.
     pub(crate) own: Vec<String>,
@@ -73,25 +75,48 @@ pub(crate) fn longest(drive: &Drive, speed: f64) -> f64 {
 impl Scene {
     /// Along means and stretches of long recordings, as the filter sees them.
     pub(crate) fn of(model: &Model, estimation: &Evidence, validation: &Evidence) -> Self {
-        let mean = |measured: &Measured| averaged(&model.fitted.drive, measured);
-        Self::seen(model, estimation, validation, mean).shortened(MOST).looked_through()
+        let (fitted, others) = (&model.fitted.recordings, &model.validation.recordings);
+        let evidence = [(estimation, &fitted[..], false), (validation, &others[..], true)];
+        Self::reduced(&model.fitted.drive, model.names(), model.setting.speed, &evidence)
+    }
+
+    /// The same of a drive as it is, at recordings with what belongs to each of them.
+    pub(crate) fn at(drive: &Drive, setting: &Setting, evidence: &Evidence, fits: &[Fit]) -> Self {
+        let shared = |name: &String| !drive.per_recording.contains(name);
+        let names = drive.fitted().into_iter().map(|it| it.name).filter(shared).collect();
+        Self::reduced(drive, names, setting.speed, &[(evidence, fits, false)])
     }
 
     /// Along every sample.
     pub(crate) fn whole(model: &Model, estimation: &Evidence, validation: &Evidence) -> Self {
-        Self::seen(model, estimation, validation, |_| None)
+        let (fitted, others) = (&model.fitted.recordings, &model.validation.recordings);
+        let evidence = [(estimation, &fitted[..], false), (validation, &others[..], true)];
+        let (drive, speed) = (&model.fitted.drive, model.setting.speed);
+        Self::seen(drive, model.names(), speed, &evidence, |_| None)
     }
 
+    fn reduced(
+        drive: &Drive,
+        names: Vec<String>,
+        speed: f64,
+        evidence: &[(&Evidence, &[Fit], bool)],
+    ) -> Self {
+        let mean = |measured: &Measured| averaged(drive, measured);
+        Self::seen(drive, names, speed, evidence, mean).shortened(MOST).looked_through()
+    }
+
+    /// `names` are the parameters of the machine that were estimated; recordings come with their fits
+    /// and whether they are held out.
     fn seen(
-        model: &Model,
-        estimation: &Evidence,
-        validation: &Evidence,
+        drive: &Drive,
+        names: Vec<String>,
+        speed: f64,
+        evidence: &[(&Evidence, &[Fit], bool)],
         mean: impl Fn(&Measured) -> Option<Measured>,
     ) -> Self {
-        let drive = &model.fitted.drive;
         // A sensor that hardly moves in one recording seems quieter there than it is.
         let mut sensors = [0.0_f64; SENSORS];
-        for evidence in [estimation, validation] {
+        for (evidence, ..) in evidence {
             for (measured, noise) in evidence.recordings.iter().zip(&evidence.noise) {
                 let known = measured.outputs.iter().zip(noise);
                 for (channel, sd) in known.filter(|(it, _)| (it.output as usize) < SENSORS) {
@@ -100,9 +125,10 @@ impl Scene {
                 }
             }
         }
-        let recorded = |evidence: &Evidence, fits: &[crate::estimate::Fit], held_out: bool| {
-            let each = evidence.recordings.iter().zip(&evidence.noise).zip(fits);
-            let one = |((measured, own), fit): ((&Measured, &Vec<f64>), &crate::estimate::Fit)| {
+        let mut recordings = Vec::new();
+        for (evidence, fits, held_out) in evidence {
+            let each = evidence.recordings.iter().zip(&evidence.noise).zip(*fits);
+            for ((measured, own), fit) in each {
                 let mut noise = sensors.map(|sd| if sd > 0.0 { QUIET * sd } else { 1.0 });
                 let known = measured.outputs.iter().zip(own);
                 for (channel, sd) in known.filter(|(it, _)| (it.output as usize) < SENSORS) {
@@ -110,21 +136,18 @@ impl Scene {
                     *known = known.max(*sd);
                 }
                 let measured = mean(measured).unwrap_or_else(|| measured.clone());
-                Recorded {
+                recordings.push(Recorded {
+                    place: recordings.len(),
                     drive: with_own(drive, fit),
                     own: fit.own.iter().map(|it| it.name.clone()).collect(),
                     direction: Arc::new(Direction::of(&measured, &noise)),
                     measured: Arc::new(measured),
                     noise,
-                    held_out,
-                }
-            };
-            each.map(one).collect::<Vec<_>>()
-        };
-        let mut recordings = recorded(estimation, &model.fitted.recordings, false);
-        recordings.extend(recorded(validation, &model.validation.recordings, true));
-        let speed = model.setting.speed;
-        let (names, longest_s) = (model.names(), longest(drive, speed));
+                    held_out: *held_out,
+                });
+            }
+        }
+        let longest_s = longest(drive, speed);
         Self { drive: drive.clone(), names, recordings, speed, longest_s }
     }
 

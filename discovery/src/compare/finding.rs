@@ -4,17 +4,17 @@
 //! the variance of its coefficients from blocks. The best few are tested with the residual made
 //! white after their removal ([`super::whitening`]); only where none of them stands is the search
 //! repeated on the whitened residual, by probability: it sees small effects below a random load.
-//! What is found joins the base, and the rest is tested anew: so every finding is conditional on those before.
+//! What stands must be as improbable in the filter, beside a random load ([`super::beside_load`]). What is
+//! found joins the base, and the rest is tested anew: so every finding is conditional on those before.
 
 use drivescope_plant::effects::info::Variable;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::layout::Layout;
 use super::score::{Score, basis, outside, own_basis, score};
 use super::shape::Shape;
-use super::whitening::{self, Whitening};
+use super::whitening::Whitening;
 
 /// Probability, after correction for the number of shapes (Bonferroni, by variable), below which a
 /// shape is reported. One in a thousand and not one in twenty: blocks are few, a random load is no normal
@@ -196,33 +196,14 @@ impl Data<'_> {
             .collect()
     }
 
-    /// Probability of a shape with the residual made white after its removal. What a shape over the time
-    /// takes from a random load is missing from that load then: it must lower the error of predicting
-    /// each group from those before as well, each with its own filter (the likelihood ratio).
+    /// Probability of a shape with the residual made white after its removal.
     fn confirmed(&self, added: &[usize], number: usize) -> Option<f64> {
         let with: Vec<usize> = added.iter().copied().chain([number]).collect();
         let whitening = self.whitening(&with);
         let filter = |column: &[f64]| whitening.apply(column, self.layout);
         let (known, e) = self.filtered(added, &filter);
         let own = self.own(&known, number, &filter)?;
-        let score = score(&own, &e, by_reference(&self.white_blocks));
-        if self.shapes[number].variable() != Variable::Time {
-            return Some(score.p_value);
-        }
-        let left = &e - &own * own.tr_mul(&e);
-        let after = whitening.log_determinant(left.as_slice(), self.layout);
-        let ratio = whitening::groups(self.layout) * (self.predicted(added) - after);
-        let by_ratio =
-            ChiSquared::new(own.ncols() as f64).map_or(1.0, |law| law.sf(ratio.max(0.0)));
-        Some(score.p_value.max(by_ratio))
-    }
-
-    /// ln of the determinant of the errors of predicting each group from those before, with these shapes.
-    fn predicted(&self, added: &[usize]) -> f64 {
-        let whitening = self.whitening(added);
-        let filter = |column: &[f64]| whitening.apply(column, self.layout);
-        let (_, left) = self.filtered(added, &filter);
-        whitening.log_determinant(left.as_slice(), self.layout)
+        Some(score(&own, &e, by_reference(&self.white_blocks)).p_value)
     }
 }
 

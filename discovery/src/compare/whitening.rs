@@ -108,7 +108,12 @@ impl Whitening {
             .map_or_else(|| DMatrix::zeros(M, width), |it| it.solve(&cross).transpose());
         let mut whitening = Self { predict, scale: DMatrix::identity(M, M) };
         let innovations = whitening.apply_to::<M>(residual, layout);
-        let covariance = covariance(&innovations, layout);
+        let mut covariance = DMatrix::<f64>::identity(M, M) * f64::MIN_POSITIVE;
+        let count = predicted(layout).count().max(1) as f64;
+        for v in innovations.chunks(M) {
+            let v = DVector::from_column_slice(v);
+            covariance.ger(1.0 / count, &v, &v, 1.0);
+        }
         if let Some(scale) = covariance.cholesky().and_then(|it| it.l().try_inverse()) {
             whitening.scale = scale;
         }
@@ -152,37 +157,12 @@ impl Whitening {
         out
     }
 
-    /// ln of the determinant of the innovations' covariance, where the filtered residual is `white`: how
-    /// well each group is predicted from those before.
-    pub(super) fn log_determinant(&self, white: &[f64], layout: &Layout) -> f64 {
-        let size = |it: &DMatrix<f64>| it.diagonal().iter().map(|it| it.ln()).sum::<f64>();
-        let own = covariance(white, layout).cholesky().map_or(f64::NAN, |it| size(it.l_dirty()));
-        2.0 * (own - size(&self.scale))
-    }
-
     /// The errors of predicting each group from those before, in units of the noise.
     pub(super) fn one_step(&self, residual: &[f64], layout: &Layout) -> Vec<f64> {
         let m = layout.outputs;
         let plain = Self { predict: self.predict.clone(), scale: DMatrix::identity(m, m) };
         plain.apply(residual, layout)
     }
-}
-
-/// Mean products of the outputs' values in the groups whose past is known.
-fn covariance(innovations: &[f64], layout: &Layout) -> DMatrix<f64> {
-    let m = layout.outputs;
-    let mut covariance = DMatrix::<f64>::identity(m, m) * f64::MIN_POSITIVE;
-    let count = groups(layout);
-    for v in innovations.chunks(m) {
-        let v = DVector::from_column_slice(v);
-        covariance.ger(1.0 / count, &v, &v, 1.0);
-    }
-    covariance
-}
-
-/// How many groups have a known past, 1 at least.
-pub(super) fn groups(layout: &Layout) -> f64 {
-    predicted(layout).count().max(1) as f64
 }
 
 /// Groups whose past is known, each with the first group of its recording.

@@ -90,7 +90,10 @@ impl Filtered {
         let mut part = excerpt(&scene);
         let mut broad = None;
         for round in 0..ROUNDS {
-            let mut searched = randomness.searched(&part, &references, first)?;
+            let mut searched = match round {
+                0 => randomness.sought(&part, &references, first)?,
+                _ => randomness.searched(&part, &references, first)?,
+            };
             first = FINE;
             if round == 1 && searched.cycle.is_none() {
                 let oscillating = searched.oscillating(&part, &references)?;

@@ -7,7 +7,7 @@ use super::base::{Known, pooled, probability};
 use super::gram::References;
 use super::guess::slowest;
 use super::randomness::Randomness;
-use super::scene::Scene;
+use super::scene::{Recorded, Scene};
 use super::state::SENSORS;
 use super::track::Track;
 use crate::measured::Output;
@@ -41,7 +41,31 @@ enum Number {
     Cycle(usize),
 }
 
+/// Share of the voltage's first guess with which a search begins that is to find a load.
+const QUIET: f64 = 0.02;
+
 impl Randomness {
+    /// The same where nothing is known yet. Where no current tells them apart, a random voltage passes for
+    /// a load, and leaves out what is slow of it: the search begins with little voltage too.
+    pub(super) fn sought(
+        &self,
+        scene: &Scene,
+        references: &References,
+        first: f64,
+    ) -> Option<Self> {
+        let found = self.searched(scene, references, first)?;
+        let has_current = |it: &Recorded| it.measured.output(Output::Current).is_some();
+        let force = scene.drive.motor.input == Input::Force;
+        if force || scene.recordings.iter().all(has_current) {
+            return Some(found);
+        }
+        let quiet = Self { voltage_sd: QUIET * self.voltage_sd, ..*self };
+        let Some(other) = quiet.searched(scene, references, first) else { return Some(found) };
+        let judge = Judge::of(scene, references, &found)?;
+        let worth = |it: &Self| judge.of_randomness(it).unwrap_or(f64::NEG_INFINITY);
+        Some(if worth(&other) > worth(&found) { other } else { found })
+    }
+
     /// Found by a search that begins here with changes of that size, ln, the plant linearised as it
     /// is here.
     pub(super) fn searched(

@@ -12,7 +12,7 @@ use super::series;
 use super::shape::Shape;
 use crate::case::Setting;
 use crate::estimate::{Evidence, Fit};
-use crate::likelihood::{Alongside, Filtered, Scene, Series};
+use crate::likelihood::{Alongside, Filtered, Inverse, Scene, Series};
 
 /// A drive filtered along its recordings.
 pub(super) struct BesideLoad {
@@ -23,7 +23,8 @@ pub(super) struct BesideLoad {
 }
 
 impl BesideLoad {
-    /// The drive at its best beside a random load; nothing where it overflows.
+    /// The drive at its best beside a random load; nothing where it overflows, or along a known motion,
+    /// whose input answers the load.
     pub(super) fn of(
         drive: &Drive,
         setting: &Setting,
@@ -31,7 +32,11 @@ impl BesideLoad {
         fits: &[Fit],
         limit: Option<f64>,
     ) -> Option<Self> {
-        let ground = Filtered::of(Scene::at(drive, setting, evidence, fits), None)?;
+        let at = (evidence, fits);
+        if Inverse::of(Scene::whole_at(drive, setting, at)).is_some() {
+            return None;
+        }
+        let ground = Filtered::of(Scene::at(drive, setting, at), None)?;
         let alongside = Alongside::whole(&ground)?;
         let along = alongside.recordings();
         let motions: Vec<DriveMotion> = along

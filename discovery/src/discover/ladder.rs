@@ -179,7 +179,9 @@ fn searched(
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
-            if round == 0 && found.remaining == Verdict::None && !watch.stopped() {
+            // Along a known motion the input answers what disturbs it, and a comparison with it too.
+            let filtered = randomness.is_some();
+            if round == 0 && found.remaining == Verdict::None && filtered && !watch.stopped() {
                 let convicts = |it: &Finding| convicts(rule, it);
                 let contradicted = match watch.compares() {
                     true => found.fails.iter().any(convicts),

@@ -81,10 +81,19 @@ impl Scene {
     }
 
     /// The same of a drive as it is, at recordings with what belongs to each of them.
-    pub(crate) fn at(drive: &Drive, setting: &Setting, evidence: &Evidence, fits: &[Fit]) -> Self {
-        let shared = |name: &String| !drive.per_recording.contains(name);
-        let names = drive.fitted().into_iter().map(|it| it.name).filter(shared).collect();
-        Self::reduced(drive, names, setting.speed, &[(evidence, fits, false)])
+    pub(crate) fn at(drive: &Drive, setting: &Setting, evidence: (&Evidence, &[Fit])) -> Self {
+        let (evidence, fits) = evidence;
+        Self::reduced(drive, shared(drive), setting.speed, &[(evidence, fits, false)])
+    }
+
+    /// That along every sample.
+    pub(crate) fn whole_at(
+        drive: &Drive,
+        setting: &Setting,
+        evidence: (&Evidence, &[Fit]),
+    ) -> Self {
+        let (evidence, fits) = evidence;
+        Self::seen(drive, shared(drive), setting.speed, &[(evidence, fits, false)], |_| None)
     }
 
     /// Along every sample.
@@ -317,6 +326,12 @@ impl Scene {
             shown: std::array::from_fn(shown),
         }
     }
+}
+
+/// Parameters of the machine that a fit of that drive would estimate.
+fn shared(drive: &Drive) -> Vec<String> {
+    let of_machine = |name: &String| !drive.per_recording.contains(name);
+    drive.fitted().into_iter().map(|it| it.name).filter(of_machine).collect()
 }
 
 /// Share of a signal that counts for its sensor as the whole of a balance does for a law in it.

@@ -1,6 +1,7 @@
 //! The loop: weigh, fit, decide, add, until nothing is left or nobody knows.
 
 use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::effects::registry::Entry;
 
 use super::candidate::Candidate;
 use super::candidates::candidates;
@@ -20,7 +21,7 @@ use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
 use crate::estimate::{AS_WELL, Evidence, Options};
-use crate::signals::SignalFinding;
+use crate::signals::{SignalFinding, What};
 
 /// Starts of the base fit: the file's values may be far off.
 const STARTS: usize = 2;
@@ -70,20 +71,20 @@ pub fn discover_by(
     let mut other = if observed { balanced() } else { None };
     // Behind an observer the torque is what tells, where any of it is explained.
     if let Some((other, begun)) = other.take_if(|(_, begun)| explains(begun)) {
-        return Ok(Discovery { signals: wrong, ..search(other, begun) });
+        return Ok(with_signals(search(other, begun), wrong));
     }
     let found = search(model.clone(), begun);
     // Where no name comes of it, or none that explains torque, what is missing is asked once more beside
     // the base that explains most, and the answer that leaves less of it counts.
     let convinces = found.verdict == Verdict::Named && explains(&found);
     if convinces || watch.stopped() {
-        return Ok(Discovery { signals: wrong, ..found });
+        return Ok(with_signals(found, wrong));
     }
     if !observed {
         other = balanced();
     }
     let Some((other, begun)) = other else {
-        return Ok(Discovery { signals: wrong, ..found });
+        return Ok(with_signals(found, wrong));
     };
     let mut again = search(other, begun);
     if again.verdict == Verdict::None && found.verdict != Verdict::None {
@@ -93,7 +94,7 @@ pub fn discover_by(
     let better = left(&again)
         .zip(left(&found))
         .is_some_and(|(again, found)| AS_WELL * again.rms < found.rms);
-    Ok(Discovery { signals: wrong, ..if better { again } else { found } })
+    Ok(with_signals(if better { again } else { found }, wrong))
 }
 
 /// The loop, from a base and the first step of its ladder.
@@ -242,7 +243,15 @@ fn searched(
             found.climb(last, &model, (estimation, validation), watch);
         }
     }
-    if let Some(why) = withdrawn(&found) {
+    let named_elsewhere = |first: &Finding| elsewhere(rule, &found.named, first);
+    let contradicted = randomness.is_none() && !found.named.is_empty() && {
+        match watch.compares() {
+            true => found.fails.first().is_some_and(named_elsewhere),
+            false => fails(&base, estimation).first().is_some_and(named_elsewhere),
+        }
+    };
+    let elsewhere = contradicted.then_some(ELSEWHERE);
+    if let Some(why) = withdrawn(&found).or(elsewhere) {
         found.take_all_back(&base, why);
         model = base;
     }
@@ -278,6 +287,29 @@ fn first_step(
     };
     found.climb(None, base, (estimation, validation), watch);
     found
+}
+
+/// Why nothing is named where the comparison speaks of something else.
+const ELSEWHERE: &str = "most of what the comparison sees of the base depends on another variable";
+
+/// Whether a comparison of the base is as sure of a variable as a name must be, holds most of the excess to
+/// depend on it, and no named law does. Along a known motion what swings behind the shaft cannot be named.
+fn elsewhere(rule: &Rule, named: &[String], first: &Finding) -> bool {
+    let fails_over = |kind: &String| {
+        let over =
+            |entry: &Entry| entry.info.fails_over.iter().any(|it| it.name() == first.variable);
+        Entry::find(kind).is_none_or(over)
+    };
+    convicts(rule, first) && first.share > rule.share && !named.iter().any(fails_over)
+}
+
+/// Two sensors that show one motion at different times are something that the model lacks.
+fn with_signals(mut found: Discovery, signals: Vec<SignalFinding>) -> Discovery {
+    let late = signals.iter().any(|it| it.what == What::Late);
+    if late && found.verdict == Verdict::None {
+        (found.verdict, found.remaining) = (Verdict::Unknown, Verdict::Unknown);
+    }
+    Discovery { signals, ..found }
 }
 
 /// Whether a comparison of the base shows that something is missing, whatever the library says of it:

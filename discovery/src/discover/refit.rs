@@ -87,8 +87,10 @@ impl Model {
 /// Squared error, in units of the noise, by which a fit of a candidate may miss its minimum: far
 /// below the evidence that a name needs ([`super::decision::Rule::evidence`]).
 const NEAR_ENOUGH: f64 = 1.0;
+/// Its steps at most: what is named is fitted to its minimum afterwards.
+const STEPS: usize = 30;
 /// A fit as close as judging a candidate needs.
-const NEARLY: Options = Options { worth_a_step: NEAR_ENOUGH, ..Options::NEAR };
+const NEARLY: Options = Options { worth_a_step: NEAR_ENOUGH, steps: STEPS, ..Options::NEAR };
 
 /// Shapes from which a fit begins.
 const STARTS: usize = 5;
@@ -98,6 +100,10 @@ const FIRST_STEPS: usize = 6;
 const FOLLOWED: usize = 2;
 /// Squared error after the first steps over the least that is known from which on no start is followed.
 const FAR: f64 = 4.0;
+
+/// Sub-steps a sample beyond which a start has gone where it moves faster than any sample shows: a joint
+/// that stiff is a shaft.
+const SUB_STEPS: f64 = 64.0;
 
 /// A drive fitted from where it stands, as closely as judging it needs.
 pub(crate) fn fit_near(
@@ -134,6 +140,8 @@ pub(crate) fn refit(
     let sums = begun.iter().map(|it| it.squares.sum).chain(other);
     let least = sums.min_by(f64::total_cmp)?;
     begun.retain(|it| it.squares.sum <= FAR * least);
+    let slowest = estimation.recordings.iter().map(|it| it.period_s).fold(0.0, f64::max);
+    begun.retain(|it| slowest <= SUB_STEPS * base.setting.of(&it.drive).longest_s);
     let finish = |begun: &Fitted| fit_near(base, &begun.drive, estimation, validation, seen).ok();
     let ends: Vec<Model> = begun.par_iter().filter_map(finish).collect();
     ends.into_iter().min_by(|a, b| a.fitted.squares.sum.total_cmp(&b.fitted.squares.sum))

@@ -16,7 +16,7 @@ use super::round::{Formula, Outcome, Round};
 use super::spans::{are_possible, spans};
 use super::typed;
 use super::unusable;
-use super::withdrawn::{explains_little, withdrawn};
+use super::withdrawn::{explains_less, explains_little, withdrawn};
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -244,7 +244,8 @@ fn searched(
         }
     }
     let named_elsewhere = |first: &Finding| elsewhere(rule, &found.named, first);
-    let contradicted = randomness.is_none() && !found.named.is_empty() && {
+    // Along a known motion what swings behind the shaft cannot be named, and something else may be.
+    let contradicted = randomness.is_none() && explains_less(&found) && {
         match watch.compares() {
             true => found.fails.first().is_some_and(named_elsewhere),
             false => fails(&base, estimation).first().is_some_and(named_elsewhere),
@@ -293,7 +294,7 @@ fn first_step(
 const ELSEWHERE: &str = "most of what the comparison sees of the base depends on another variable";
 
 /// Whether a comparison of the base is as sure of a variable as a name must be, holds most of the excess to
-/// depend on it, and no named law does. Along a known motion what swings behind the shaft cannot be named.
+/// depend on it, and no named law does.
 fn elsewhere(rule: &Rule, named: &[String], first: &Finding) -> bool {
     let fails_over = |kind: &String| {
         let over =

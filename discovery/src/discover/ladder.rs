@@ -1,7 +1,6 @@
 //! The loop: weigh, fit, decide, add, until nothing is left or nobody knows.
 
 use drivescope_plant::drive::{Drive, EffectData};
-use drivescope_plant::effects::registry::Entry;
 
 use super::candidate::Candidate;
 use super::candidates::candidates;
@@ -16,7 +15,7 @@ use super::round::{Formula, Outcome, Round};
 use super::spans::{are_possible, spans};
 use super::typed;
 use super::unusable;
-use super::withdrawn::{explains_less, explains_little, withdrawn};
+use super::withdrawn::{explains_little, withdrawn};
 use crate::case::Setting;
 use crate::compare::{self, Finding};
 use crate::error::Error;
@@ -243,16 +242,7 @@ fn searched(
             found.climb(last, &model, (estimation, validation), watch);
         }
     }
-    let named_elsewhere = |first: &Finding| elsewhere(rule, &found.named, first);
-    // Along a known motion what swings behind the shaft cannot be named, and something else may be.
-    let contradicted = randomness.is_none() && explains_less(&found) && {
-        match watch.compares() {
-            true => found.fails.first().is_some_and(named_elsewhere),
-            false => fails(&base, estimation).first().is_some_and(named_elsewhere),
-        }
-    };
-    let elsewhere = contradicted.then_some(ELSEWHERE);
-    if let Some(why) = withdrawn(&found).or(elsewhere) {
+    if let Some(why) = withdrawn(&found) {
         found.take_all_back(&base, why);
         model = base;
     }
@@ -288,20 +278,6 @@ fn first_step(
     };
     found.climb(None, base, (estimation, validation), watch);
     found
-}
-
-/// Why nothing is named where the comparison speaks of something else.
-const ELSEWHERE: &str = "most of what the comparison sees of the base depends on another variable";
-
-/// Whether a comparison of the base is as sure of a variable as a name must be, holds most of the excess to
-/// depend on it, and no named law does.
-fn elsewhere(rule: &Rule, named: &[String], first: &Finding) -> bool {
-    let fails_over = |kind: &String| {
-        let over =
-            |entry: &Entry| entry.info.fails_over.iter().any(|it| it.name() == first.variable);
-        Entry::find(kind).is_none_or(over)
-    };
-    convicts(rule, first) && first.share > rule.share && !named.iter().any(fails_over)
 }
 
 /// Two sensors that show one motion at different times are something that the model lacks.

@@ -33,15 +33,8 @@ pub(super) fn explains_little(step: &LadderStep, observer: Observer) -> bool {
 }
 
 /// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it
-/// is something else.
+/// is something else. What every machine has is missing all the same.
 fn leaves_most(found: &Discovery) -> bool {
-    let last = found.ladder.last();
-    explains_less(found) && last.is_some_and(|last| explains_little(last, found.observer))
-}
-
-/// Whether more than half of the squared torque that was unexplained stays so with what was named. What
-/// every machine has is missing all the same.
-pub(super) fn explains_less(found: &Discovery) -> bool {
     let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
         return false;
     };
@@ -49,5 +42,5 @@ pub(super) fn explains_less(found: &Discovery) -> bool {
     let most = left(first).zip(left(last)).is_some_and(|(was, is)| is > MOST * was);
     let basic = |name: &String| Entry::find(name).is_some_and(|entry| entry.info.basic);
     let special = !found.named.is_empty() && !found.named.iter().any(basic);
-    special && most
+    special && most && explains_little(last, found.observer)
 }

@@ -303,3 +303,33 @@ fn fails(model: &Model, estimation: &Evidence) -> Vec<Finding> {
     let compared = compare::compare(&model.fitted.drive, estimation, &model.setting, &options);
     compared.map_or_else(|_| Vec::new(), |compared| compared.findings)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observer::Observer;
+    use crate::signals::{Consequence, Size};
+    use crate::testing::dr300;
+
+    #[test]
+    fn nothing_is_missing_only_where_the_sensors_agree() {
+        let finding = |what: What| SignalFinding {
+            recording: "run".to_owned(),
+            channel: "omega".to_owned(),
+            what,
+            at: None,
+            size: Size { value: 0.05, of: "s late" },
+            consequence: Consequence::Limits,
+            sentence: String::new(),
+            next: String::new(),
+        };
+        let answer = |what: What, verdict: Verdict| {
+            let found = Discovery::of(&dr300(), verdict, Observer::NONE);
+            let found = with_signals(found, vec![finding(what)]);
+            (found.verdict, found.signals.len())
+        };
+        assert_eq!(answer(What::Late, Verdict::None), (Verdict::Unknown, 1));
+        assert_eq!(answer(What::Coarse, Verdict::None), (Verdict::None, 1));
+        assert_eq!(answer(What::Late, Verdict::Named), (Verdict::Named, 1));
+    }
+}

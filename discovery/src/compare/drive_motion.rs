@@ -1,7 +1,7 @@
 //! What the drive did along a recording, by the model: the variables over which it may fail.
 //!
 //! The model's own signals are taken, not the measured ones: they have no noise, and they stand
-//! still exactly where the model does.
+//! still exactly where the model does. Beside a random load they are the filter's.
 
 use drivescope_plant::drive::Input;
 use drivescope_plant::model::{CURRENT, POSITION, SPEED};

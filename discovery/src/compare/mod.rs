@@ -3,7 +3,8 @@
 //! ```text
 //!  drive, recordings ─> starts (estimated) ─> cases ─> residual r in units of the noise
 //!  motion ─> shape ─> series ─> columns: what each possible law would do to the outputs, exactly
-//!  residual, base columns, shapes ─> finding: which variables it depends on (score, whitening)
+//!  residual, base columns, shapes ─> finding: which variables it depends on (score, whitening), and
+//!                                    whether a random load leaves as much (beside_load)
 //!                                ─> curve: what is missing over each variable, with bands
 //!                                ─> residual: is it white, does it know the input
 //!                                ─> span: when it fails, in words

@@ -45,7 +45,7 @@ enum Number {
 const QUIET: f64 = 0.02;
 
 impl Randomness {
-    /// The same where nothing is known yet. Where no current tells them apart, a random voltage passes for
+    /// As [`Self::searched`] where nothing is known yet: with no current, a random voltage passes for
     /// a load, and leaves out what is slow of it: the search begins with little voltage too.
     pub(super) fn sought(
         &self,

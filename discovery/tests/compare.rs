@@ -10,7 +10,7 @@ use drivescope_recording::Recording;
 use testing::{bench, dr300, loaded, noisy, random_load};
 
 const SD: [f64; 2] = [0.01, 0.3];
-const OPTIONS: Options = Options { curves: false, seed: 1 };
+const OPTIONS: Options = Options { curves: false, seed: 1, fit: true };
 
 fn base() -> Drive {
     let mut drive = dr300();
@@ -89,7 +89,7 @@ fn curves_show_what_is_hidden_and_nothing_else() {
     // 5 mN m against positive motion only: the rest is Coulomb friction, which the base has.
     let recording =
         noisy(bench(&with("[[effect]]\nkind = \"constant_load\"\nT_0 = 0.005"), 8.0, 0.001), SD, 3);
-    let found = compared(&evidence(&[recording]), &Options { curves: true, seed: 1 });
+    let found = compared(&evidence(&[recording]), &Options { curves: true, seed: 1, fit: true });
     let curve = found.curves.iter().find(|it| it.variable == "omega").expect("it is drawn");
     let far: Vec<f64> =
         (0..curve.x.len()).filter(|k| curve.x[*k].abs() > 50.0).map(|k| curve.value[k]).collect();
@@ -97,7 +97,7 @@ fn curves_show_what_is_hidden_and_nothing_else() {
     assert!((mean.abs() / 0.005 - 1.0).abs() < 0.2, "{mean}: {curve:?}");
     let again = compared(
         &evidence(&[noisy(bench(&base(), 8.0, 0.001), SD, 5)]),
-        &Options { curves: true, seed: 1 },
+        &Options { curves: true, seed: 1, fit: true },
     );
     for curve in &again.curves {
         let ends = curve.lower.iter().zip(&curve.upper);

@@ -61,7 +61,7 @@ impl Run for Compare {
         let setting = Setting::new(&drive, observer);
         let spinner = session.spinner();
         spinner.set_message("comparing");
-        let options = Options { curves: true, seed: session.seed };
+        let options = Options { curves: true, seed: session.seed, fit: true };
         let compared = compare(&drive, &evidence, &setting, &options).map_err(into_report)?;
         let validation_error = validation
             .map(|it| evaluate(&drive, &it.evidence, &setting, true).map_err(into_report))

@@ -72,7 +72,7 @@ impl Fresh {
         };
         let (estimation, validation) = (&basis.gathered.estimation, &basis.gathered.validation);
         let ((error, _), (validation_error, fits)) = (error(estimation)?, error(validation)?);
-        let options = Options { curves: true, seed: basis.seed };
+        let options = Options { curves: true, seed: basis.seed, fit: true };
         let compared = compare(&drive, &basis.whole, &setting, &options).map_err(into_report)?;
         let Gathered { noise, doubts, .. } = &*basis.gathered;
         let judged = Some(validation_error);

@@ -42,7 +42,7 @@ pub(super) fn compared(
         Ok::<_, miette::Report>(Evidence { recordings: vec![part], noise: vec![noise.clone()] })
     };
     let drive = &step.drive;
-    let options = Options { curves: true, seed };
+    let options = Options { curves: true, seed, fit: false };
     let compared =
         compare(drive, &part(range.clone())?, &step.setting, &options).map_err(into_report)?;
     let judges = gathered.estimation.recordings.get(recording).map_or(0, Measured::len);

@@ -53,6 +53,35 @@ fn a_right_model_passes_the_check() {
     assert!(text.contains("down to their noise"), "{text}");
 }
 
+/// To first order the parameters of such a model leave errors of their own, beside which a law is hardly
+/// seen: it is fitted to see where it fails.
+#[test]
+fn a_model_with_wrong_values_fails_where_the_fitted_one_does() {
+    let here = folder();
+    let here = here.path();
+    drives(here);
+    let text = std::fs::read_to_string(here.join("base.toml")).expect("it was written");
+    let plate =
+        [("R = 3.13", "R = 3.6"), ("K_e = 0.0599", "K_e = 0.067"), ("J = 8.2e-5", "J = 9.6e-5")];
+    let off =
+        plate.iter().fold(text.clone(), |text, (right, wrong)| text.replacen(right, wrong, 1));
+    assert_ne!(off, text);
+    put(here, "plate.toml", off);
+    for (machine, found) in [("base.toml", None), ("hidden.toml", Some("theta"))] {
+        record(here, machine, "run.csv");
+        let answer = done(here, &["compare", "plate.toml", "run.csv", "--json", "-"]).json();
+        assert_eq!(answer["where"][0]["variable"].as_str(), found, "{}", answer["where"]);
+        assert_eq!(answer["fitted"], false, "{answer}");
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        let (error, fitted) =
+            (number(&answer["before"]["error"]), number(&answer["error_if_fitted"]));
+        assert!(error > 10.0 && fitted < 0.3 * error, "{error} {fitted}");
+        assert!(fitted < 1.1 || found.is_some(), "{fitted}");
+        let verdict = answer["verdict"].as_str().unwrap_or_default();
+        assert_eq!(verdict.contains("the values of its parameters"), found.is_none(), "{verdict}");
+    }
+}
+
 #[test]
 fn what_cannot_be_compared_is_refused() {
     let here = folder();

@@ -28,11 +28,9 @@ impl BesideLoad {
     pub(super) fn of(
         drive: &Drive,
         setting: &Setting,
-        evidence: &Evidence,
-        fits: &[Fit],
+        at: (&Evidence, &[Fit]),
         limit: Option<f64>,
     ) -> Option<Self> {
-        let at = (evidence, fits);
         if Inverse::of(Scene::whole_at(drive, setting, at)).is_some() {
             return None;
         }
@@ -40,7 +38,7 @@ impl BesideLoad {
         let alongside = Alongside::whole(&ground)?;
         let along = alongside.recordings();
         let motions: Vec<DriveMotion> = along
-            .map(|(it, ticks)| DriveMotion::filtered(it, ticks, &evidence.recordings[it.place]))
+            .map(|(it, ticks)| DriveMotion::filtered(it, ticks, &at.0.recordings[it.place]))
             .collect();
         let scales = Scales::new(&motions, drive.motor.j);
         Some(Self { alongside, motions, scales, limit })

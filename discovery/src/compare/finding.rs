@@ -34,8 +34,8 @@ pub(super) struct Data<'a> {
     /// be filtered.
     pub(super) beside_load: &'a (dyn Fn(&[Shape], Shape) -> Option<f64> + Sync),
     pub(super) layout: &'a Layout,
-    pub(super) residual: Vec<f64>,
-    pub(super) base: Vec<Vec<f64>>,
+    pub(super) residual: &'a [f64],
+    pub(super) base: &'a [Vec<f64>],
     pub(super) shapes: Vec<Shape>,
     /// Columns of each shape.
     pub(super) columns: Vec<Vec<Vec<f64>>>,
@@ -142,7 +142,7 @@ impl Data<'_> {
     /// The residual after the base and these shapes are fitted to it.
     pub(super) fn remainder(&self, added: &[usize]) -> DVector<f64> {
         let known = basis(self.known(added), self.layout.rows());
-        outside(&known, &self.residual)
+        outside(&known, self.residual)
     }
 
     /// The filter that makes it white.
@@ -159,7 +159,7 @@ impl Data<'_> {
     ) -> (DMatrix<f64>, DVector<f64>) {
         let columns: Vec<Vec<f64>> = self.known(added).map(filter).collect();
         let known = basis(columns.iter().map(Vec::as_slice), self.layout.rows());
-        let left = outside(&known, &filter(&self.residual));
+        let left = outside(&known, &filter(self.residual));
         (known, left)
     }
 

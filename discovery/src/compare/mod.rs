@@ -10,9 +10,10 @@
 //!                                ─> span: when it fails, in words
 //! ```
 //!
-//! Nothing is fitted but the starts. What a change of the base's own parameters could explain is
-//! taken out to first order, so a drive that was fitted and one that was not are judged alike;
-//! [`Comparison::by_parameters`] says how much that was.
+//! What a change of the base's own parameters could explain is taken out to first order;
+//! [`Comparison::by_parameters`] says how much that was. Where it is much, a drive is fitted to see where
+//! it fails ([`Options::fit`]), so that one that was fitted and one that was not are judged alike. Its
+//! errors, outputs and spans are those of the drive as it is.
 
 mod angles;
 mod beside_load;
@@ -20,8 +21,10 @@ mod columns;
 mod curve;
 mod drive_motion;
 mod finding;
+mod judged;
 mod layout;
 mod residual;
+mod residuals;
 mod score;
 mod seen;
 mod series;
@@ -29,10 +32,7 @@ mod shape;
 mod span;
 mod whitening;
 
-use std::sync::OnceLock;
-
-use drivescope_plant::drive::{Drive, Input};
-use drivescope_plant::effects::info::Variable;
+use drivescope_plant::drive::Drive;
 use drivescope_recording::rounded;
 use serde::Serialize;
 use thiserror::Error;
@@ -42,23 +42,11 @@ pub use residual::Correlation;
 pub use seen::{OutputComparison, RecordingComparison};
 pub use span::Span;
 
-use crate::case::{Case, Setting};
-use crate::estimate::{Evidence, at_its_balances, evaluate, with_own};
-use crate::measured::Output;
-use crate::response::Linearised;
-use beside_load::BesideLoad;
-use columns::Builder;
-use drive_motion::{DriveMotion, Scales};
-use finding::{Data, Found, hypotheses};
-use layout::Layout;
-use score::{basis, outside};
-use seen::Seen;
-use shape::Shape;
-use whitening::Whitening;
+use crate::case::Setting;
+use crate::estimate::{Evidence, at_its_balances};
+use judged::Judged;
+use residuals::{Residuals, Shown};
 
-/// Blocks of the tests, s: the residual's own memory times this, within these limits.
-const BLOCK_MEMORIES: f64 = 5.0;
-const BLOCK_S: (f64, f64) = (0.2, 0.5);
 /// Share of the excess that the base's own parameters may explain before the drive counts as not
 /// fitted to these recordings.
 const UNFITTED: f64 = 0.05;
@@ -93,6 +81,9 @@ pub struct Options {
     pub curves: bool,
     /// Seed of the bands' draws.
     pub seed: u64,
+    /// Whether a drive whose own parameters explain much of the error is fitted first, to see where
+    /// it fails: beside what they explain to first order a law is hardly seen.
+    pub fit: bool,
 }
 
 /// A variable over which the model fails.
@@ -123,14 +114,15 @@ pub struct Comparison {
     pub floor: f64,
     /// Root of the mean squared error of all recordings, in units of the noise.
     pub error: f64,
-    /// Error that would be left if the drive's own parameters were fitted, to first order.
+    /// Error that is left where the drive's own parameters are fitted: after the fit where one was made,
+    /// else to first order.
     pub error_if_fitted: f64,
     /// Share of the squared error above the floor that they would explain.
     pub by_parameters: f64,
     /// Whether the drive explains its balances as well as least squares on them: values that
     /// follow the observed motion closer explain them no better.
     pub by_balances: bool,
-    /// Where it fails, most telling first.
+    /// Where it fails whatever its own parameters are, most telling first.
     #[serde(rename = "where")]
     pub findings: Vec<Finding>,
     /// Shapes that were tested.
@@ -171,107 +163,39 @@ pub fn compare(
     options: &Options,
 ) -> Result<Comparison, CompareError> {
     alike(evidence)?;
-    let judged = evaluate(drive, evidence, setting, true)?;
-    let drives: Vec<Drive> = judged.recordings.iter().map(|fit| with_own(drive, fit)).collect();
-    let cases: Vec<Case<'_>> = (0..drives.len())
-        .map(|k| Case {
-            drive: &drives[k],
-            measured: &evidence.recordings[k],
-            noise: &evidence.noise[k],
-            starts: &judged.recordings[k].starts,
-            setting,
-        })
-        .collect();
-    let layout = Layout::new(&cases);
-    let paths: Vec<DriveMotion> =
-        cases.iter().enumerate().map(|(k, case)| DriveMotion::new(case, k)).collect();
-    let scales = Scales::new(&paths, drive.motor.j);
-    let limit = drive.amplifier.as_ref().and_then(|it| it.limit);
-    let linearised: Vec<Option<Linearised>> = cases.iter().map(Linearised::of).collect();
-    let builder = Builder {
-        cases: &cases,
-        linearised: &linearised,
-        paths: &paths,
-        scales: &scales,
-        layout: &layout,
-        limit,
-    };
-    let floors = evidence.recordings.iter().map(|it| setting.observer.floor(it).powi(2));
-    let floor = floors.sum::<f64>() / evidence.recordings.len().max(1) as f64;
-    let (shared, own): (Vec<_>, Vec<_>) = drive
-        .fitted()
-        .into_iter()
-        .map(|it| it.name)
-        .partition(|name| !drive.per_recording.contains(name));
-    let (residual, base) = columns::base(&cases, &layout, &shared, &own);
-    let known = basis(base.iter().map(Vec::as_slice), layout.rows());
-    let remainder = outside(&known, &residual);
-    let memory_s = (0..layout.outputs)
-        .map(|j| {
-            let of: Vec<f64> = remainder.iter().skip(j).step_by(layout.outputs).copied().collect();
-            residual::memory_s(&of, layout.group_s)
-        })
-        .fold(0.0, f64::max);
-    let block_s = (BLOCK_MEMORIES * memory_s).clamp(BLOCK_S.0, BLOCK_S.1);
-    let waves = angles::wave_numbers(&builder, base.iter().map(Vec::as_slice), &residual);
-    let shapes = shapes(&builder, &waves.kept);
-    let columns = builder.shapes(&shapes);
-    let hypotheses = hypotheses(&shapes, waves.looked_at);
-    let (blocks, white_blocks) = (layout.blocks(block_s), layout.blocks(BLOCK_S.0));
-    let filtered = OnceLock::new();
-    let beside_load = |known: &[Shape], shape: Shape| {
-        let make = || BesideLoad::of(drive, setting, evidence, &judged.recordings, limit);
-        filtered.get_or_init(make).as_ref()?.p_value(known, shape)
-    };
-    let data = Data {
-        beside_load: &beside_load,
-        layout: &layout,
-        residual,
-        base,
-        shapes,
-        columns,
-        blocks,
-        white_blocks,
-        floor,
-        hypotheses,
-    };
-    let found = data.search();
-    let excess = |sum: f64| (sum - floor * layout.values()).max(0.0);
-    let (now, after) = (data.residual.iter().map(|e| e * e).sum::<f64>(), remainder.norm_squared());
-    let by_parameters = if excess(now) > 0.0 { 1.0 - excess(after) / excess(now) } else { 0.0 };
-    let curves = if options.curves {
-        let wave = found.iter().find_map(|it| it.shape.wave_number()).unwrap_or_else(|| {
-            let first = data.shapes.iter().find_map(|it| it.wave_number());
-            first.unwrap_or(1.0)
-        });
-        let evidence = curve::Evidence {
-            known: &known,
-            residual: &data.residual,
-            blocks: (&data.blocks.0, data.blocks.1),
-            seed: options.seed,
-        };
-        curve::curves(&builder, &evidence, wave)
-    } else {
-        Vec::new()
-    };
-    let whitening = Whitening::fit(&data.residual, &layout);
-    let one_step = whitening.one_step(&data.residual, &layout);
-    let view = Seen { builder: &builder, one_step: &one_step, floor, explained: !found.is_empty() };
-    let recordings = (0..cases.len()).map(|k| view.recording(k)).collect();
-    let rms = |sum: f64| (sum / layout.values()).sqrt();
-    Ok(Comparison {
+    let own = Judged::of(drive, evidence, setting)?;
+    let cases = own.cases(evidence, setting);
+    let view = Residuals::of(drive, &cases);
+    let mut comparison = Comparison {
         observer_hz: setting.observer.hz,
-        floor: floor.sqrt(),
-        error: judged.squares.error(),
-        error_if_fitted: judged.squares.error() * rms(after) / rms(now),
-        by_parameters,
+        floor: view.floor.sqrt(),
+        error: own.error,
+        error_if_fitted: own.error * view.left(),
+        by_parameters: view.by_parameters(),
         by_balances: setting.observer.follows() && at_its_balances(drive, evidence),
-        findings: found.iter().map(finding).collect(),
-        tested: data.shapes.len(),
-        block_s,
-        recordings,
-        curves,
-    })
+        findings: Vec::new(),
+        tested: 0,
+        block_s: 0.0,
+        recordings: Vec::new(),
+        curves: Vec::new(),
+    };
+    let seed = options.curves.then_some(options.seed);
+    let fitted = (options.fit && comparison.is_unfitted())
+        .then(|| Judged::fitted(drive, evidence, setting))
+        .flatten()
+        .filter(|it| it.error < own.error);
+    let shown = match &fitted {
+        Some(fitted) => {
+            comparison.error_if_fitted = fitted.error;
+            comparison.by_parameters = 1.0 - view.excess(fitted.error) / view.excess(own.error);
+            let cases = fitted.cases(evidence, setting);
+            Residuals::of(&fitted.drive, &cases).shown(fitted, evidence, setting, seed)
+        }
+        None => view.shown(&own, evidence, setting, seed),
+    };
+    comparison.recordings = view.recordings(!shown.findings.is_empty());
+    let Shown { findings, tested, block_s, curves } = shown;
+    Ok(Comparison { findings, tested, block_s, curves, ..comparison })
 }
 
 fn alike(evidence: &Evidence) -> Result<(), CompareError> {
@@ -290,59 +214,4 @@ fn alike(evidence: &Evidence) -> Result<(), CompareError> {
         }
     }
     Ok(())
-}
-
-/// The shapes that make sense for these recordings.
-fn shapes(builder: &Builder<'_>, waves: &[f64]) -> Vec<Shape> {
-    let Some(case) = builder.cases.first() else { return Vec::new() };
-    let mut shapes = vec![
-        Shape::TorqueOverSpeed,
-        Shape::DragOverSpeed,
-        Shape::FrictionNearRest,
-        Shape::TorqueAfterReversal,
-        Shape::FluxOverSpeed,
-        Shape::TorqueByDirection,
-        Shape::FrictionOverCurrent,
-        Shape::FluxOverCurrent,
-        Shape::Resonances,
-        Shape::LateInput,
-    ];
-    if case.drive.motor.input == Input::Voltage {
-        shapes.extend([Shape::VoltageOverCurrent, Shape::ResistanceOverHeat]);
-    }
-    if builder.limit.is_some() {
-        shapes.push(Shape::AtLimit);
-    }
-    if case.measured.output(Output::Current).is_some() {
-        shapes.push(Shape::CurrentOffset);
-    }
-    for place in 0..builder.cases.len() {
-        shapes.extend([Shape::FrictionOverTime(place), Shape::FrictionDrift(place)]);
-    }
-    let speed = case.measured.output(Output::Speed).is_some();
-    if speed {
-        shapes.push(Shape::SpeedShownLate);
-    }
-    for (place, wave) in waves.iter().enumerate() {
-        shapes.extend([Shape::TorqueOverAngle(*wave), Shape::FluxOverAngle(*wave)]);
-        // A bent shaft or an eccentric tachometer repeats with the revolution or half of it.
-        if place < 2 {
-            shapes.push(Shape::FrictionOverAngle(*wave));
-            shapes.extend(speed.then_some(Shape::SpeedShownOverAngle(*wave)));
-        }
-    }
-    shapes
-}
-
-fn finding(found: &Found) -> Finding {
-    let variable: Variable = found.shape.variable();
-    let period = found.shape.wave_number().map(|wave| std::f64::consts::TAU / wave);
-    Finding {
-        variable: variable.name(),
-        p_value: found.p_value,
-        share: found.share,
-        balance: found.shape.acts_on().name(),
-        words: found.shape.words().to_owned(),
-        period,
-    }
 }

@@ -299,7 +299,7 @@ fn convicts(rule: &Rule, finding: &Finding) -> bool {
 
 /// Where the base fails; nothing where its recordings cannot be compared together.
 fn fails(model: &Model, estimation: &Evidence) -> Vec<Finding> {
-    let options = compare::Options { curves: false, seed: 0 };
+    let options = compare::Options { curves: false, seed: 0, fit: false };
     let compared = compare::compare(&model.fitted.drive, estimation, &model.setting, &options);
     compared.map_or_else(|_| Vec::new(), |compared| compared.findings)
 }

@@ -103,13 +103,16 @@ pub(crate) fn part(compared: &Comparison, errors: &[(&str, f64)]) -> Vec<Block> 
 /// The answer in a sentence.
 fn verdict(compared: &Comparison) -> String {
     let Some(first) = compared.findings.first() else {
-        return if explains(compared) {
-            "The model explains these recordings down to their noise.".to_owned()
+        let words = if explains(compared) {
+            "The model explains these recordings down to their noise."
+        } else if compared.is_unfitted() {
+            "The model fails by the values of its parameters; beside them it depends on no variable \
+             that was tested."
         } else {
             "The error is above the noise, but it depends on no variable that was tested: it \
              looks like a random load."
-                .to_owned()
         };
+        return words.to_owned();
     };
     let others: Vec<&str> = compared.findings.iter().skip(1).map(|it| it.variable).collect();
     let also = match others.as_slice() {

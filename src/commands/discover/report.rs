@@ -22,7 +22,7 @@ pub(super) fn report(
     let Gathered { estimation, noise, doubts, .. } = gathered;
     let compared = |drive: &Drive| -> miette::Result<Comparison> {
         let setting = Setting::new(drive, found.observer);
-        let options = CompareOptions { curves: true, seed };
+        let options = CompareOptions { curves: true, seed, fit: false };
         compare(drive, estimation, &setting, &options).map_err(into_report)
     };
     let after = compared(&found.drive)?;

@@ -26,6 +26,20 @@ pub(super) struct Torques {
 impl Torques {
     /// Of a drive along the motion of a recording, by those parameters.
     pub(super) fn of(it: &Recorded, drive: &Drive, windows: &Windows, names: &[String]) -> Self {
+        Self::apart(it, drive, (windows, 1), names)
+    }
+
+    /// The same at some points of each window, as laws are weighed.
+    pub(super) fn at_points(
+        it: &Recorded,
+        drive: &Drive,
+        windows: &Windows,
+        names: &[String],
+    ) -> Self {
+        Self::apart(it, drive, (windows, windows.apart()), names)
+    }
+
+    fn apart(it: &Recorded, drive: &Drive, windows: (&Windows, usize), names: &[String]) -> Self {
         let mut all = Self::default();
         // Without a parameter there is still what is missing.
         let none: &[String] = &[];
@@ -40,7 +54,12 @@ impl Torques {
     }
 }
 
-fn rows(it: &Recorded, drive: &Drive, windows: &Windows, names: &[String]) -> Vec<Number> {
+fn rows(
+    it: &Recorded,
+    drive: &Drive,
+    (windows, apart): (&Windows, usize),
+    names: &[String],
+) -> Vec<Number> {
     let seed = |name: &str, value: f64| match names.iter().position(|it| it == name) {
         Some(place) => Number::parameter(value, place),
         None => Number { v: value, d: [0.0; LANES] },
@@ -59,10 +78,12 @@ fn rows(it: &Recorded, drive: &Drive, windows: &Windows, names: &[String]) -> Ve
     };
     let mut rows = vec![constant(0.0); windows.len()];
     let mut inertia = constant(drive.motor.j);
+    // States of its own go on from sample to sample.
+    let apart = if plant.held().0.states() > OWN { 1 } else { apart };
     for (number, piece) in windows.pieces().iter().enumerate() {
         plant.begin();
         along.begin();
-        for (k, weights) in windows.weights(number) {
+        for (k, weights) in windows.weights(number, apart) {
             plant.enter(k);
             let (model, held) = plant.held();
             let sign = sign(model, it.direction.at(k), windows.motion[k][SPEED]);

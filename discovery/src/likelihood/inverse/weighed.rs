@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::super::marginal::{Beside, log_evidence, standing_out};
 use super::super::passes::{LawColumns, Passes};
 use super::super::scene::{Scene, rms};
+use super::super::state::own_states;
 use super::super::weighing::{Feedback, Weighing};
 use super::super::weights::Weights;
 use super::torques::{Torques, shifted};
@@ -62,7 +63,7 @@ impl Inverse {
             let moved = shifted(it, by);
             let pass = |pass: usize| {
                 let drive = shared.drive(pass, &it.drive, &identified);
-                let of = |it| Torques::of(it, &drive, windows, &shared.names[pass]).columns;
+                let of = |it| Torques::at_points(it, &drive, windows, &shared.names[pass]).columns;
                 let columns = of(it);
                 let grows = |(with, without): (Vec<f64>, &Vec<f64>)| -> Vec<f64> {
                     with.iter().zip(without).map(|(with, without)| (with - without) / per).collect()
@@ -86,12 +87,18 @@ impl Inverse {
             .collect();
         let changes = |recording: usize| -> Vec<Vec<f64>> {
             let (it, windows) = (&scene.recordings[recording], &windows[recording]);
-            let missing = |drive: &Drive| Torques::of(it, drive, windows, &[]).missing;
-            let without = missing(&it.drive);
+            // Both at the same points: what drives is in what is missing too.
+            let missing = |drive: &Drive, whole: bool| {
+                let of = if whole { Torques::of } else { Torques::at_points };
+                of(it, drive, windows, &[]).missing
+            };
+            let without = [false, true].map(|whole| missing(&it.drive, whole));
             let change = |(candidate, shape): &(usize, usize)| -> Vec<f64> {
                 let it_is = &identified[*candidate];
-                let with = missing(&it_is.added(&it.drive, &it_is.variants[*shape]));
-                without.iter().zip(with).map(|(without, with)| without - with).collect()
+                let drive = it_is.added(&it.drive, &it_is.variants[*shape]);
+                let whole = own_states(&drive) > 0;
+                let without = without[usize::from(whole)].iter();
+                without.zip(missing(&drive, whole)).map(|(without, with)| without - with).collect()
             };
             shapes.par_iter().map(change).collect()
         };

@@ -18,6 +18,8 @@ use crate::measured::{Measured, Output};
 const WINDOWS: f64 = 1000.0;
 /// Fewest samples from one window to the next.
 const FEWEST: usize = 2;
+/// Points from one window to the next at which a law that is weighed is asked for its torque.
+const POINTS: usize = 6;
 
 /// One recording in windows.
 #[derive(Debug, Clone)]
@@ -137,26 +139,39 @@ impl Windows {
         &self.pieces
     }
 
-    /// The samples of a piece with the weight that each has in the windows around it, numbered over all
-    /// pieces; the sum of the weights of a window is 1.
+    /// The samples of a piece, each of which stands for so many, with the weight that these have in the
+    /// windows around them, numbered over all pieces; the sum of the weights of a window is 1.
     pub(super) fn weights(
         &self,
         piece: usize,
+        apart: usize,
     ) -> impl Iterator<Item = (usize, [Option<(usize, f64)>; 2])> {
         let before: usize =
             self.pieces[..piece].iter().map(|piece| middles(piece, self.every).len()).sum();
         let (range, every) = (self.pieces[piece].clone(), self.every);
         let count = middles(&range, every).len();
-        range.clone().map(move |k| {
-            let (number, rest) = ((k - range.start) / every, (k - range.start) % every);
-            let part = (rest as f64 + 0.5) / every as f64;
+        let begins = {
+            let range = range.clone();
+            move |k: &usize| ((k - range.start) % every).is_multiple_of(apart)
+        };
+        range.clone().filter(begins).map(move |k| {
+            let (number, from) = ((k - range.start) / every, (k - range.start) % every);
+            let to = (from + apart).min(every).min(from + range.end - k);
             // Falling in the window behind, rising in the one ahead.
+            let rising = 0.5 * (to * to - from * from) as f64 / every as f64;
             let at = |window: Option<usize>, share: f64| {
                 let window = window.filter(|window| *window < count)?;
                 Some((before + window, share / every as f64))
             };
-            (k, [at(number.checked_sub(1), 1.0 - part), at(Some(number), part)])
+            let falling = (to - from) as f64 - rising;
+            let middle = k + (to - from) / 2;
+            (middle, [at(number.checked_sub(1), falling), at(Some(number), rising)])
         })
+    }
+
+    /// Samples of which one stands for the others where laws are weighed.
+    pub(super) fn apart(&self) -> usize {
+        (self.every / POINTS).max(1)
     }
 
     /// A series of the samples, summed over the windows.
@@ -166,7 +181,7 @@ impl Windows {
             return sums;
         }
         for piece in 0..self.pieces.len() {
-            for (k, weights) in self.weights(piece) {
+            for (k, weights) in self.weights(piece, 1) {
                 for (window, weight) in weights.into_iter().flatten() {
                     sums[window] += weight * values[k];
                 }
@@ -204,6 +219,14 @@ mod tests {
     #[test]
     fn a_window_holds_the_mean_of_what_never_changes_and_the_middle_of_a_line() {
         let windows = windows();
+        for (piece, apart) in [(0, 1), (0, 3), (1, 3), (1, 4)] {
+            let mut sums = vec![0.0; windows.len()];
+            for (_, weights) in windows.weights(piece, apart) {
+                weights.into_iter().flatten().for_each(|(window, weight)| sums[window] += weight);
+            }
+            let own = if piece == 0 { 0..9 } else { 9..13 };
+            assert!(sums[own].iter().all(|sum| (sum - 1.0).abs() < 1e-12), "{sums:?}");
+        }
         let middles: Vec<usize> =
             windows.pieces.iter().flat_map(|piece| middles(piece, 4)).collect();
         assert_eq!(middles.len(), windows.len());

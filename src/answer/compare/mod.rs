@@ -100,12 +100,16 @@ pub(crate) fn part(compared: &Comparison, errors: &[(&str, f64)]) -> Vec<Block> 
     blocks
 }
 
+/// Share of the excess beyond which the values of the parameters are what fails: of a random load some
+/// goes with them by chance.
+const BY_VALUES: f64 = 0.5;
+
 /// The answer in a sentence.
 fn verdict(compared: &Comparison) -> String {
     let Some(first) = compared.findings.first() else {
         let words = if explains(compared) {
             "The model explains these recordings down to their noise."
-        } else if compared.is_unfitted() {
+        } else if compared.is_unfitted() && compared.by_parameters > BY_VALUES {
             "The model fails by the values of its parameters; beside them it depends on no variable \
              that was tested."
         } else {

@@ -94,7 +94,7 @@ const NEARLY: Options = Options { worth_a_step: NEAR_ENOUGH, steps: STEPS, ..Opt
 
 /// Shapes from which a fit begins.
 const STARTS: usize = 5;
-/// Steps after which the begins of a law are compared.
+/// Steps after which the start values of a law are compared.
 const FIRST_STEPS: usize = 6;
 /// Starts that are followed to their ends: the best after the first steps may lead into a valley.
 const FOLLOWED: usize = 2;

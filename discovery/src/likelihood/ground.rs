@@ -119,7 +119,7 @@ impl Filtered {
     }
 
     /// The scene with one of those effects at its own best, and the evidence there: the effects are
-    /// begins of the same law, of which the best is followed. `estimated` are the parameters of the
+    /// start values of the same law, of which the best is followed. `estimated` are the parameters of the
     /// effect that are free, `coefficients` those that are 0 where it vanishes. Nothing where a
     /// law whose null is infinite is less probable than the base.
     pub(crate) fn with(

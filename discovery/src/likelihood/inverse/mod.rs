@@ -103,7 +103,7 @@ impl Inverse {
     }
 
     /// The drive with one of those effects at its own best, and the evidence there: the effects are
-    /// begins of the same law, of which the best is followed. `estimated` are the parameters of the
+    /// start values of the same law, of which the best is followed. `estimated` are the parameters of the
     /// effect that are free, `coefficients` those that are 0 where it vanishes.
     pub(crate) fn with(
         &self,

@@ -21,8 +21,8 @@ mod columns;
 mod curve;
 mod drive_motion;
 mod finding;
-mod judged;
 mod layout;
+mod on_recordings;
 mod residual;
 mod residuals;
 mod score;
@@ -44,12 +44,15 @@ pub use span::Span;
 
 use crate::case::Setting;
 use crate::estimate::{Evidence, at_its_balances};
-use judged::Judged;
+use finding::LEVEL;
+use on_recordings::OnRecordings;
 use residuals::{Residuals, Shown};
 
 /// Share of the excess that the base's own parameters may explain before the drive counts as not
 /// fitted to these recordings.
 const UNFITTED: f64 = 0.05;
+/// Factor by which the error must be above that of a fit for that.
+const LOWER: f64 = 1.02;
 
 /// Why recordings cannot be compared with a drive.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -119,6 +122,8 @@ pub struct Comparison {
     pub error_if_fitted: f64,
     /// Share of the squared error above the floor that they would explain.
     pub by_parameters: f64,
+    /// Whether that is much, and more than chance explains.
+    pub parameters_matter: bool,
     /// Whether the drive explains its balances as well as least squares on them: values that
     /// follow the observed motion closer explain them no better.
     pub by_balances: bool,
@@ -142,12 +147,7 @@ impl Comparison {
 
     /// Whether a fit of the drive's own parameters would take away much of the error.
     pub fn is_unfitted(&self) -> bool {
-        self.parameters_matter() && !self.by_balances
-    }
-
-    /// Whether other values of the drive's own parameters would take away much of the error.
-    pub fn parameters_matter(&self) -> bool {
-        self.by_parameters > UNFITTED && self.error > 1.02 * self.error_if_fitted
+        self.parameters_matter && !self.by_balances
     }
 }
 
@@ -163,39 +163,45 @@ pub fn compare(
     options: &Options,
 ) -> Result<Comparison, CompareError> {
     alike(evidence)?;
-    let own = Judged::of(drive, evidence, setting)?;
+    let own = OnRecordings::of(drive, evidence, setting)?;
     let cases = own.cases(evidence, setting);
     let view = Residuals::of(drive, &cases);
-    let mut comparison = Comparison {
-        observer_hz: setting.observer.hz,
-        floor: view.floor.sqrt(),
-        error: own.error,
-        error_if_fitted: own.error * view.left(),
-        by_parameters: view.by_parameters(),
-        by_balances: setting.observer.follows() && at_its_balances(drive, evidence),
-        findings: Vec::new(),
-        tested: 0,
-        block_s: 0.0,
-        recordings: Vec::new(),
-        curves: Vec::new(),
-    };
-    let seed = options.curves.then_some(options.seed);
-    let fitted = (options.fit && comparison.is_unfitted())
-        .then(|| Judged::fitted(drive, evidence, setting))
+    let excess = view.excess(own.error);
+    let share = |after: f64| if excess > 0.0 { 1.0 - view.excess(after) / excess } else { 0.0 };
+    let much = |after: f64| share(after) > UNFITTED && own.error > LOWER * after;
+    let by_chance = || view.p_value_of_parameters() > LEVEL;
+    let at_first = own.error * view.left();
+    let by_balances = setting.observer.follows() && at_its_balances(drive, evidence);
+    let parameters_matter = much(at_first) && !by_chance();
+    let fitted = (options.fit && parameters_matter && !by_balances)
+        .then(|| OnRecordings::fitted(drive, evidence, setting))
         .flatten()
         .filter(|it| it.error < own.error);
+    let seed = options.curves.then_some(options.seed);
     let shown = match &fitted {
         Some(fitted) => {
-            comparison.error_if_fitted = fitted.error;
-            comparison.by_parameters = 1.0 - view.excess(fitted.error) / view.excess(own.error);
             let cases = fitted.cases(evidence, setting);
             Residuals::of(&fitted.drive, &cases).shown(fitted, evidence, setting, seed)
         }
         None => view.shown(&own, evidence, setting, seed),
     };
-    comparison.recordings = view.recordings(!shown.findings.is_empty());
+    let error_if_fitted = fitted.map_or(at_first, |it| it.error);
+    let recordings = view.recordings(!shown.findings.is_empty());
     let Shown { findings, tested, block_s, curves } = shown;
-    Ok(Comparison { findings, tested, block_s, curves, ..comparison })
+    Ok(Comparison {
+        observer_hz: setting.observer.hz,
+        floor: view.floor.sqrt(),
+        error: own.error,
+        error_if_fitted,
+        by_parameters: share(error_if_fitted),
+        parameters_matter: parameters_matter && much(error_if_fitted),
+        by_balances,
+        findings,
+        tested,
+        block_s,
+        recordings,
+        curves,
+    })
 }
 
 fn alike(evidence: &Evidence) -> Result<(), CompareError> {

@@ -11,9 +11,9 @@ use super::columns::{self, Builder};
 use super::curve::{self, Curve, curves};
 use super::drive_motion::{DriveMotion, Scales};
 use super::finding::{Data, Found, hypotheses};
-use super::judged::Judged;
 use super::layout::Layout;
-use super::score::{basis, outside};
+use super::on_recordings::OnRecordings;
+use super::score::{basis, outside, own_basis, score};
 use super::seen::{RecordingComparison, Seen};
 use super::shape::Shape;
 use super::whitening::Whitening;
@@ -38,8 +38,9 @@ pub(super) struct Residuals<'a> {
     /// Squared error of a perfect model, per value.
     pub(super) floor: f64,
     residual: Vec<f64>,
-    /// Columns of the drive's own parameters and of the starts.
+    /// Columns of the drive's own parameters, so many, and of what belongs to a recording.
     base: Vec<Vec<f64>>,
+    parameters: usize,
     /// A basis of them.
     known: DMatrix<f64>,
     /// What they leave of the residual.
@@ -82,6 +83,7 @@ impl<'a> Residuals<'a> {
             floor,
             residual,
             base,
+            parameters: shared.len(),
             known,
             remainder,
         }
@@ -97,10 +99,17 @@ impl<'a> Residuals<'a> {
         self.rms(self.remainder.as_slice()) / self.rms(&self.residual)
     }
 
-    /// Share of the excess that the drive's own parameters would explain, to first order.
-    pub(super) fn by_parameters(&self) -> f64 {
-        let now = self.excess(self.rms(&self.residual));
-        if now > 0.0 { 1.0 - self.excess(self.rms(self.remainder.as_slice())) / now } else { 0.0 }
+    /// Probability by chance of as much as the drive's own parameters explain, to first order.
+    pub(super) fn p_value_of_parameters(&self) -> f64 {
+        let whitening = Whitening::fit(self.remainder.as_slice(), &self.layout);
+        let filter = |column: &Vec<f64>| whitening.apply(column, &self.layout);
+        let columns: Vec<Vec<f64>> = self.base.iter().map(filter).collect();
+        let (parameters, starts) = columns.split_at(self.parameters);
+        let starts = basis(starts.iter().map(Vec::as_slice), self.layout.rows());
+        let residual = outside(&starts, &filter(&self.residual));
+        let (blocks, count) = self.layout.blocks(BLOCK_S.0);
+        own_basis(&starts, parameters)
+            .map_or(1.0, |own| score(&own, &residual, (&blocks, count)).p_value)
     }
 
     fn rms(&self, residual: &[f64]) -> f64 {
@@ -131,7 +140,7 @@ impl<'a> Residuals<'a> {
     /// curves, without which none are drawn.
     pub(super) fn shown(
         &self,
-        judged: &Judged,
+        drive: &OnRecordings,
         evidence: &Evidence,
         setting: &Setting,
         seed: Option<u64>,
@@ -151,8 +160,8 @@ impl<'a> Residuals<'a> {
         let hypotheses = hypotheses(&shapes, waves.looked_at);
         let filtered = OnceLock::new();
         let beside_load = |known: &[Shape], shape: Shape| {
-            let at = (evidence, judged.recordings.as_slice());
-            let make = || BesideLoad::of(&judged.drive, setting, at, self.limit);
+            let at = (evidence, drive.recordings.as_slice());
+            let make = || BesideLoad::of(&drive.drive, setting, at, self.limit);
             filtered.get_or_init(make).as_ref()?.p_value(known, shape)
         };
         let data = Data {

@@ -6,7 +6,7 @@
 use drivescope_plant::drive::Drive;
 use nalgebra::DMatrix;
 
-use crate::case::{Case, Setting};
+use crate::case::Setting;
 use crate::estimate::{Evidence, Fit, with_own};
 use crate::measured::Measured;
 use crate::sensitivity::{Direction, Rows};
@@ -39,13 +39,8 @@ impl<'a> FittedDrive<'a> {
             let owned = directions(recording);
             let borrowed: Vec<Direction<'_>> = owned.iter().map(Owned::direction).collect();
             let fit = &self.fits[recording];
-            let case = Case {
-                drive: &with_own(self.drive, fit),
-                measured: &self.evidence.recordings[recording],
-                noise: &self.evidence.noise[recording],
-                starts: &fit.starts,
-                setting: self.setting,
-            };
+            let drive = with_own(self.drive, fit);
+            let case = self.evidence.case(recording, &drive, &fit.starts, self.setting);
             case.sensitivities(&borrowed)
         };
         (0..self.fits.len()).map(of).collect()

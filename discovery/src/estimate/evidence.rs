@@ -1,6 +1,10 @@
 //! What an estimate rests on.
 
+use drivescope_plant::drive::Drive;
+
+use crate::case::{Case, Setting};
 use crate::measured::{Channel, Measured};
+use crate::start::Start;
 
 /// Recordings of one machine with what is known of their noise.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -11,6 +15,18 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// A recording with the drive as it is in it, and the state at the beginning of each of its pieces.
+    pub fn case<'a>(
+        &'a self,
+        recording: usize,
+        drive: &'a Drive,
+        starts: &'a [Start],
+        setting: &'a Setting,
+    ) -> Case<'a> {
+        let (measured, noise) = (&self.recordings[recording], &self.noise[recording]);
+        Case { drive, measured, noise, starts, setting }
+    }
+
     /// Measured values in all of them.
     pub fn values(&self) -> usize {
         self.recordings.iter().map(Measured::values).sum()

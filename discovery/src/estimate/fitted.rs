@@ -4,9 +4,9 @@ use drivescope_plant::drive::Drive;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
+use super::NotIdentifiable;
 use super::unknowns::set;
-use super::{Evidence, NotIdentifiable};
-use crate::case::{Case, Setting, Squares};
+use crate::case::Squares;
 use crate::start::Start;
 
 /// An estimated parameter.
@@ -70,23 +70,6 @@ impl Fitted {
     /// The drive with what belongs to that recording.
     pub fn drive_of(&self, recording: usize) -> Drive {
         with_own(&self.drive, &self.recordings[recording])
-    }
-
-    /// The case of that recording, to look at what is left.
-    pub fn case<'a>(
-        &'a self,
-        drive: &'a Drive,
-        evidence: &'a Evidence,
-        setting: &'a Setting,
-        recording: usize,
-    ) -> Case<'a> {
-        Case {
-            drive,
-            measured: &evidence.recordings[recording],
-            noise: &evidence.noise[recording],
-            starts: &self.recordings[recording].starts,
-            setting,
-        }
     }
 }
 

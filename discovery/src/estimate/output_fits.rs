@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use drivescope_plant::drive::Drive;
 
 use super::{Evidence, Fit, with_own};
-use crate::case::{Case, Setting};
+use crate::case::Setting;
 
 /// Fit of each output, by its name, %: 100 (1 - |y - y_model| / |y - mean y|), the mean that of each
 /// recording; none where the output is constant, -inf where the model overflowed.
@@ -26,10 +26,9 @@ pub fn output_fits(
     fits: &[Fit],
 ) -> OutputFits {
     let mut squares: BTreeMap<&'static str, [f64; 2]> = BTreeMap::new();
-    for ((measured, noise), fit) in evidence.recordings.iter().zip(&evidence.noise).zip(fits) {
+    for (place, (measured, fit)) in evidence.recordings.iter().zip(fits).enumerate() {
         let drive = &with_own(drive, fit);
-        let case = Case { drive, measured, noise, starts: &fit.starts, setting };
-        let shown = case.trajectory();
+        let shown = evidence.case(place, drive, &fit.starts, setting).trajectory();
         for channel in &measured.outputs {
             let [error, swing] = squares.entry(channel.name).or_default();
             let known = || channel.values.iter().filter(|y| y.is_finite());

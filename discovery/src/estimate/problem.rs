@@ -28,13 +28,7 @@ impl Problem<'_> {
         then: impl FnOnce(&Case<'_>) -> T,
     ) -> T {
         let (drive, starts) = self.unknowns.at(self.base, number, coordinates);
-        then(&Case {
-            drive: &drive,
-            measured: &self.evidence.recordings[number],
-            noise: &self.evidence.noise[number],
-            starts: &starts,
-            setting: self.setting,
-        })
+        then(&self.evidence.case(number, &drive, &starts, self.setting))
     }
 
     /// Squared errors of each recording.

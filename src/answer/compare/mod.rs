@@ -100,16 +100,15 @@ pub(crate) fn part(compared: &Comparison, errors: &[(&str, f64)]) -> Vec<Block> 
     blocks
 }
 
-/// Share of the excess beyond which the values of the parameters are what fails: of a random load some
-/// goes with them by chance.
-const BY_VALUES: f64 = 0.5;
+/// Share of the excess beyond which the values of the parameters are what fails, and not a load beside.
+const MOST: f64 = 0.5;
 
 /// The answer in a sentence.
 fn verdict(compared: &Comparison) -> String {
     let Some(first) = compared.findings.first() else {
         let words = if explains(compared) {
             "The model explains these recordings down to their noise."
-        } else if compared.is_unfitted() && compared.by_parameters > BY_VALUES {
+        } else if compared.is_unfitted() && compared.by_parameters > MOST {
             "The model fails by the values of its parameters; beside them it depends on no variable \
              that was tested."
         } else {
@@ -147,7 +146,7 @@ fn remark(compared: &Comparison, step: Option<OfStep>) -> String {
             error(compared.error_if_fitted)
         );
     }
-    if compared.by_balances && compared.parameters_matter() && !fitted {
+    if compared.by_balances && compared.parameters_matter && !fitted {
         text += &format!(
             " Its values are those of least squares on the balances: others would follow the \
              observed motion closer, to about {}, and explain no more of the torque.",

@@ -46,6 +46,7 @@ pub(in crate::answer) fn comparison() -> Comparison {
         error: 1.616_16,
         error_if_fitted: 1.313_13,
         by_parameters: 0.62,
+        parameters_matter: true,
         by_balances: false,
         findings: vec![Finding {
             variable: "theta",

@@ -1,6 +1,7 @@
 //! What a drive's balance of torques leaves over the windows of a recording, and its derivatives.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
 
 use drivescope_numerics::Dual;
 use drivescope_plant::drive::Drive;
@@ -9,6 +10,7 @@ use drivescope_plant::model::{Along, OWN, SPEED};
 use super::super::plant::{Plant, sign};
 use super::super::rows::LANES;
 use super::super::scene::Recorded;
+use super::super::state::own_states;
 use super::windows::Windows;
 use crate::measured::Measured;
 
@@ -26,7 +28,7 @@ pub(super) struct Torques {
 impl Torques {
     /// Of a drive along the motion of a recording, by those parameters.
     pub(super) fn of(it: &Recorded, drive: &Drive, windows: &Windows, names: &[String]) -> Self {
-        Self::apart(it, drive, (windows, 1), names)
+        Self::every(it, drive, (windows, 1), names)
     }
 
     /// The same at some points of each window, as laws are weighed.
@@ -36,10 +38,10 @@ impl Torques {
         windows: &Windows,
         names: &[String],
     ) -> Self {
-        Self::apart(it, drive, (windows, windows.apart()), names)
+        Self::every(it, drive, (windows, apart(drive, windows)), names)
     }
 
-    fn apart(it: &Recorded, drive: &Drive, windows: (&Windows, usize), names: &[String]) -> Self {
+    fn every(it: &Recorded, drive: &Drive, windows: (&Windows, usize), names: &[String]) -> Self {
         let mut all = Self::default();
         // Without a parameter there is still what is missing.
         let none: &[String] = &[];
@@ -51,6 +53,36 @@ impl Torques {
             all.columns.extend((0..names.len()).map(column));
         }
         all
+    }
+}
+
+/// Samples of which one stands for the others where a law is weighed: states of its own go on from
+/// sample to sample.
+fn apart(drive: &Drive, windows: &Windows) -> usize {
+    if own_states(drive) > 0 { 1 } else { windows.apart() }
+}
+
+/// A drive along a recording, to see by how much another one lacks less of the torque.
+pub(super) struct Without<'a> {
+    it: &'a Recorded,
+    windows: &'a Windows,
+    /// What it lacks itself, by the samples of which one stands for the others.
+    missing: BTreeMap<usize, OnceLock<Vec<f64>>>,
+}
+
+impl<'a> Without<'a> {
+    pub(super) fn new(it: &'a Recorded, windows: &'a Windows) -> Self {
+        let missing = [1, windows.apart()].map(|apart| (apart, OnceLock::new())).into();
+        Self { it, windows, missing }
+    }
+
+    /// What the other drive takes of what is missing: both at the same points, for what drives is in
+    /// it too.
+    pub(super) fn taken_by(&self, other: &Drive) -> Vec<f64> {
+        let apart = apart(other, self.windows);
+        let of = |drive: &Drive| Torques::every(self.it, drive, (self.windows, apart), &[]).missing;
+        let without = self.missing[&apart].get_or_init(|| of(&self.it.drive));
+        without.iter().zip(of(other)).map(|(without, with)| without - with).collect()
     }
 }
 
@@ -78,8 +110,6 @@ fn rows(
     };
     let mut rows = vec![constant(0.0); windows.len()];
     let mut inertia = constant(drive.motor.j);
-    // States of its own go on from sample to sample.
-    let apart = if plant.held().0.states() > OWN { 1 } else { apart };
     for (number, piece) in windows.pieces().iter().enumerate() {
         plant.begin();
         along.begin();

@@ -1,6 +1,5 @@
 //! What every law at its null, and every free curve, would explain of the torque.
 
-use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::grid::Spans;
 use drivescope_plant::effects::law::Variable;
 use drivescope_plant::model::{POSITION, SPEED};
@@ -10,10 +9,9 @@ use rayon::prelude::*;
 use super::super::marginal::{Beside, log_evidence, standing_out};
 use super::super::passes::{LawColumns, Passes};
 use super::super::scene::{Scene, rms};
-use super::super::state::own_states;
 use super::super::weighing::{Feedback, Weighing};
 use super::super::weights::Weights;
-use super::torques::{Torques, shifted};
+use super::torques::{Torques, Without, shifted};
 use super::windows::Windows;
 use super::{Columns, Inverse, Table, TorqueNoise};
 use crate::discover::{Candidate, Curve, Trajectory, curves};
@@ -87,18 +85,10 @@ impl Inverse {
             .collect();
         let changes = |recording: usize| -> Vec<Vec<f64>> {
             let (it, windows) = (&scene.recordings[recording], &windows[recording]);
-            // Both at the same points: what drives is in what is missing too.
-            let missing = |drive: &Drive, whole: bool| {
-                let of = if whole { Torques::of } else { Torques::at_points };
-                of(it, drive, windows, &[]).missing
-            };
-            let without = [false, true].map(|whole| missing(&it.drive, whole));
-            let change = |(candidate, shape): &(usize, usize)| -> Vec<f64> {
-                let it_is = &identified[*candidate];
-                let drive = it_is.added(&it.drive, &it_is.variants[*shape]);
-                let whole = own_states(&drive) > 0;
-                let without = without[usize::from(whole)].iter();
-                without.zip(missing(&drive, whole)).map(|(without, with)| without - with).collect()
+            let without = Without::new(it, windows);
+            let change = |(candidate, shape): &(usize, usize)| {
+                let candidate = &identified[*candidate];
+                without.taken_by(&candidate.added(&it.drive, &candidate.variants[*shape]))
             };
             shapes.par_iter().map(change).collect()
         };

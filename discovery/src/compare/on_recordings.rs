@@ -9,7 +9,7 @@ use crate::estimate::{Evidence, Fit, Options, evaluate, fit, with_own};
 /// Starts of a fit that only shows where the drive fails: the balances' values and its own.
 const STARTS: usize = 2;
 
-pub(super) struct Judged {
+pub(super) struct OnRecordings {
     pub(super) drive: Drive,
     /// Estimates of each recording.
     pub(super) recordings: Vec<Fit>,
@@ -19,20 +19,23 @@ pub(super) struct Judged {
     drives: Vec<Drive>,
 }
 
-impl Judged {
+impl OnRecordings {
     /// The drive as it is.
     pub(super) fn of(drive: &Drive, evidence: &Evidence, setting: &Setting) -> Result<Self, Error> {
-        let judged = evaluate(drive, evidence, setting, true)?;
-        let error = judged.squares.error();
-        let drives = judged.recordings.iter().map(|it| with_own(drive, it)).collect();
-        Ok(Self { drive: drive.clone(), recordings: judged.recordings, error, drives })
+        let evaluated = evaluate(drive, evidence, setting, true)?;
+        Ok(Self::new(drive.clone(), evaluated.recordings, evaluated.squares.error()))
     }
 
     /// The drive fitted to these recordings; nothing where it overflows.
     pub(super) fn fitted(drive: &Drive, evidence: &Evidence, setting: &Setting) -> Option<Self> {
         let options = Options { starts: STARTS, ..Options::default() };
         let fitted = fit(drive, evidence, setting, &options).ok()?;
-        Self::of(&fitted.drive, evidence, setting).ok()
+        Some(Self::new(fitted.drive, fitted.recordings, fitted.squares.error()))
+    }
+
+    fn new(drive: Drive, recordings: Vec<Fit>, error: f64) -> Self {
+        let drives = recordings.iter().map(|it| with_own(&drive, it)).collect();
+        Self { drive, recordings, error, drives }
     }
 
     pub(super) fn cases<'a>(
@@ -40,13 +43,8 @@ impl Judged {
         evidence: &'a Evidence,
         setting: &'a Setting,
     ) -> Vec<Case<'a>> {
-        let case = |(place, drive): (usize, &'a Drive)| Case {
-            drive,
-            measured: &evidence.recordings[place],
-            noise: &evidence.noise[place],
-            starts: &self.recordings[place].starts,
-            setting,
-        };
-        self.drives.iter().enumerate().map(case).collect()
+        let starts = self.recordings.iter().map(|it| it.starts.as_slice());
+        let each = self.drives.iter().zip(starts).enumerate();
+        each.map(|(place, (drive, starts))| evidence.case(place, drive, starts, setting)).collect()
     }
 }

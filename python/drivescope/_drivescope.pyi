@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,14 +62,15 @@ class Scenarios:
     count: int
     plan: str
     drive_name: str
+    fmu_name: str | None
     design: str
     digest: str
     @staticmethod
-    def in_folder(plan: str | PathLike[str], folder: str | PathLike[str]) -> Scenarios: ...
-    @staticmethod
-    def parse(plan: str, folder: str, design: str) -> Scenarios: ...
+    def in_folder(
+        plan: str | PathLike[str], folder: str | PathLike[str], design: str | None = None
+    ) -> Scenarios: ...
     def release(self) -> None: ...
-    def run(self, first: int, end: int, file: str | PathLike[str]) -> None: ...
+    def run(self, first: int, end: int, file: str | PathLike[str]) -> list[Path]: ...
     def aborted(self, scenario: int, file: str | PathLike[str]) -> None: ...
     def missing(
         self, folder: str | PathLike[str]

@@ -1,4 +1,4 @@
-"""Runs some scenarios in a process of its own: the task comes in, the content of their file out."""
+"""Runs some scenarios in a process of its own: the task comes in, what comes of them goes out."""
 
 import sys
 
@@ -7,7 +7,7 @@ import cloudpickle
 
 def main() -> None:
     runner, work, first, end = cloudpickle.load(sys.stdin.buffer)
-    sys.stdout.buffer.write(runner(work, first, end))
+    sys.stdout.buffer.write(cloudpickle.dumps(runner(work, first, end)))
 
 
 if __name__ == "__main__":

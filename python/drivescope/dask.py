@@ -10,10 +10,10 @@
 Scenarios go out in batches of about a second. Each batch is stored in the folder as it arrives,
 under a name that tells its scenarios, so that with `resume=True` what is there is not run again:
 after the loss of workers, scheduler or this process. Every worker must have the version of
-drivescope that drives the campaign; it is sent plan, drive and detectors, and compares their
+drivescope that drives the campaign; it is sent plan, drive, FMU and detectors, and compares their
 digest. A scenario that ends the process which runs it is found, run once more in a process of its
-own, and stands in the results as `aborted`. The dataset is, byte for byte, that of `campaign` on
-one machine.
+own, and stands in the results as `aborted`; those of a foreign FMU always run in processes of their
+own. The dataset is, byte for byte, that of `campaign` on one machine.
 """
 
 from __future__ import annotations
@@ -82,16 +82,42 @@ class Work:
     digest: str
     plan: str
     design: str
-    #: Name of the drive's file beside the plan, and its text; nothing for a built-in drive.
-    drive: tuple[str, str] | None
+    #: Files beside the plan, with their content: its drive and its FMU, where it has them there.
+    files: tuple[tuple[str, bytes], ...]
 
 
-#: Runs some scenarios: the content of their file.
-Runner = Callable[[Work, int, int], bytes]
+@dataclass(frozen=True)
+class Made:
+    """What comes of some scenarios."""
+
+    #: The content of their file.
+    rows: bytes
+    #: Signals of a foreign FMU that are kept: names of files and their content.
+    traces: tuple[tuple[str, bytes], ...] = ()
+
+
+#: Runs some scenarios.
+Runner = Callable[[Work, int, int], Made]
+
+
+class _Here:
+    """The campaign of a worker, in a folder that goes with it."""
+
+    def __init__(self, work: Work) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix=".drivescope-")
+        folder = Path(self._folder.name)
+        for name, content in work.files:
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        plan = folder / ".plan.toml"
+        plan.write_text(work.plan, encoding="utf-8", newline="")
+        results = folder / ".results"
+        self.scenarios = _drivescope.Scenarios.in_folder(plan, results, work.design)
 
 
 @lru_cache(maxsize=4)
-def _scenarios(work: Work) -> _drivescope.Scenarios:
+def _here(work: Work) -> _Here:
     """Return the campaign of a worker, made once in a process."""
     here = f"worker {platform.node()} (process {os.getpid()})"
     if work.version != _drivescope.__version__:
@@ -99,48 +125,52 @@ def _scenarios(work: Work) -> _drivescope.Scenarios:
             f"{here} has drivescope {_drivescope.__version__}, the campaign is driven by "
             f"{work.version}\ninstall the same version on every machine, and restart the workers"
         )
-    with tempfile.TemporaryDirectory(prefix=".drivescope-") as folder:
-        if work.drive is not None:
-            path = Path(folder) / work.drive[0]
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(work.drive[1], encoding="utf-8", newline="")
-        scenarios = _drivescope.Scenarios.parse(work.plan, folder, work.design)
-    if scenarios.digest != work.digest:
+    made = _Here(work)
+    if made.scenarios.digest != work.digest:
         raise _drivescope.Error(
-            f"{here} reads another campaign out of the same plan: {scenarios.digest}, not "
+            f"{here} reads another campaign out of the same plan: {made.scenarios.digest}, not "
             f"{work.digest}\ninstall the same build of drivescope on every machine"
         )
-    return scenarios
+    return made
 
 
-def _content(write: Callable[[Path], None]) -> bytes:
+def _taken(path: Path) -> bytes:
+    content = path.read_bytes()
+    path.unlink()
+    return content
+
+
+def run(work: Work, first: int, end: int) -> Made:
+    """Run scenarios on this worker."""
+    scenarios = _here(work).scenarios
     with tempfile.TemporaryDirectory(prefix=".drivescope-") as folder:
         path = Path(folder) / "part.parquet"
-        write(path)
-        return path.read_bytes()
+        traces = scenarios.run(first, end, path)
+        return Made(path.read_bytes(), tuple((it.name, _taken(it)) for it in traces))
 
 
-def run(work: Work, first: int, end: int) -> bytes:
-    """Run scenarios on this worker; the content of their file."""
-    scenarios = _scenarios(work)
-    return _content(lambda path: scenarios.run(first, end, path))
+def _aborted_alone(work: Work, scenario: int) -> Made:
+    with tempfile.TemporaryDirectory(prefix=".drivescope-") as folder:
+        path = Path(folder) / "part.parquet"
+        _here(work).scenarios.aborted(scenario, path)
+        return Made(path.read_bytes())
 
 
 @dataclass(frozen=True)
 class _Part:
-    """The file of some scenarios."""
+    """What came of some scenarios."""
 
     first: int
     end: int
-    content: bytes
+    made: Made
     aborted: bool
 
 
 def _batch(runner: Runner, work: Work, first: int, end: int) -> tuple[list[_Part], float]:
-    _scenarios(work)
+    _here(work)
     began = time.monotonic()
-    content = runner(work, first, end)
-    return [_Part(first, end, content, False)], time.monotonic() - began
+    made = runner(work, first, end)
+    return [_Part(first, end, made, False)], time.monotonic() - began
 
 
 def _isolated(runner: Runner, work: Work, first: int, end: int) -> list[_Part]:
@@ -149,14 +179,12 @@ def _isolated(runner: Runner, work: Work, first: int, end: int) -> list[_Part]:
     child = [sys.executable, "-m", "drivescope._isolated"]
     ran = subprocess.run(child, input=task, capture_output=True, check=False)
     if ran.returncode == 0:
-        return [_Part(first, end, ran.stdout, False)]
+        return [_Part(first, end, cloudpickle.loads(ran.stdout), False)]
     if ran.returncode > 0:
         # It ended in good order: an error that every process would meet.
         raise RuntimeError(f"scenarios {first} to {end - 1}: {ran.stderr.decode(errors='replace')}")
     if end - first == 1:
-        scenarios = _scenarios(work)
-        content = _content(lambda path: scenarios.aborted(first, path))
-        return [_Part(first, end, content, True)]
+        return [_Part(first, end, _aborted_alone(work, first), True)]
     middle = (first + end) // 2
     return _isolated(runner, work, first, middle) + _isolated(runner, work, middle, end)
 
@@ -218,7 +246,7 @@ def campaign(
             digest=scenarios.digest,
             plan=scenarios.plan,
             design=scenarios.design,
-            drive=_drive(Path(plan), scenarios.drive_name),
+            files=_files(Path(plan), scenarios.drive_name, scenarios.fmu_name),
         )
         _Cluster(client, work, runner, scenarios, output, look).run(missing, batch_s)
         dataset = Path(_drivescope.merged(output))
@@ -228,13 +256,12 @@ def campaign(
         scenarios.release()
 
 
-def _drive(plan: Path, name: str) -> tuple[str, str] | None:
-    """Return name and text of the drive's file, where it lies beside the plan."""
-    if os.path.isabs(name) or ".." in Path(name).parts:
-        # What is named by its whole path is looked for there on every machine.
-        return None
-    file = plan.parent / name
-    return (name, file.read_text(encoding="utf-8")) if file.is_file() else None
+def _files(plan: Path, *names: str | None) -> tuple[tuple[str, bytes], ...]:
+    """Return names and content of those files that lie beside the plan."""
+    # What is named by its whole path is looked for there on every machine.
+    beside = [it for it in names if it and not os.path.isabs(it) and ".." not in Path(it).parts]
+    files = ((name, plan.parent / name) for name in beside)
+    return tuple((name, file.read_bytes()) for name, file in files if file.is_file())
 
 
 def _missing(scenarios: _drivescope.Scenarios, folder: Path, resume: bool) -> list[tuple[int, int]]:
@@ -260,16 +287,17 @@ def _aborted(dataset: Path) -> tuple[int, ...]:
     return tuple(scenario for scenario, status in pairs if status == "aborted")
 
 
-def _store(folder: Path, part: _Part) -> None:
-    """Put a part in place, whole or not at all."""
+def _store(folder: Path, name: str, content: bytes) -> None:
+    """Put a file in place, whole or not at all."""
+    folder.mkdir(exist_ok=True)
     handle, temporary = tempfile.mkstemp(prefix=".drivescope-", dir=folder)
     try:
         with os.fdopen(handle, "wb") as out:
-            out.write(part.content)
+            out.write(content)
             out.flush()
             os.fsync(out.fileno())
         os.chmod(temporary, 0o644)
-        os.replace(temporary, folder / _drivescope.part(part.first, part.end))
+        os.replace(temporary, folder / name)
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
@@ -367,9 +395,12 @@ class _Cluster:
 
     def _take(self, parts: list[_Part]) -> None:
         for part in parts:
-            aborted = [part.first] if part.aborted else []
-            self._scenarios.write_traces(self._folder, part.first, part.end, aborted)
-            _store(self._folder, part)
+            if self._scenarios.fmu_name is None:
+                aborted = [part.first] if part.aborted else []
+                self._scenarios.write_traces(self._folder, part.first, part.end, aborted)
+            for name, content in part.made.traces:
+                _store(self._folder / "traces", name, content)
+            _store(self._folder, _drivescope.part(part.first, part.end), part.made.rows)
             self._done += part.end - part.first
         if self._look is not None:
             self._look("campaign", self._done, self._scenarios.count)

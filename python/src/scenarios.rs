@@ -19,19 +19,18 @@ pub(crate) struct Scenarios {
 
 #[pymethods]
 impl Scenarios {
-    /// Of a plan file, with the detectors of that folder, which is held until `release`.
+    /// Of a plan file, with the detectors of that folder, which is held until `release`, or of that text.
     #[staticmethod]
-    fn in_folder(py: Python<'_>, plan: PathBuf, folder: PathBuf) -> PyResult<Self> {
-        let opened = py.detach(|| Campaign::in_folder(&plan, &folder));
+    #[pyo3(signature = (plan, folder, design = None))]
+    fn in_folder(
+        py: Python<'_>,
+        plan: PathBuf,
+        folder: PathBuf,
+        design: Option<&str>,
+    ) -> PyResult<Self> {
+        let opened = py.detach(|| Campaign::in_folder(&plan, &folder, design));
         let (campaign, held) = opened.map_err(raised)?;
         Ok(Self { campaign, held: Mutex::new(Some(held)) })
-    }
-
-    /// Of the texts of a plan and its detectors; `folder` is where its drive is.
-    #[staticmethod]
-    fn parse(py: Python<'_>, plan: &str, folder: PathBuf, design: &str) -> PyResult<Self> {
-        let parsed = py.detach(|| Campaign::parse(plan, &folder, design));
-        Ok(Self { campaign: parsed.map_err(raised)?, held: Mutex::default() })
     }
 
     /// Lets others write in the folder.
@@ -57,6 +56,12 @@ impl Scenarios {
         self.campaign.drive_name()
     }
 
+    /// The FMU that is the machine as the plan names it, where it has one.
+    #[getter]
+    fn fmu_name(&self) -> Option<&str> {
+        self.campaign.fmu_name()
+    }
+
     /// Text of the detectors.
     #[getter]
     fn design(&self) -> PyResult<String> {
@@ -69,8 +74,9 @@ impl Scenarios {
         self.campaign.digest()
     }
 
-    /// Runs the scenarios from `first` on, without `end`, into a file.
-    fn run(&self, py: Python<'_>, first: u64, end: u64, file: PathBuf) -> PyResult<()> {
+    /// Runs the scenarios from `first` on, without `end`, into a file; the files of the signals that are
+    /// kept, where processes of their own wrote them.
+    fn run(&self, py: Python<'_>, first: u64, end: u64, file: PathBuf) -> PyResult<Vec<PathBuf>> {
         let range = self.range(first, end)?;
         py.detach(|| self.campaign.run(&range, &file)).map_err(raised)
     }

@@ -37,7 +37,7 @@ methods = ["constant", "cusum"]
 """
 
 
-def slowly(work: dask.Work, first: int, end: int) -> bytes:
+def slowly(work: dask.Work, first: int, end: int) -> dask.Made:
     """Run scenarios so that there is time to kill, and end the process at one of them."""
     import os
     import time

@@ -112,6 +112,17 @@ class Spread(InFolder):
             self.assertRaisesRegex(ds.Error, r"has drivescope \d.*, the campaign is driven by 9.9"),
         ):
             dask.campaign("plan.toml", "other", client)
+        # The FMU beside the plan is sent along.
+        ds.export_fmu("bench.toml", "machine.fmu")
+        words = PLAN.replace("seed = 5", 'seed = 5\nfmu = "machine.fmu"\nkeep_traces = 0.1')
+        Path("fmu.toml").write_text(words.replace("draws = 120", "draws = 6"))
+        ds.campaign("fmu.toml", "fmu-alone")
+        done = dask.campaign("fmu.toml", "fmu-together", client, batch_s=0.2)
+        self.assertEqual(digest(done.dataset), digest(Path("fmu-alone/campaign.parquet")))
+        kept = {it.name: it.read_bytes() for it in Path("fmu-alone/traces").iterdir()}
+        self.assertTrue(kept)
+        sent = {it.name: it.read_bytes() for it in Path("fmu-together/traces").iterdir()}
+        self.assertEqual(sent, kept)
         # A folder of another run, of another plan, and with the scheduler gone.
         held = _drivescope.Scenarios.in_folder("plan.toml", "held")
         with self.assertRaisesRegex(ds.Error, "another run writes there"):

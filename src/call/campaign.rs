@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use drivescope_scenarios::campaign::{
-    self, Campaign, Design, Plan, Whole, missing, part_name, parts_of, write_rows,
+    self, Campaign, ForeignPlant, Whole, missing, part_name, parts_of, write_rows,
 };
 
 use super::{Refused, guarded};
@@ -13,9 +13,13 @@ use crate::claim::Claim;
 use crate::commands;
 use crate::failure::into_report;
 
-/// A plan with its detectors.
+/// A plan with its detectors, in a folder.
 #[derive(Debug)]
-pub struct Scenarios(Campaign);
+pub struct Scenarios {
+    campaign: Campaign,
+    plan: PathBuf,
+    folder: PathBuf,
+}
 
 /// A folder of results in which nobody else writes while this lives.
 #[derive(Debug)]
@@ -27,43 +31,41 @@ pub struct Held {
 pub type Missing = (Vec<Range<u64>>, Vec<(PathBuf, String)>);
 
 impl Scenarios {
-    /// Those of a plan file, with the detectors of a folder of results (designed, if it has none),
-    /// which is held.
+    /// Those of a plan file, with the detectors of a folder of results, which is held: the text that is
+    /// given, those that are there, or new ones.
     ///
     /// # Errors
     /// What is wrong with the plan, or the folder is another run's or another campaign's.
-    pub fn in_folder(plan: &Path, folder: &Path) -> Result<(Self, Held), Refused> {
+    pub fn in_folder(
+        plan: &Path,
+        folder: &Path,
+        design: Option<&str>,
+    ) -> Result<(Self, Held), Refused> {
         guarded(|| {
-            let (campaign, claim) = commands::campaign_in(plan, folder)?;
-            Ok((Self(campaign), Held { _claim: claim }))
-        })
-    }
-
-    /// Those of the texts of a plan and of its detectors; `folder` is where its drive is looked for.
-    ///
-    /// # Errors
-    /// What is wrong with them.
-    pub fn parse(plan: &str, folder: &Path, design: &str) -> Result<Self, Refused> {
-        guarded(|| {
-            let plan = Plan::parse(plan, "plan", folder).map_err(into_report)?;
-            let design = Design::parse(design).map_err(into_report)?;
-            Ok(Self(Campaign::new(plan, design)))
+            let (campaign, claim) = commands::campaign_in(plan, folder, design)?;
+            let (plan, folder) = (plan.to_owned(), folder.to_owned());
+            Ok((Self { campaign, plan, folder }, Held { _claim: claim }))
         })
     }
 
     /// How many there are.
     pub fn count(&self) -> u64 {
-        self.0.plan().scenarios()
+        self.campaign.plan().scenarios()
     }
 
     /// Text of the plan.
     pub fn plan(&self) -> &str {
-        &self.0.plan().text
+        &self.campaign.plan().text
     }
 
     /// The drive as the plan names it: one that comes with the program, or a file.
     pub fn drive_name(&self) -> &str {
-        &self.0.plan().drive_name
+        &self.campaign.plan().drive_name
+    }
+
+    /// The FMU that is the machine as the plan names it, where it has one.
+    pub fn fmu_name(&self) -> Option<&str> {
+        self.campaign.plan().foreign.as_ref().map(ForeignPlant::file)
     }
 
     /// Text of the detectors.
@@ -71,25 +73,29 @@ impl Scenarios {
     /// # Errors
     /// An internal error only.
     pub fn design(&self) -> Result<String, Refused> {
-        guarded(|| self.0.design().to_toml().map_err(into_report))
+        guarded(|| self.campaign.design().to_toml().map_err(into_report))
     }
 
     /// Digest of plan, drive and detectors.
     pub fn digest(&self) -> String {
-        format!("{}-{}", self.0.plan().digest, self.0.design_digest())
+        format!("{}-{}", self.campaign.plan().digest, self.campaign.design_digest())
     }
 
-    /// Runs those of a range into a file.
+    /// Runs those of a range into a file. Those of a foreign FMU run in processes of their own, which write
+    /// the signals that are kept into the folder: these files.
     ///
     /// # Errors
     /// It cannot be written.
     ///
     /// # Panics
     /// If the range reaches beyond the scenarios: an internal error.
-    pub fn run(&self, range: &Range<u64>, file: &Path) -> Result<(), Refused> {
-        let rows = guarded(|| Ok(self.0.run(range.clone(), &|_| false)))?;
-        let rows = rows.ok_or(Refused::Stopped)?;
-        guarded(|| write_rows(file, &self.0, range, &rows).map_err(into_report))
+    pub fn run(&self, range: &Range<u64>, file: &Path) -> Result<Vec<PathBuf>, Refused> {
+        let Self { campaign, plan, folder } = self;
+        guarded(|| {
+            let (rows, traces) = commands::campaign_rows(campaign, plan, folder, range)?;
+            write_rows(file, campaign, range, &rows).map_err(into_report)?;
+            Ok(traces)
+        })
     }
 
     /// Writes the row of one that ends the process which runs it.
@@ -99,7 +105,8 @@ impl Scenarios {
     pub fn aborted(&self, scenario: u64, file: &Path) -> Result<(), Refused> {
         let range = scenario..scenario + 1;
         guarded(|| {
-            write_rows(file, &self.0, &range, &self.0.aborted(scenario)).map_err(into_report)
+            write_rows(file, &self.campaign, &range, &self.campaign.aborted(scenario))
+                .map_err(into_report)
         })
     }
 
@@ -109,7 +116,8 @@ impl Scenarios {
     /// Another campaign's folder, or scenarios that are there twice.
     pub fn missing(&self, folder: &Path) -> Result<Missing, Refused> {
         guarded(|| {
-            let Whole { parts, damaged } = parts_of(folder, Some(&self.0)).map_err(into_report)?;
+            let Whole { parts, damaged } =
+                parts_of(folder, Some(&self.campaign)).map_err(into_report)?;
             let ranges = missing(&parts, self.count()).map_err(into_report)?;
             Ok((ranges, damaged.into_iter().map(|(path, why)| (path, why.to_string())).collect()))
         })
@@ -125,7 +133,7 @@ impl Scenarios {
         range: &Range<u64>,
         aborted: &[u64],
     ) -> Result<(), Refused> {
-        guarded(|| commands::campaign_traces(&self.0, folder, range, aborted))
+        guarded(|| commands::campaign_traces(&self.campaign, folder, range, aborted))
     }
 }
 

@@ -25,7 +25,7 @@ mod twelve;
 
 use clap::{Args, Subcommand};
 
-pub(crate) use campaign::{campaign_in, campaign_traces};
+pub(crate) use campaign::{campaign_in, campaign_rows, campaign_traces};
 pub(crate) use diagnose::{Diagnose, Stream};
 pub(crate) use recording_options::{RecordingOptions, at_period, resampled_near};
 pub(crate) use train::{Material as TrainMaterial, Plan, Trained, interface, train};

@@ -91,9 +91,10 @@ fn a_process_that_an_fmu_ends_costs_one_scenario() {
 }
 
 /// A speed control of another tool, under its own names and units; it refuses a step at one
-/// resistance, and ends its process at another.
+/// resistance, ends its process at another, and at a third one never comes back.
 const MACHINE: &str = r#"
 import os
+import time as clock
 
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
@@ -118,6 +119,8 @@ class Machine(Fmi2Slave):
             self.register_variable(Real(shown, causality=Fmi2Causality.output))
 
     def do_step(self, time, step):
+        if self.resistance > 7.0:
+            clock.sleep(3600.0)
         if self.resistance > 5.0:
             os.abort()
         if self.resistance > 4.0 and time > 0.5:
@@ -146,10 +149,10 @@ fn machine(here: &Path) -> bool {
     built
 }
 
-const FOREIGN: &str = "schema = 1\ndrive = \"dr300\"\nfmu = \"Machine.fmu\"\ndraws = 1\nduration = 1.5\n\
+const FOREIGN: &str = "schema = 1\ndrive = \"dr300\"\nfmu = \"Machine.fmu\"\nfmu_time_limit = 15\ndraws = 1\nduration = 1.5\n\
     [fmu_variables]\nreference = \"wanted\"\nfault_tacho = \"slip\"\nR = \"resistance\"\n\
     C_m = \"control\"\nT = \"shown\"\nI_m = \"current\"\n\
-    [parameters]\nR = { grid = [3.0, 3.2, 4.5, 3.4, 6.0, 3.6] }\n\
+    [parameters]\nR = { grid = [3.0, 3.2, 4.5, 3.4, 6.0, 8.0, 3.6] }\n\
     \"noise.reference\" = 0\n\"noise.omega\" = 0\n\"noise.i\" = 0\n\"noise.torque\" = 0\n\
     [[fault]]\nkind = \"tacho\"\nsize = 0.2\nonset = 1.0\n[detector]\nrun_up = 0.6\n\
     [design]\nsamples = 20000\n";
@@ -165,10 +168,12 @@ fn an_fmu_of_another_tool_is_the_machine_under_its_own_names() {
     let rows = rows(here.path(), "a");
     let status: Vec<&str> = rows.iter().map(|row| value(row, "status")).collect();
     let [done_, aborted] = ["\"done\"", "\"aborted\""];
-    assert_eq!(status, [done_, done_, aborted, done_, aborted, done_]);
+    assert_eq!(status, [done_, done_, aborted, done_, aborted, aborted, done_]);
     assert!(rows[4].contains("failure: \"it ended the process that ran it\""), "{}", rows[4]);
     assert!(value(&rows[2], "failure").contains("asked for the end at 0.51"), "{}", rows[2]);
-    for row in [&rows[0], &rows[1], &rows[3], &rows[5]] {
+    let given_up = "failure: \"it took longer than 15 s (fmu_time_limit)\"";
+    assert!(rows[5].contains(given_up), "{}", rows[5]);
+    for row in [&rows[0], &rows[1], &rows[3], &rows[6]] {
         // A reading that is a fifth too high is a fifth of the speed off.
         let residual: f64 = value(row, "residual").parse().expect("a number");
         assert!(residual.is_finite() && residual != 0.0, "{row}");
@@ -177,7 +182,7 @@ fn an_fmu_of_another_tool_is_the_machine_under_its_own_names() {
         (
             "C_m = \"control\"",
             "C_m = \"contro\"",
-            "plan.toml:10:7: `fmu`: Machine.fmu has no output `contro`",
+            "plan.toml:11:7: `fmu`: Machine.fmu has no output `contro`",
         ),
         (
             "fault_tacho = \"slip\"\n",
@@ -187,6 +192,11 @@ fn an_fmu_of_another_tool_is_the_machine_under_its_own_names() {
         ("\"noise.i\" = 0\n", "", "or set that noise to 0 under [parameters]"),
         ("R = \"resistance\"", "Q = \"resistance\"", "`Q` is no variable"),
         ("fmu = \"Machine.fmu\"\n", "", "there is no `fmu` that has variables"),
+        (
+            "_limit = 15",
+            "_limit = 0",
+            "plan.toml:4:18: `fmu_time_limit` may be 0: it takes a time up to",
+        ),
         ("\"Machine.fmu\"", "\"None.fmu\"", "plan.toml:3:7: `fmu`: there is no file `None.fmu`"),
         (
             "\"Machine.fmu\"",

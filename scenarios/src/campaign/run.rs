@@ -18,6 +18,9 @@ const TASK: u64 = 4 * LANES as u64;
 /// Scenarios of a part, as runs split a campaign: a second's work or less.
 pub const PART: u64 = 2048;
 
+/// Scenarios of a foreign FMU that a thread takes at once: each is heard of when it is over.
+const TASK_OF_FOREIGN: u64 = 1;
+
 /// Why a scenario has no result that did not say.
 const ENDED: &str = "it ended the process that ran it";
 
@@ -52,18 +55,19 @@ impl Campaign {
     }
 
     /// Runs the scenarios of a range, in parallel; nothing where `stop` answers true, which is asked
-    /// after each few of them with the number that was done.
+    /// after each few of them (each one of a foreign FMU) with the number that was done.
     ///
     /// # Panics
     /// If the range reaches beyond the plan's scenarios (an error of the calling code).
     pub fn run(&self, range: Range<u64>, stop: &(dyn Fn(u64) -> bool + Sync)) -> Option<Rows> {
         assert!(range.end <= self.plan.scenarios(), "{} scenarios", self.plan.scenarios());
         let blocks = Blocks::new(&self.plan, &self.design);
-        let tasks: Vec<u64> = range.clone().step_by(TASK as usize).collect();
+        let task = if self.plan.foreign.is_some() { TASK_OF_FOREIGN } else { TASK };
+        let tasks: Vec<u64> = range.clone().step_by(task as usize).collect();
         let done: Option<Vec<Rows>> = tasks
             .into_par_iter()
             .map(|first| {
-                let last = (first + TASK).min(range.end);
+                let last = (first + task).min(range.end);
                 let rows = self.some_of(&blocks, first..last);
                 (!stop(last - first)).then_some(rows)
             })
@@ -114,10 +118,20 @@ impl Campaign {
         blocks.trace(&blocks.ready(scenario))
     }
 
-    /// The rows of scenarios that end the process which runs them: what they are, and no result.
+    /// The row of a scenario that ends the process which runs it: what it is, and no result.
     pub fn aborted(&self, scenario: u64) -> Rows {
+        self.without_result(scenario, ENDED)
+    }
+
+    /// The row of a scenario of a foreign FMU that took longer than the plan allows.
+    pub fn given_up(&self, scenario: u64) -> Rows {
+        let limit_s = self.plan.foreign.as_ref().map_or(0.0, |it| it.time_limit().as_secs_f64());
+        self.without_result(scenario, &format!("it took longer than {limit_s} s (fmu_time_limit)"))
+    }
+
+    fn without_result(&self, scenario: u64, why: &str) -> Rows {
         let mut rows = Rows::none(&self.plan);
-        rows.push(&self.plan, &self.plan.scenario(scenario), Err(ENDED));
+        rows.push(&self.plan, &self.plan.scenario(scenario), Err(why));
         rows
     }
 }

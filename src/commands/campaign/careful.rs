@@ -1,17 +1,20 @@
 //! Scenarios that may end the process which runs them: each range in a process of its own, halved
-//! until the one that does so is found. Those of a foreign FMU are always run so.
+//! until the one that does so is found. Those of a foreign FMU are always run so, and one that takes too
+//! long is given up.
 
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
-use std::process::{ExitStatus, Stdio};
+use std::process::Stdio;
+use std::time::Duration;
 
-use drivescope_scenarios::campaign::{Campaign, Plan, Reader, Rows, write_rows};
+use drivescope_scenarios::campaign::{Campaign, ForeignPlant, Plan, Reader, Rows, write_rows};
 use rayon::prelude::*;
 
 use super::folder;
+use super::watched::{self, Ended, Progress};
 use crate::failure::{Ending, Failure, Stopped, into_report};
-use crate::interrupt;
+use crate::interrupt::{self, Asked};
 
 /// Runs the scenarios of a range and writes them as that file: what the other process does.
 ///
@@ -20,9 +23,17 @@ use crate::interrupt;
 pub(super) fn part(plan: Plan, file: &Path, range: &Range<u64>) -> miette::Result<Ending> {
     let campaigns = file.parent().and_then(Path::parent).unwrap_or(Path::new(""));
     let campaign = folder::open(plan, campaigns)?;
-    let rows = campaign.run(range.clone(), &|_| interrupt::check().is_err());
-    let rows = rows.ok_or(Stopped)?;
-    if campaign.plan().foreign.is_some() {
+    let foreign = campaign.plan().foreign.is_some();
+    let unwritable = |source| Failure::Write { path: file.to_owned(), source };
+    let progress = foreign.then(|| Progress::begin(file)).transpose().map_err(unwritable)?;
+    let stop = |_| {
+        if let Some(progress) = &progress {
+            progress.one_more();
+        }
+        interrupt::check().is_err()
+    };
+    let rows = campaign.run(range.clone(), &stop).ok_or(Stopped)?;
+    if foreign {
         // No other process is to load what this one survived.
         folder::write_traces(&campaign, campaigns, range, &rows.aborted())?;
     }
@@ -49,7 +60,7 @@ pub(super) fn rows_of_foreign(
     let some = |first: u64| {
         asked.check()?;
         let some = first..(first + AT_ONCE).min(range.end);
-        let rows = rows(campaign, plan, folder, &some);
+        let rows = rows(campaign, plan, folder, &some, &asked);
         done(some.end - some.start);
         rows
     };
@@ -62,6 +73,13 @@ pub(super) fn rows_of_foreign(
     Ok(rows)
 }
 
+/// What is to be done for the rows of a range.
+enum Remaining {
+    Run(Range<u64>),
+    /// The row of a scenario that took too long.
+    GiveUp(u64),
+}
+
 /// The rows of a range; a scenario that ends its process has the row of one.
 ///
 /// # Errors
@@ -71,20 +89,40 @@ pub(super) fn rows(
     plan: &Path,
     folder: &Path,
     range: &Range<u64>,
+    asked: &Asked,
 ) -> miette::Result<Rows> {
     let unwritable = |source| Failure::Write { path: folder.to_owned(), source };
     let work = tempfile::Builder::new().prefix(interrupt::OWN).tempdir_in(folder);
     let work = work.map_err(unwritable)?;
     let _leftover = interrupt::Leftover::new(work.path());
     let mut rows = Rows::none(campaign.plan());
-    // The ranges that are left, the next one last.
-    let mut remaining = vec![range.clone()];
-    while let Some(range) = remaining.pop() {
-        interrupt::check()?;
+    // What is left, the next one last.
+    let mut remaining = vec![Remaining::Run(range.clone())];
+    while let Some(next) = remaining.pop() {
+        let range = match next {
+            Remaining::Run(range) if range.is_empty() => continue,
+            Remaining::Run(range) => range,
+            Remaining::GiveUp(scenario) => {
+                let _ = rows.append(campaign.given_up(scenario));
+                continue;
+            }
+        };
+        asked.check()?;
         let file = work.path().join(format!("{}.parquet", range.start));
-        let foreign = campaign.plan().foreign.is_some();
-        let ended = other_process((plan, foreign), &file, &range)?;
-        interrupt::check()?;
+        let limit = campaign.plan().foreign.as_ref().map(ForeignPlant::time_limit);
+        let ended = match other_process((plan, limit), &file, &range, asked)? {
+            Ended::Alone(status) => status,
+            Ended::TookTooLong { after } => {
+                let scenario = range.start + after;
+                remaining.extend([
+                    Remaining::Run(scenario + 1..range.end),
+                    Remaining::GiveUp(scenario),
+                    Remaining::Run(range.start..scenario),
+                ]);
+                continue;
+            }
+        };
+        asked.check()?;
         if ended.success() {
             let reader = Reader::open(&file).map_err(into_report)?;
             for group in 0..reader.groups() {
@@ -101,25 +139,26 @@ pub(super) fn rows(
             let _ = rows.append(campaign.aborted(range.start));
         } else {
             let middle = range.start + (range.end - range.start) / 2;
-            remaining.extend([middle..range.end, range.start..middle]);
+            remaining.extend([middle..range.end, range.start..middle].map(Remaining::Run));
         }
     }
     Ok(rows)
 }
 
 fn other_process(
-    (plan, foreign): (&Path, bool),
+    (plan, limit): (&Path, Option<Duration>),
     file: &Path,
     range: &Range<u64>,
-) -> miette::Result<ExitStatus> {
+    asked: &Asked,
+) -> miette::Result<Ended> {
     let failed = |source| Failure::Read { path: "drivescope".into(), source };
     let mut program = crate::call::program().map_err(failed)?;
-    if let Some(work) = file.parent().filter(|_| foreign) {
+    if let Some(work) = file.parent().filter(|_| limit.is_some()) {
         // What an FMU unpacked there goes with the folder, however its process ends.
         program.env("TMPDIR", fs::canonicalize(work).map_err(failed)?);
         program.env("RAYON_NUM_THREADS", "1");
     }
-    let ended = program
+    program
         .arg("campaign")
         .arg(plan)
         .arg("--part")
@@ -128,8 +167,11 @@ fn other_process(
         .arg(file)
         .arg("--quiet")
         .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .status()
-        .map_err(failed)?;
-    Ok(ended)
+        .stdout(Stdio::null());
+    let Some(limit) = limit else {
+        return Ok(Ended::Alone(program.status().map_err(failed)?));
+    };
+    let mut child = program.spawn().map_err(failed)?;
+    let ended = watched::wait(&mut child, (file, range.end - range.start), limit, asked);
+    Ok(ended.map_err(failed)?.ok_or(Stopped)?)
 }

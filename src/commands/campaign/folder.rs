@@ -74,9 +74,16 @@ pub(super) fn open(plan: Plan, folder: &Path) -> miette::Result<Campaign> {
         .into());
     }
     let design = Design::new(&plan).map_err(into_report)?;
-    let text = design.to_toml().map_err(into_report)?;
-    output::write_file(&path, |out| out.write_all(text.as_bytes()))?;
+    put_design(folder, &design.to_toml().map_err(into_report)?)?;
     Ok(Campaign::new(plan, design))
+}
+
+/// Puts the text of detectors into the folder.
+///
+/// # Errors
+/// It cannot be written.
+pub(super) fn put_design(folder: &Path, text: &str) -> miette::Result<()> {
+    Ok(output::write_file(&folder.join(DESIGN), |out| out.write_all(text.as_bytes()))?)
 }
 
 /// Version of this program.
@@ -118,6 +125,12 @@ pub(crate) fn write_traces(
         output::write_recording(&trace(&traces, scenario), &signals)?;
     }
     Ok(())
+}
+
+/// The signals of a range that are there.
+pub(super) fn traces_of(folder: &Path, range: &Range<u64>) -> Vec<PathBuf> {
+    let traces = folder.join(TRACES);
+    range.clone().map(|scenario| trace(&traces, scenario)).filter(|path| path.is_file()).collect()
 }
 
 fn trace(folder: &Path, scenario: u64) -> PathBuf {

@@ -12,11 +12,13 @@ mod only;
 mod report;
 mod run;
 mod shard;
+mod watched;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use drivescope_scenarios::campaign::{Campaign as Scenarios, Plan, PlanError};
+use drivescope_scenarios::campaign::{Campaign as Scenarios, Plan, PlanError, Rows};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
@@ -24,7 +26,8 @@ pub(crate) use self::folder::write_traces as campaign_traces;
 use self::shard::Shard;
 use super::Run;
 use crate::claim::Claim;
-use crate::failure::{Ending, Failure, visible};
+use crate::failure::{Ending, Failure, Stopped, visible};
+use crate::interrupt;
 use crate::session::Session;
 
 /// Run many faulty scenarios of a plan: one row each, as Parquet.
@@ -101,16 +104,43 @@ impl Run for Campaign {
     }
 }
 
-/// The campaign of a plan file in a folder that is made and claimed, for who runs its parts otherwise.
+/// The campaign of a plan file in a folder that is made and claimed, for who runs its parts otherwise;
+/// with the detectors of that text, where one is given.
 ///
 /// # Errors
 /// A plan that is wrong, or a folder of another run or campaign.
-pub(crate) fn campaign_in(plan: &Path, folder: &Path) -> miette::Result<(Scenarios, Claim)> {
+pub(crate) fn campaign_in(
+    plan: &Path,
+    folder: &Path,
+    design: Option<&str>,
+) -> miette::Result<(Scenarios, Claim)> {
     let plan = read(plan)?;
     std::fs::create_dir_all(folder)
         .map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
     let claim = folder::claim(folder, Shard::WHOLE)?;
+    if let Some(design) = design {
+        folder::put_design(folder, design)?;
+    }
     Ok((folder::open(plan, folder)?, claim))
+}
+
+/// The rows of a range for who runs it otherwise, and the signals that are kept where the machine is a
+/// foreign FMU: processes of their own write them into the folder.
+///
+/// # Errors
+/// No process can be started, or the user ends the run.
+pub(crate) fn campaign_rows(
+    campaign: &Scenarios,
+    plan: &Path,
+    folder: &Path,
+    range: &Range<u64>,
+) -> miette::Result<(Rows, Vec<PathBuf>)> {
+    if campaign.plan().foreign.is_some() {
+        let rows = careful::rows(campaign, plan, folder, range, &interrupt::asked())?;
+        return Ok((rows, folder::traces_of(folder, range)));
+    }
+    let rows = campaign.run(range.clone(), &|_| interrupt::check().is_err()).ok_or(Stopped)?;
+    Ok((rows, Vec::new()))
 }
 
 /// A plan that is wrong, with the text around the place.

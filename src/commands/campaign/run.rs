@@ -175,7 +175,8 @@ impl Work<'_> {
             }
             rows?
         } else if careful {
-            let rows = careful::rows(self.campaign, self.file, self.folder, range)?;
+            let rows =
+                careful::rows(self.campaign, self.file, self.folder, range, &interrupt::asked())?;
             self.bar.inc(range.end - range.start);
             rows
         } else {

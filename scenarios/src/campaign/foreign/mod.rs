@@ -8,6 +8,7 @@ mod entering;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use drivescope_fmu::import::{Conversion, Fmu, Interface};
 use drivescope_recording::{Recording, Signal};
@@ -28,6 +29,10 @@ pub(super) fn units(experiment: &Experiment) -> [&'static str; SHOWN.len()] {
 #[derive(Debug, Clone)]
 pub struct ForeignPlant {
     pub(super) fmu: Fmu,
+    /// Its file as the plan names it.
+    pub(super) file: String,
+    /// How long a scenario of it may take.
+    pub(super) time_limit: Duration,
     /// Hexadecimal digest of its file.
     pub(super) digest: String,
     /// Its names of variables, where they are not those of an exported drive.
@@ -42,6 +47,16 @@ pub struct ForeignPlant {
 }
 
 impl ForeignPlant {
+    /// Its file as the plan names it.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// How long a scenario of it may take.
+    pub fn time_limit(&self) -> Duration {
+        self.time_limit
+    }
+
     /// The FMU's own name of a variable.
     pub(super) fn own_name<'a>(&'a self, name: &'a str) -> &'a str {
         self.names.get(name).map_or(name, String::as_str)

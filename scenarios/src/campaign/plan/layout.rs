@@ -27,6 +27,9 @@ pub(super) struct Layout {
     /// time, set point and noise, and is what the detectors are designed on.
     #[schemars(with = "Option<String>")]
     pub(super) fmu: Option<Spanned<String>>,
+    /// How long a scenario of the FMU may take, s; what takes longer is given up. 60 if absent.
+    #[schemars(with = "Option<f64>", range(min = 0, max = 1e6))]
+    pub(super) fmu_time_limit: Option<Spanned<f64>>,
     /// Names that the FMU has for variables of an exported drive, where they differ.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, String>")]

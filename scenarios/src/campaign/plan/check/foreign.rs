@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use drivescope_fmu::import::{Causality, Conversion, Fmu, Interface, Unit, convert};
 use sha2::{Digest, Sha256};
@@ -10,9 +11,12 @@ use toml::Spanned;
 use super::super::error::{Flaw, Problem};
 use super::super::layout::Layout;
 use super::super::{Plan, places};
-use super::at;
+use super::{at, out_of_range};
 use crate::campaign::foreign::{ForeignPlant, SHOWN, units};
 
+/// Time that a scenario may take where the plan does not say, and the longest that it can say, s.
+const TIME_LIMIT_S: f64 = 60.0;
+const LONGEST_S: f64 = 1e6;
 /// How parameters of noise begin: it is drawn outside.
 const NOISE: &str = "noise.";
 
@@ -23,9 +27,14 @@ pub(super) fn foreign(
     folder: &Path,
 ) -> Result<Option<ForeignPlant>, Flaw> {
     let Some(given) = &layout.fmu else {
-        return match layout.fmu_variables.first_key_value() {
-            Some((key, _)) => Err(wrong(key, "there is no `fmu` that has variables".to_owned())),
-            None => Ok(None),
+        return match (layout.fmu_variables.first_key_value(), &layout.fmu_time_limit) {
+            (Some((key, _)), _) => {
+                Err(wrong(key, "there is no `fmu` that has variables".to_owned()))
+            }
+            (None, Some(limit)) => {
+                Err(wrong(limit, "there is no `fmu` that takes time".to_owned()))
+            }
+            (None, None) => Ok(None),
         };
     };
     let name = given.get_ref();
@@ -38,6 +47,13 @@ pub(super) fn foreign(
     if fmu.description().capabilities(Interface::CoSimulation).is_none() {
         let what = format!("{name} has no Co-Simulation: export it so");
         return Err(wrong(given, what));
+    }
+    let time_limit_s = layout.fmu_time_limit.as_ref().map_or(TIME_LIMIT_S, |it| *it.get_ref());
+    if let Some(given) = &layout.fmu_time_limit
+        && !(time_limit_s > 0.0 && time_limit_s <= LONGEST_S)
+    {
+        let allowed = format!("a time up to {LONGEST_S} s");
+        return Err(out_of_range(given, "fmu_time_limit", time_limit_s, allowed));
     }
     let of_plan = |name: &str| plan.parameters().any(|parameter| parameter.name == name);
     for key in layout.fmu_variables.keys() {
@@ -68,7 +84,16 @@ pub(super) fn foreign(
     let parameters = parameters.collect::<Result<Vec<_>, Flaw>>()?;
     let names = layout.fmu_variables.iter();
     let names = names.map(|(key, own)| (key.get_ref().clone(), own.get_ref().clone())).collect();
-    Ok(Some(ForeignPlant { fmu, digest, names, parameters, shown, turn: Arc::default() }))
+    Ok(Some(ForeignPlant {
+        fmu,
+        file: name.clone(),
+        time_limit: Duration::from_secs_f64(time_limit_s),
+        digest,
+        names,
+        parameters,
+        shown,
+        turn: Arc::default(),
+    }))
 }
 
 /// Hexadecimal digest of a file.

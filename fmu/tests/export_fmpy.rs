@@ -11,24 +11,7 @@ use drivescope_fmu::archive::{Archive, Platform};
 use drivescope_fmu::description::Version;
 use drivescope_fmu::export::Model;
 
-#[path = "../examples/oscillator/model.rs"]
-pub mod oscillator;
-
-/// The example's library. Built here: cargo builds examples for a run of all tests, but leaves an
-/// old one in place when this test is run alone.
-fn library() -> PathBuf {
-    let build = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--example", "oscillator", "--features", "export"])
-        .arg("--message-format=json-render-diagnostics")
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("cargo starts");
-    assert!(build.status.success(), "{}", String::from_utf8_lossy(&build.stderr));
-    let messages = String::from_utf8_lossy(&build.stdout).into_owned();
-    let suffix = format!("oscillator{}", std::env::consts::DLL_SUFFIX);
-    let path = messages.split('"').find(|text| text.ends_with(&suffix));
-    PathBuf::from(path.expect("cargo names the library that it built"))
-}
+mod oscillator;
 
 fn python() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
@@ -39,8 +22,8 @@ fn python() -> PathBuf {
 fn fmpy_finds_nothing_wrong_with_the_example() {
     let python = python();
     assert!(python.exists(), "NOT RUN: no Python at {python:?}; set DRIVESCOPE_PYTHON");
-    let library = std::fs::read(library()).expect("cargo builds the example with the tests");
-    let description = oscillator::Oscillator::instantiate(None).unwrap().description();
+    let library = oscillator::library();
+    let description = oscillator::model::Oscillator::instantiate(None).unwrap().description();
     let platform = Platform::host().expect("a platform of FMI");
     let folder = tempfile::tempdir().unwrap();
     let archive = Archive {

@@ -20,11 +20,11 @@ fn twelve_runs(criterion: &mut Criterion) {
         .collect();
     let drive = &experiment.drive;
     criterion.bench_function("twelve runs of 5000 samples in 16 lanes", |b| {
-        let mut loops = ClosedLoops::<16>::new(drive);
+        let mut loops = ClosedLoops::new(drive);
         b.iter(|| loops.run(&inputs).len());
     });
     criterion.bench_function("the same in fresh memory", |b| {
-        b.iter(|| ClosedLoops::<16>::new(drive).run(&inputs).len());
+        b.iter(|| ClosedLoops::new(drive).run(&inputs).len());
     });
     criterion.bench_function("one run of 5000 samples", |b| {
         b.iter(|| closed_loop(drive, &inputs[0]));

@@ -26,30 +26,65 @@ pub fn closed_loop(drive: &Drive, inputs: &Recording) -> Recording {
     made
 }
 
-/// Closed loops of one drive side by side, `N` at once, and their recordings: a second run of
-/// them takes the memory of the first, for fresh memory costs as much as the run itself.
+/// Closed loops of one drive side by side, and their recordings: a second run of them takes the memory
+/// of the first, for fresh memory costs as much as the run itself.
+///
+/// Neither here nor for [`OneClosedLoop`] does the caller choose the number of lanes: what does the work
+/// is compiled once then, here.
 #[derive(Debug, Clone)]
-pub struct ClosedLoops<const N: usize> {
-    at_rest: Sampled<N, Block<f64, N>>,
-    units: Units,
-    made: Vec<Recording>,
-}
+pub struct ClosedLoops(Loops<LANES>);
 
-impl<const N: usize> ClosedLoops<N> {
+/// Lanes of [`ClosedLoops`].
+pub const LANES: usize = 16;
+
+impl ClosedLoops {
     /// Loops of that drive.
     pub fn new(drive: &Drive) -> Self {
-        let model = drive.model();
-        let block = Block::new(Model::side_by_side([&model; N]), speed_bound(drive));
-        let at_rest = Sampled::new(drive, block, true);
-        Self { at_rest, units: units(drive), made: Vec::new() }
+        Self(Loops::new(drive))
     }
 
     /// Runs a loop over each of the inputs, which have one length and sampling time; lanes that
     /// are left over repeat the last of them. A lane gives the same bits as [`closed_loop`].
     ///
     /// # Panics
-    /// If there are more than `N` inputs, or one is shorter than the first.
+    /// If there are more than [`LANES`] inputs, or one is shorter than the first.
     pub fn run(&mut self, inputs: &[Recording]) -> &[Recording] {
+        self.0.run(inputs)
+    }
+}
+
+/// One of [`ClosedLoops`] alone.
+#[derive(Debug, Clone)]
+pub struct OneClosedLoop(Loops<1>);
+
+impl OneClosedLoop {
+    /// The loop of that drive.
+    pub fn new(drive: &Drive) -> Self {
+        Self(Loops::new(drive))
+    }
+
+    /// Runs it over the inputs.
+    pub fn run(&mut self, inputs: &Recording) -> Option<&Recording> {
+        self.0.run(std::slice::from_ref(inputs)).first()
+    }
+}
+
+#[derive(Debug, Clone)]
+struct Loops<const N: usize> {
+    at_rest: Sampled<N, Block<f64, N>>,
+    units: Units,
+    made: Vec<Recording>,
+}
+
+impl<const N: usize> Loops<N> {
+    fn new(drive: &Drive) -> Self {
+        let model = drive.model();
+        let block = Block::new(Model::side_by_side([&model; N]), speed_bound(drive));
+        let at_rest = Sampled::new(drive, block, true);
+        Self { at_rest, units: units(drive), made: Vec::new() }
+    }
+
+    fn run(&mut self, inputs: &[Recording]) -> &[Recording] {
         assert!(inputs.len() <= N, "{} runs in {N} lanes", inputs.len());
         self.made.truncate(inputs.len());
         for (k, of) in inputs.iter().enumerate() {
@@ -339,7 +374,7 @@ mod tests {
             .zip(0..)
             .map(|(fault, k)| experiment.closed_loop(4500, Stream::Faulty(k), Some(fault)))
             .collect();
-        let mut loops = ClosedLoops::<16>::new(&experiment.drive);
+        let mut loops = ClosedLoops::new(&experiment.drive);
         loops.run(&inputs[5..]);
         let together = loops.run(&inputs);
         assert_eq!(together.len(), 12);

@@ -18,8 +18,6 @@ use crate::study::{
     Designed, Judgement, SAMPLES, Signals, StudyError, Watch, false_rate_of, row_of,
 };
 
-/// Lanes for a healthy run and twelve faults.
-const LANES: usize = 16;
 /// A fault of this detection time or less counts as found in time (the paper's 4057 and the like).
 pub const IN_TIME: usize = 4060;
 
@@ -157,7 +155,7 @@ fn of_seed(
         .zip(0..)
         .map(|(fault, k)| experiment.closed_loop(SAMPLES, Stream::Faulty(k), Some(fault)));
     let inputs: Vec<_> = std::iter::once(healthy).chain(faulty).collect();
-    let mut loops = ClosedLoops::<LANES>::new(&experiment.drive);
+    let mut loops = ClosedLoops::new(&experiment.drive);
     let judge = |run| -> Result<Judgement, StudyError> {
         let Signals { c_m, t } = Signals::of(run);
         let mut watch = Watch::new(&designed.diagnoser)?;

@@ -121,7 +121,7 @@ pub(super) fn probability(scene: &Scene, tracks: &[Track], pooled: &Pooled, flat
 }
 
 /// Those of the terms that are no parameters: what no value of the drive describes.
-fn nuisance(all: &Terms) -> Terms {
+pub(super) fn nuisance(all: &Terms) -> Terms {
     let kept = |(_, variance): &(&usize, &f64)| **variance != FLAT * FLAT;
     let (columns, variances) = all.columns.iter().zip(&all.variances).filter(kept).unzip();
     Terms { columns, variances }

@@ -39,6 +39,13 @@ pub(crate) fn coefficients(products: &Products, terms: &Terms) -> Option<DVector
     Some(h.cholesky()?.solve(&b))
 }
 
+/// What the most probable coefficients explain, in ln of the probability; nothing where the columns
+/// overflow.
+pub(crate) fn explained(products: &Products, terms: &Terms) -> Option<f64> {
+    let (h, b) = system(products, terms);
+    Some(0.5 * h.cholesky()?.solve(&b).dot(&b))
+}
+
 /// The terms, decomposed once, beside which further columns are asked for.
 pub(crate) struct Beside {
     columns: Vec<usize>,

@@ -4,9 +4,9 @@
 //! beside something missing, it lies elsewhere, and evidence compares structures only where each
 //! is at its own best. Steps are those of Gauss and Newton on the columns of the base.
 
-use super::base::{pooled, probability, terms};
+use super::base::{nuisance, pooled, probability, terms};
 use super::gram::{Products, References};
-use super::marginal::{Terms, coefficients};
+use super::marginal::{Terms, coefficients, explained};
 use super::randomness::Randomness;
 use super::scene::{Scene, longest};
 
@@ -14,6 +14,11 @@ use super::scene::{Scene, longest};
 pub(super) const STEPS: usize = 8;
 /// Gain in ln of the probability below which no further step is made.
 pub(super) const WORTH: f64 = 0.5;
+/// Share of a value that a step moves at most where the columns hold at its end too, and by how much they
+/// may promise too little there (of a real joint, a third of what came). Where not even that makes a step
+/// worth its while none is tried.
+const NEAR: f64 = 0.1;
+const TOO_LITTLE: f64 = 5.0;
 /// Shares of a step that are tried.
 pub(super) const SHARES: [f64; 3] = [1.0, 0.3, 0.1];
 /// Factor by which a value that must be positive moves in a step at most.
@@ -51,6 +56,9 @@ pub(super) fn refined(
         let Some(step) = step(&best.scene, &sum, terms(&best.scene), &products.scale) else {
             break;
         };
+        if !step.is_worth_trying(&best.scene) {
+            break;
+        }
         let better = SHARES.iter().find_map(|share| {
             let scene = moved(&best.scene, &step, *share);
             if longest(&scene.drive, scene.speed) < shortest_s {
@@ -69,6 +77,26 @@ pub(super) fn refined(
     Some(best)
 }
 
+/// A step of Gauss and Newton.
+pub(super) struct Step {
+    /// Change of each parameter.
+    changes: Vec<f64>,
+    /// What the columns promise at its end, in ln of the probability.
+    promises: f64,
+}
+
+impl Step {
+    /// Whether its end may be more probable by what a step is worth.
+    fn is_worth_trying(&self, scene: &Scene) -> bool {
+        let known = scene.drive.parameters();
+        let near = |(name, change): (&String, &f64)| {
+            let value = known.iter().find(|it| it.name == *name).map(|it| it.value);
+            value.is_some_and(|value| change.abs() <= NEAR * value.abs())
+        };
+        TOO_LITTLE * self.promises >= WORTH || !scene.names.iter().zip(&self.changes).all(near)
+    }
+}
+
 /// The most probable change of each parameter, whose columns are the first of the `terms` and in units
 /// of that `scale`; one at the end of its range does not leave it.
 pub(super) fn step(
@@ -76,7 +104,7 @@ pub(super) fn step(
     products: &Products,
     mut terms: Terms,
     scale: &[f64],
-) -> Option<Vec<f64>> {
+) -> Option<Step> {
     let known = scene.drive.parameters();
     let at_end: Vec<bool> = scene
         .names
@@ -89,7 +117,8 @@ pub(super) fn step(
             |place: &usize| at_end[*place] && mean[*place] < 0.0 && terms.variances[*place] > STAYS;
         let Some(leaving) = (0..scene.names.len()).find(leaves) else {
             let of = |place: usize| mean[place] * scale[place];
-            return Some((0..scene.names.len()).map(of).collect());
+            let promises = explained(products, &terms)? - explained(products, &nuisance(&terms))?;
+            return Some(Step { changes: (0..scene.names.len()).map(of).collect(), promises });
         };
         terms.variances[leaving] = STAYS;
     }
@@ -99,10 +128,10 @@ pub(super) fn step(
 const STAYS: f64 = 1e-20;
 
 /// The scene after a share of that step; a value that is not possible stays.
-pub(super) fn moved(scene: &Scene, step: &[f64], share: f64) -> Scene {
+pub(super) fn moved(scene: &Scene, step: &Step, share: f64) -> Scene {
     let mut moved = scene.clone();
     let known = scene.drive.parameters();
-    for (name, step) in scene.names.iter().zip(step) {
+    for (name, step) in scene.names.iter().zip(&step.changes) {
         let Some(before) = known.iter().find(|it| it.name == *name) else { continue };
         let ((low, _), value, step) = (before.range, before.value, share * step);
         let after = if low >= 0.0 && value > 0.0 {

@@ -1,17 +1,12 @@
 //! Our own exporter's example through our own importer: both versions, both interface types.
 
-use std::path::PathBuf;
-use std::process::Command;
-
 use drivescope_fmu::archive::{Archive, Platform};
 use drivescope_fmu::cosim::{Experiment, FmuComponent, System};
 use drivescope_fmu::description::Version;
 use drivescope_fmu::export::Model;
 use drivescope_fmu::import::{Fmu, Instance, InstanceOptions, Interface, validate};
 
-// Elsewhere it is the top of a library.
-#[allow(unreachable_pub)]
-#[path = "../../examples/oscillator/model.rs"]
+#[path = "../oscillator/mod.rs"]
 mod oscillator;
 
 /// Co-Simulation errs by 1e-12 here, Model Exchange by the tolerance below, a little more after each
@@ -22,19 +17,8 @@ const STEP: f64 = 0.01;
 
 /// The example's FMU of both versions, in a folder that lives as long as the result.
 fn examples() -> (tempfile::TempDir, Vec<Fmu>) {
-    let build = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--example", "oscillator", "--features", "export"])
-        .arg("--message-format=json-render-diagnostics")
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("cargo starts");
-    assert!(build.status.success(), "{}", String::from_utf8_lossy(&build.stderr));
-    let messages = String::from_utf8_lossy(&build.stdout).into_owned();
-    let suffix = format!("oscillator{}", std::env::consts::DLL_SUFFIX);
-    let path = messages.split('"').find(|text| text.ends_with(&suffix));
-    let library = std::fs::read(PathBuf::from(path.expect("the library"))).expect("the library");
-
-    let description = oscillator::Oscillator::instantiate(None).expect("it").description();
+    let library = oscillator::library();
+    let description = oscillator::model::Oscillator::instantiate(None).expect("it").description();
     let archive = Archive {
         description: &description,
         libraries: vec![(Platform::host().expect("a platform"), &library)],

@@ -27,8 +27,6 @@ const DRAWS: u64 = 20;
 /// Random starts of a classifier: a search may lose a whole class, so that with two of them the worst
 /// class of the paper's ten was at 0 to 81 % from seed to seed.
 pub(crate) const STARTS: usize = 12;
-/// Lanes for the twelve faults.
-const LANES: usize = 16;
 
 /// What isolation came to.
 pub(super) struct Isolated {
@@ -168,7 +166,7 @@ pub(crate) fn symptoms(
         .zip(part * faults.len() as u64..)
         .map(|(fault, k)| experiment.closed_loop(SPAN.end, Stream::Symptoms(k), Some(fault)))
         .collect();
-    let mut loops = ClosedLoops::<LANES>::new(&experiment.drive);
+    let mut loops = ClosedLoops::new(&experiment.drive);
     let runs = loops.run(&inputs);
     let of_fault = |(fault, run): (&Fault, _)| -> Result<FaultSymptoms, StudyError> {
         let signals = Signals::of(run);

@@ -8,15 +8,13 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::experiment::{Experiment, Stream};
 use crate::faults::Fault;
-use crate::native::ClosedLoops;
+use crate::native::{ClosedLoops, LANES};
 use crate::seen::rows;
 
 /// Standard deviations over machines of one kind, as fractions.
 const RESISTANCE: f64 = 0.03;
 /// Torques of dry friction and the viscous one share it.
 const FRICTION: f64 = 0.10;
-/// Closed loops side by side.
-const LANES: usize = 16;
 
 /// What is tried, for seeds that do not meet.
 #[derive(Debug, Clone, Copy)]
@@ -79,7 +77,7 @@ impl Machine {
 
     /// What the sensors show over those runs, which have one length.
     pub(super) fn rows(&self, plans: &[Plan]) -> Vec<Vec<Row>> {
-        let mut loops = ClosedLoops::<LANES>::new(&self.experiment.drive);
+        let mut loops = ClosedLoops::new(&self.experiment.drive);
         let per_si = self.experiment.drive.sensors.tacho_unit.per_si();
         let mut made = Vec::with_capacity(plans.len());
         for (some, first) in plans.chunks(LANES).zip((0..).step_by(LANES)) {

@@ -53,9 +53,7 @@ fn lanes(drive: &Drive, held: &Held, _: bool) -> miette::Result<Growth> {
     }
     let points = vec![
         time::<1>(drive, held),
-        time::<2>(drive, held),
         time::<4>(drive, held),
-        time::<8>(drive, held),
         time::<16>(drive, held),
         time::<32>(drive, held),
     ];

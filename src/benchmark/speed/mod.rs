@@ -17,7 +17,7 @@ use drivescope_plant::drive::Drive;
 use drivescope_scenarios::campaign::Campaign;
 use drivescope_scenarios::drives::built_in;
 use drivescope_scenarios::experiment::{Experiment, Stream};
-use drivescope_scenarios::native::{ClosedLoops, closed_loop};
+use drivescope_scenarios::native::{ClosedLoops, OneClosedLoop, closed_loop};
 use miette::IntoDiagnostic as _;
 use serde::Serialize;
 
@@ -189,12 +189,12 @@ fn loops(experiment: &Experiment) -> (f64, [f64; 2]) {
     };
     let inputs = drawn();
     // In memory that is taken once: fresh memory costs as much as a run.
-    let mut single = ClosedLoops::<1>::new(&experiment.drive);
-    let mut twelve = ClosedLoops::<16>::new(&experiment.drive);
+    let mut single = OneClosedLoop::new(&experiment.drive);
+    let mut twelve = ClosedLoops::new(&experiment.drive);
     let mut again = twelve.clone();
     let [one, side_by_side, all] = least([
         &mut || {
-            black_box(single.run(&inputs[..1]));
+            black_box(single.run(&inputs[0]));
         },
         &mut || {
             black_box(twelve.run(&inputs));

@@ -11,7 +11,7 @@ pub mod model;
 /// The example's library. Built here: cargo builds examples for a run of all tests, but leaves an
 /// old one in place when a test is run alone. With the profile and the features of such a run there is
 /// nothing to be built after it.
-pub fn library() -> Vec<u8> {
+pub(crate) fn library() -> Vec<u8> {
     let mut build = Command::new(env!("CARGO"));
     build.args(["build", "--quiet", "--locked", "--workspace", "--all-features"]);
     build.args(["--example", "oscillator", "--message-format=json-render-diagnostics"]);

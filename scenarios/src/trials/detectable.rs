@@ -6,7 +6,7 @@
 //! the machine itself for one mean time between false alarms, so that neither buys sensitivity with
 //! them; false alarms are counted on others.
 
-use drivescope_diagnoser::bank::{Limits, Row, Tail, Verified};
+use drivescope_diagnoser::bank::{Limits, Row, Tail, TailError, Verified};
 use drivescope_plant::drive::Drive;
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +54,8 @@ pub struct ModelRows {
     pub samples: usize,
     /// Lower 95 % limit of the mean samples between false alarms.
     pub arl_0_at_least: f64,
-    /// Machines that the bank learned, of all.
+    /// Healthy machines that the bank learned; 0 where they were too few for its limits, and nothing is
+    /// judged.
     pub learned: usize,
     pub mechanisms: Vec<Detectable>,
 }
@@ -103,7 +104,7 @@ pub fn hidden_effect(
 pub const HIDDEN_STEPS: u64 = 2 * KINDS.len() as u64;
 
 fn of_model(bench: &Bench, advance: &(dyn Fn() -> bool + Sync)) -> Result<ModelRows, TrialError> {
-    let limits = limits(bench)?;
+    let Some(limits) = limits(bench)? else { return detects_nothing(bench, advance) };
     let process = bench.designed.process.as_ref();
     let counted = bench.each(Group::Healthy, HEALTHY, |machine, _| {
         let reference = Course::Steps.reference(bench, machine);
@@ -151,8 +152,35 @@ fn of_model(bench: &Bench, advance: &(dyn Fn() -> bool + Sync)) -> Result<ModelR
     })
 }
 
-/// Limits for the designed time between false alarms on healthy runs of the machine itself.
-fn limits(bench: &Bench) -> Result<Limits, TrialError> {
+/// The rows of a model that is so far from the machine that most baselines are refused: a bank that has
+/// not learned its machine judges nothing.
+fn detects_nothing(
+    bench: &Bench,
+    advance: &(dyn Fn() -> bool + Sync),
+) -> Result<ModelRows, TrialError> {
+    let curve: Vec<(f64, f64)> =
+        (0..SIZES).map(|step| (SMALLEST * RATIO.powf(step as f64), 0.0)).collect();
+    if KINDS.iter().any(|_| advance()) {
+        return Err(TrialError::Stopped);
+    }
+    let of = |kind: &&str| Detectable {
+        mechanism: (*kind).to_owned(),
+        size: None,
+        curve: curve.clone(),
+    };
+    Ok(ModelRows {
+        torque_noise: bench.designed.noise.torque,
+        alarms: 0,
+        samples: 0,
+        arl_0_at_least: 0.0,
+        learned: 0,
+        mechanisms: KINDS.iter().map(of).collect(),
+    })
+}
+
+/// Limits for the designed time between false alarms on healthy runs of the machine itself; nothing where
+/// the bank learns too few machines for them.
+fn limits(bench: &Bench) -> Result<Option<Limits>, TrialError> {
     let process = bench.designed.process.as_ref();
     let statistics = bench.each(Group::Curves, HEALTHY, |machine, _| {
         let reference = Course::Steps.reference(bench, machine);
@@ -168,11 +196,14 @@ fn limits(bench: &Bench) -> Result<Limits, TrialError> {
         })
     });
     // Two statistics share the false alarms.
-    let of = |which: usize| -> Result<f64, TrialError> {
+    let of = |which: usize| -> Result<f64, TailError> {
         let values = statistics.iter().flatten().map(|of| of[which]);
         Ok(Tail::of(values)?.limit(2.0 * ARL_0))
     };
-    Ok(Limits { ratio: of(0)?, squares: of(1)? })
+    match (of(0), of(1)) {
+        (Ok(ratio), Ok(squares)) => Ok(Some(Limits { ratio, squares })),
+        (Err(TailError::TooFew { .. }), _) | (_, Err(TailError::TooFew { .. })) => Ok(None),
+    }
 }
 
 /// Alarms over the rows after a baseline; nothing where it is refused.

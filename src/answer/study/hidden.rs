@@ -36,6 +36,9 @@ pub(super) fn blocks(study: &StudyResults) -> Vec<Block> {
 }
 
 fn alarms(rows: &ModelRows) -> String {
+    if rows.learned == 0 {
+        return "none, for nothing is judged (baselines do not fit that model)".to_owned();
+    }
     let at_least = number(rows.arl_0_at_least);
     format!("{} in {} samples (95 %: at least {at_least} between them)", rows.alarms, rows.samples)
 }

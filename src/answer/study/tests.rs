@@ -53,6 +53,15 @@ fn text_page_and_report_tell_the_same_numbers() {
 }
 
 #[test]
+fn a_model_too_far_from_the_machine_judges_nothing_and_says_so() {
+    let mut study = study();
+    let mut hidden = hidden();
+    hidden.before = ModelRows { learned: 0, samples: 0, alarms: 0, ..hidden.before };
+    study.hidden_effect = Some(hidden);
+    assert!(in_report(&blocks(&study, &[])).contains("none, for nothing is judged"));
+}
+
+#[test]
 fn tables_fit_a_plain_terminal() {
     let mut found = study();
     found.hidden_effect = Some(hidden());

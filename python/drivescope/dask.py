@@ -140,20 +140,26 @@ def _taken(path: Path) -> bytes:
     return content
 
 
-def run(work: Work, first: int, end: int) -> Made:
-    """Run scenarios on this worker."""
-    scenarios = _here(work).scenarios
+def _made(write: Callable[[Path], list[Path]]) -> Made:
+    """Read what is written: a part, and the traces whose paths are returned."""
     with tempfile.TemporaryDirectory(prefix=".drivescope-") as folder:
         path = Path(folder) / "part.parquet"
-        traces = scenarios.run(first, end, path)
+        traces = write(path)
         return Made(path.read_bytes(), tuple((it.name, _taken(it)) for it in traces))
 
 
+def run(work: Work, first: int, end: int) -> Made:
+    """Run scenarios on this worker."""
+    scenarios = _here(work).scenarios
+    return _made(lambda path: scenarios.run(first, end, path))
+
+
 def _aborted_alone(work: Work, scenario: int) -> Made:
-    with tempfile.TemporaryDirectory(prefix=".drivescope-") as folder:
-        path = Path(folder) / "part.parquet"
+    def write(path: Path) -> list[Path]:
         _here(work).scenarios.aborted(scenario, path)
-        return Made(path.read_bytes())
+        return []
+
+    return _made(write)
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,11 @@
 //! found joins the base, and the rest is tested anew: so every finding is conditional on those before.
 
 use drivescope_plant::effects::info::Variable;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::layout::Layout;
-use super::score::{Score, basis, outside, own_basis, score};
+use super::score::{Filtered, Score, basis, outside};
 use super::shape::Shape;
 use super::whitening::Whitening;
 
@@ -150,31 +150,6 @@ impl Data<'_> {
         Whitening::fit(self.remainder(added).as_slice(), self.layout)
     }
 
-    /// A basis of the base and of these shapes through that filter, and what is left of the residual
-    /// outside it.
-    fn filtered(
-        &self,
-        added: &[usize],
-        filter: &dyn Fn(&[f64]) -> Vec<f64>,
-    ) -> (DMatrix<f64>, DVector<f64>) {
-        let columns: Vec<Vec<f64>> = self.known(added).map(filter).collect();
-        let known = basis(columns.iter().map(Vec::as_slice), self.layout.rows());
-        let left = outside(&known, &filter(self.residual));
-        (known, left)
-    }
-
-    /// A basis of what a shape has through that filter outside `known`; none if that is nothing.
-    fn own(
-        &self,
-        known: &DMatrix<f64>,
-        number: usize,
-        filter: &dyn Fn(&[f64]) -> Vec<f64>,
-    ) -> Option<DMatrix<f64>> {
-        let columns: Vec<Vec<f64>> =
-            self.columns[number].iter().map(|column| filter(column)).collect();
-        own_basis(known, &columns)
-    }
-
     /// All other shapes through that filter.
     fn ranked(
         &self,
@@ -182,14 +157,13 @@ impl Data<'_> {
         filter: &(dyn Fn(&[f64]) -> Vec<f64> + Sync),
         blocks: &(Vec<usize>, usize),
     ) -> Vec<Ranked> {
-        let (known, e) = self.filtered(added, filter);
+        let filtered = Filtered::new(self.residual, self.known(added), filter);
         let chance = self.layout.values().ln();
         let others = (0..self.shapes.len()).into_par_iter();
         others
             .filter(|number| !added.contains(number))
             .filter_map(|number| {
-                let own = self.own(&known, number, filter)?;
-                let score = score(&own, &e, by_reference(blocks));
+                let score = filtered.score(&self.columns[number], blocks)?;
                 let by_chance = score.variance.max(1.0) * score.columns as f64 * chance;
                 Some(Ranked { number, score, worth: score.gain - by_chance })
             })
@@ -201,12 +175,7 @@ impl Data<'_> {
         let with: Vec<usize> = added.iter().copied().chain([number]).collect();
         let whitening = self.whitening(&with);
         let filter = |column: &[f64]| whitening.apply(column, self.layout);
-        let (known, e) = self.filtered(added, &filter);
-        let own = self.own(&known, number, &filter)?;
-        Some(score(&own, &e, by_reference(&self.white_blocks)).p_value)
+        let filtered = Filtered::new(self.residual, self.known(added), &filter);
+        Some(filtered.score(&self.columns[number], &self.white_blocks)?.p_value)
     }
-}
-
-fn by_reference(blocks: &(Vec<usize>, usize)) -> (&[usize], usize) {
-    (&blocks.0, blocks.1)
 }

@@ -13,7 +13,7 @@ use super::drive_motion::{DriveMotion, Scales};
 use super::finding::{Data, Found, hypotheses};
 use super::layout::Layout;
 use super::on_recordings::OnRecordings;
-use super::score::{basis, outside, own_basis, score};
+use super::score::{Filtered, basis, outside};
 use super::seen::{RecordingComparison, Seen};
 use super::shape::Shape;
 use super::whitening::Whitening;
@@ -38,10 +38,11 @@ pub(super) struct Residuals<'a> {
     /// Squared error of a perfect model, per value.
     pub(super) floor: f64,
     residual: Vec<f64>,
-    /// Columns of the drive's own parameters, so many, and of what belongs to a recording.
-    base: Vec<Vec<f64>>,
+    /// How many parameters of its own the drive has that all recordings share.
     parameters: usize,
-    /// A basis of them.
+    /// Their columns, then those of what belongs to a recording.
+    base: Vec<Vec<f64>>,
+    /// A basis of these.
     known: DMatrix<f64>,
     /// What they leave of the residual.
     remainder: DVector<f64>,
@@ -102,14 +103,12 @@ impl<'a> Residuals<'a> {
     /// Probability by chance of as much as the drive's own parameters explain, to first order.
     pub(super) fn p_value_of_parameters(&self) -> f64 {
         let whitening = Whitening::fit(self.remainder.as_slice(), &self.layout);
-        let filter = |column: &Vec<f64>| whitening.apply(column, &self.layout);
-        let columns: Vec<Vec<f64>> = self.base.iter().map(filter).collect();
-        let (parameters, starts) = columns.split_at(self.parameters);
-        let starts = basis(starts.iter().map(Vec::as_slice), self.layout.rows());
-        let residual = outside(&starts, &filter(&self.residual));
-        let (blocks, count) = self.layout.blocks(BLOCK_S.0);
-        own_basis(&starts, parameters)
-            .map_or(1.0, |own| score(&own, &residual, (&blocks, count)).p_value)
+        let filter = |column: &[f64]| whitening.apply(column, &self.layout);
+        let (parameters, starts) = self.base.split_at(self.parameters);
+        let starts = starts.iter().map(Vec::as_slice);
+        Filtered::new(&self.residual, starts, &filter)
+            .score(parameters, &self.layout.blocks(BLOCK_S.0))
+            .map_or(1.0, |it| it.p_value)
     }
 
     fn rms(&self, residual: &[f64]) -> f64 {

@@ -88,6 +88,40 @@ pub(super) fn own_basis(base: &DMatrix<f64>, columns: &[Vec<f64>]) -> Option<DMa
     if kept.is_empty() { None } else { Some(DMatrix::from_columns(&kept)) }
 }
 
+/// A residual through a filter, beside columns that are known.
+pub(super) struct Filtered<'a> {
+    filter: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+    /// A basis of the known columns through the filter.
+    known: DMatrix<f64>,
+    /// What they leave of the residual.
+    remainder: DVector<f64>,
+}
+
+impl<'a> Filtered<'a> {
+    pub(super) fn new<'b>(
+        residual: &[f64],
+        known: impl Iterator<Item = &'b [f64]>,
+        filter: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+    ) -> Self {
+        let known: Vec<Vec<f64>> = known.map(filter).collect();
+        let residual = filter(residual);
+        let known = basis(known.iter().map(Vec::as_slice), residual.len());
+        let remainder = outside(&known, &residual);
+        Self { filter, known, remainder }
+    }
+
+    /// The test of a shape's columns, with the block of each row; none if the known ones leave nothing of
+    /// them.
+    pub(super) fn score(
+        &self,
+        columns: &[Vec<f64>],
+        (blocks, count): &(Vec<usize>, usize),
+    ) -> Option<Score> {
+        let columns: Vec<Vec<f64>> = columns.iter().map(|it| (self.filter)(it)).collect();
+        Some(score(&own_basis(&self.known, &columns)?, &self.remainder, (blocks, *count)))
+    }
+}
+
 /// The test of the basis `own` on the residual `e`, with the block of each row.
 pub(super) fn score(own: &DMatrix<f64>, e: &DVector<f64>, blocks: (&[usize], usize)) -> Score {
     let k = own.ncols();

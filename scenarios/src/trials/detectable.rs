@@ -104,7 +104,7 @@ pub fn hidden_effect(
 pub const HIDDEN_STEPS: u64 = 2 * KINDS.len() as u64;
 
 fn of_model(bench: &Bench, advance: &(dyn Fn() -> bool + Sync)) -> Result<ModelRows, TrialError> {
-    let Some(limits) = limits(bench)? else { return detects_nothing(bench, advance) };
+    let Some(limits) = limits(bench) else { return detects_nothing(bench, advance) };
     let process = bench.designed.process.as_ref();
     let counted = bench.each(Group::Healthy, HEALTHY, |machine, _| {
         let reference = Course::Steps.reference(bench, machine);
@@ -115,7 +115,6 @@ fn of_model(bench: &Bench, advance: &(dyn Fn() -> bool + Sync)) -> Result<ModelR
     let (alarms, samples) = (counted.iter().flatten().sum(), learned * WATCHED);
     let mut mechanisms = Vec::new();
     for (number, kind) in KINDS.iter().enumerate() {
-        let size = |step: usize| SMALLEST * RATIO.powf(step as f64);
         let found = bench.each(Group::Hidden, bench.machines, |machine, _| {
             machine.renew_noise(number);
             let onset = machine.onset(bench);
@@ -152,14 +151,18 @@ fn of_model(bench: &Bench, advance: &(dyn Fn() -> bool + Sync)) -> Result<ModelR
     })
 }
 
+/// Size of that number.
+fn size(step: usize) -> f64 {
+    SMALLEST * RATIO.powf(step as f64)
+}
+
 /// The rows of a model that is so far from the machine that most baselines are refused: a bank that has
 /// not learned its machine judges nothing.
 fn detects_nothing(
     bench: &Bench,
     advance: &(dyn Fn() -> bool + Sync),
 ) -> Result<ModelRows, TrialError> {
-    let curve: Vec<(f64, f64)> =
-        (0..SIZES).map(|step| (SMALLEST * RATIO.powf(step as f64), 0.0)).collect();
+    let curve: Vec<(f64, f64)> = (0..SIZES).map(|step| (size(step), 0.0)).collect();
     if KINDS.iter().any(|_| advance()) {
         return Err(TrialError::Stopped);
     }
@@ -180,7 +183,7 @@ fn detects_nothing(
 
 /// Limits for the designed time between false alarms on healthy runs of the machine itself; nothing where
 /// the bank learns too few machines for them.
-fn limits(bench: &Bench) -> Result<Option<Limits>, TrialError> {
+fn limits(bench: &Bench) -> Option<Limits> {
     let process = bench.designed.process.as_ref();
     let statistics = bench.each(Group::Curves, HEALTHY, |machine, _| {
         let reference = Course::Steps.reference(bench, machine);
@@ -201,8 +204,8 @@ fn limits(bench: &Bench) -> Result<Option<Limits>, TrialError> {
         Ok(Tail::of(values)?.limit(2.0 * ARL_0))
     };
     match (of(0), of(1)) {
-        (Ok(ratio), Ok(squares)) => Ok(Some(Limits { ratio, squares })),
-        (Err(TailError::TooFew { .. }), _) | (_, Err(TailError::TooFew { .. })) => Ok(None),
+        (Ok(ratio), Ok(squares)) => Some(Limits { ratio, squares }),
+        (Err(TailError::TooFew { .. }), _) | (_, Err(TailError::TooFew { .. })) => None,
     }
 }
 

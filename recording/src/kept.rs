@@ -59,7 +59,7 @@ impl ReadOptions {
             toml::from_str(&text).map_err(|error| failed(error.message().to_owned()))?;
         let item = |(signal, column): (&String, &String)| format!("{signal}={column}").parse();
         let columns: Result<Vec<Mapping>, Error> = columns.iter().map(item).collect();
-        Ok(Some(ReadOptions { columns: columns?, resample, rows_every }))
+        Ok(Some(ReadOptions { columns: columns?, resample, rows_every, ..ReadOptions::default() }))
     }
 
     /// The text of the file that keeps the options of a recording.
@@ -104,7 +104,8 @@ mod tests {
         let log = folder.path().join("log.csv");
         assert_eq!(ReadOptions::kept(&log).unwrap(), None);
         let columns = Mapping::parse_list("omega=Speed \"A\":rpm,u=Volt").unwrap();
-        let said = ReadOptions { columns, resample: Some(0.001), rows_every: Some(0.002) };
+        let (resample, rows_every) = (Some(0.001), Some(0.002));
+        let said = ReadOptions { columns, resample, rows_every, ..ReadOptions::default() };
         assert_eq!(said.keep(&log).unwrap(), folder.path().join("log.csv.columns.toml"));
         assert_eq!(ReadOptions::kept(&log).unwrap(), Some(said));
     }

@@ -66,6 +66,10 @@ pub struct ReadOptions {
     pub resample: Option<f64>,
     /// Sampling time of the rows, s, where no column tells the time or where none is to be believed.
     pub rows_every: Option<f64>,
+    /// Whether the signals are those of any model, and not of a drive: a column whose name is that of a
+    /// signal of drives keeps its name and its unit where that signal has another, or it says none, and a
+    /// time without a unit is in seconds, as simulation tools write it.
+    pub of_model: bool,
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ impl Table {
         let (mut notes, mut left_out) = (self.notes, self.left_out);
         let file = lines.file().to_owned();
         let looks: Vec<Look> = columns.iter().map(|values| Look::at(values)).collect();
-        let mut resolved = header::resolve(&file, &header, &options.columns, &looks)?;
+        let mut resolved = header::resolve(&file, &header, options, &looks)?;
         notes.append(&mut resolved.notes);
         left_out.append(&mut resolved.left_out.said);
         for position in resolved.left_out.columns.iter().rev() {
@@ -82,7 +82,9 @@ impl Table {
             (Some(position), _) => {
                 enough(&file, samples)?;
                 let mut time = columns.remove(position);
-                notes.extend(time_unit::settle(&mut resolved.columns[position], &mut time));
+                if !options.of_model {
+                    notes.extend(time_unit::settle(&mut resolved.columns[position], &mut time));
+                }
                 resolved.columns[position].convert_all(&mut time);
                 Some(time)
             }

@@ -39,7 +39,7 @@ struct CosimAnswer {
 }
 
 fn recording(path: &Path) -> Result<Recording, Box<dyn std::error::Error + Send + Sync>> {
-    Ok(read(path, &ReadOptions::default())?.0)
+    Ok(read(path, &ReadOptions { of_model: true, ..ReadOptions::default() })?.0)
 }
 
 /// Why the run ended early, if it did.

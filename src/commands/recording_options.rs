@@ -64,7 +64,12 @@ impl RecordingOptions {
     pub(crate) fn said(&self) -> miette::Result<ReadOptions> {
         let columns = self.columns.as_deref().map(Mapping::parse_list).transpose();
         let columns = columns.map_err(into_report)?.unwrap_or_default();
-        Ok(ReadOptions { columns, resample: self.resample, rows_every: self.rows_every })
+        Ok(ReadOptions {
+            columns,
+            resample: self.resample,
+            rows_every: self.rows_every,
+            ..ReadOptions::default()
+        })
     }
 
     /// What the command line says, or else what was said before of this recording; then the file
@@ -80,9 +85,10 @@ impl RecordingOptions {
         let kept_at = kept.is_some().then(|| ReadOptions::kept_at(path));
         let kept = kept.unwrap_or_default();
         let options = ReadOptions {
-            columns: said.unwrap_or(kept.columns),
+            columns: said.unwrap_or_else(|| kept.columns.clone()),
             resample: self.resample.or(kept.resample),
             rows_every: self.rows_every.or(kept.rows_every),
+            ..kept
         };
         Ok((options, kept_at))
     }
@@ -96,8 +102,21 @@ impl RecordingOptions {
         path: &Path,
         session: &Session,
     ) -> miette::Result<(Recording, Report)> {
-        let (recording, report) = self.opened(path, session)?;
+        let (recording, report) = self.opened(path, session, false)?;
         Ok(remarked(recording, report, session))
+    }
+
+    /// As [`Self::read`], where the signals are those of any model: what would deserve attention in a
+    /// drive's is not said of them.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(crate) fn read_of_model(
+        &self,
+        path: &Path,
+        session: &Session,
+    ) -> miette::Result<Recording> {
+        Ok(self.opened(path, session, true)?.0)
     }
 
     /// As [`Self::read`], for a model of the machine: two units that exclude each other would make
@@ -110,18 +129,24 @@ impl RecordingOptions {
         path: &Path,
         session: &Session,
     ) -> miette::Result<(Recording, Report)> {
-        let (recording, report) = self.opened(path, session)?;
+        let (recording, report) = self.opened(path, session, false)?;
         match report.suspicions.iter().find_map(|it| contradiction(&report, it)) {
             Some(failure) => Err(failure.into()),
             None => Ok(remarked(recording, report, session)),
         }
     }
 
-    fn opened(&self, path: &Path, session: &Session) -> miette::Result<(Recording, Report)> {
+    fn opened(
+        &self,
+        path: &Path,
+        session: &Session,
+        of_model: bool,
+    ) -> miette::Result<(Recording, Report)> {
         if let Some(handed_over) = session.recording(path) {
             return Ok(handed_over);
         }
         let (options, kept_at) = self.options(path)?;
+        let options = ReadOptions { of_model, ..options };
         if let Some(file) = kept_at {
             session.remark(format_args!("columns as kept in {}", file.display()));
         }

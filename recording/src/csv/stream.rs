@@ -35,7 +35,7 @@ impl<R: Read> CsvStream<R> {
     /// As [`super::read_csv`] for the header.
     pub fn new(reader: R, name: &str, options: &ReadOptions) -> Result<CsvStream<R>, Error> {
         let rows = Rows::new(reader, name)?;
-        let header = header::resolve(name, rows.header(), &options.columns, &[])?;
+        let header = header::resolve(name, rows.header(), options, &[])?;
         let time = header.time.ok_or_else(|| header::missing_time(name, rows.header()))?;
         if header.columns.len() == 1 {
             return Err(Error::NoSignals { file: name.to_owned() });

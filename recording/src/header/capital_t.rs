@@ -46,12 +46,13 @@ pub(super) fn capital_t(
 mod tests {
     use super::*;
     use crate::header::resolve;
+    use crate::mapping::ReadOptions;
 
     #[test]
     fn a_capital_t_alone_is_what_its_values_and_neighbours_say() {
         let stated = |texts: &[&str], looks: &[Look]| {
             let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
-            let header = resolve("a.csv", &texts, &[], looks).unwrap();
+            let header = resolve("a.csv", &texts, &ReadOptions::default(), looks).unwrap();
             let column = header.columns.last().unwrap().note.clone();
             (format!("{} [{}]", column.signal, column.unit), header.notes.concat())
         };

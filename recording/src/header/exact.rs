@@ -11,13 +11,20 @@ use crate::given::Given;
 use crate::guess;
 
 impl Naming<'_> {
-    /// Names those columns; a unit that the signal cannot have leaves them to a guess.
-    pub(super) fn take_exact(&mut self) -> Result<(), Error> {
+    /// Names those columns; a unit that the signal cannot have leaves them to a guess, or to themselves where
+    /// they are those of any model.
+    pub(super) fn take_exact(&mut self, of_model: bool) -> Result<(), Error> {
         for k in self.open() {
             let column = self.given[k].clone();
             let Given { name, unit, .. } = &column;
             let Some(known) = canonical::exact(name) else { continue };
             let text = unit.as_deref();
+            let says = text.is_some_and(|unit| known.accepts(unit));
+            if of_model && !says && name != "time" {
+                self.name(k, name, None, unit.as_ref(), Taken::Kept)?;
+                self.used.push(known.name);
+                continue;
+            }
             if name == "T" && unit.is_none() {
                 let look = self.looks.get(k);
                 let (capital, note) = capital_t(self.file, &self.given, k, look, &self.used)?;

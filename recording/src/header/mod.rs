@@ -20,7 +20,7 @@ use naming::Naming;
 use crate::error::Error;
 use crate::given::Given;
 use crate::look::Look;
-use crate::mapping::Mapping;
+use crate::mapping::ReadOptions;
 
 /// The columns of a table, and which of them is the time.
 #[derive(Debug)]
@@ -39,15 +39,15 @@ pub(crate) struct Header {
 pub(crate) fn resolve(
     file: &str,
     texts: &[String],
-    maps: &[Mapping],
+    options: &ReadOptions,
     looks: &[Look],
 ) -> Result<Header, Error> {
     let given: Vec<Given> = texts.iter().map(|text| Given::of(text)).collect();
-    let mut naming = Naming::mapped(file, given, maps, looks)?;
+    let mut naming = Naming::mapped(file, given, &options.columns, looks)?;
     naming.leave_out_twins();
     naming.no_column_twice()?;
     // Exact names first, so that no guess takes a name that a later column carries itself.
-    naming.take_exact()?;
+    naming.take_exact(options.of_model)?;
     naming.take_guessed()?;
     naming.take_clock()?;
     naming.finish()
@@ -59,10 +59,12 @@ pub(crate) const NAMELESS: &str = "column ";
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mapping::Mapping;
 
     fn header(texts: &[&str], maps: &str) -> Result<Header, Error> {
         let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
-        resolve("a.csv", &texts, &Mapping::parse_list(maps).unwrap(), &[])
+        let columns = Mapping::parse_list(maps).unwrap();
+        resolve("a.csv", &texts, &ReadOptions { columns, ..ReadOptions::default() }, &[])
     }
 
     /// `column -> signal [unit]` of every column.
@@ -107,9 +109,23 @@ mod tests {
         let texts = ["t", "current [A]", "Strom [A]"].map(str::to_owned);
         let still = Look { constant: true, ..Look::default() };
         let looks = [Look::default(), still, Look::default()];
-        let header = resolve("a.csv", &texts, &[], &looks).unwrap();
+        let header = resolve("a.csv", &texts, &ReadOptions::default(), &looks).unwrap();
         assert_eq!(header.columns[2].note.signal, "i");
         assert_eq!(taken(&["t", "velocity", "angle [deg]"])[1], "omega [rad/s]");
+    }
+
+    #[test]
+    fn signals_of_a_model_are_what_they_say() {
+        let texts = ["time", "u [rad/s]", "i", "x [mm]", "T"].map(str::to_owned);
+        let options = ReadOptions { of_model: true, ..ReadOptions::default() };
+        let of_model = resolve("a.csv", &texts, &options, &[]).unwrap();
+        let stated: Vec<_> = of_model
+            .columns
+            .iter()
+            .map(|it| format!("{} [{}]", it.note.signal, it.note.unit))
+            .collect();
+        assert_eq!(stated, ["time [s]", "u [rad/s]", "i [1]", "x [m]", "T [1]"]);
+        assert!(resolve("a.csv", &texts, &ReadOptions::default(), &[]).is_err());
     }
 
     #[test]

@@ -61,15 +61,16 @@ impl Naming<'_> {
 mod tests {
     use super::super::resolve;
     use crate::look::Look;
-    use crate::mapping::Mapping;
+    use crate::mapping::{Mapping, ReadOptions};
 
     /// Names of the signals and what is said, of columns that move or not.
     fn stated(texts: &[(&str, bool)], maps: &str) -> (Vec<String>, Vec<String>) {
         let names: Vec<String> = texts.iter().map(|it| it.0.to_owned()).collect();
         let look = |moves: &bool| Look { constant: !moves, ..Look::default() };
         let looks: Vec<Look> = texts.iter().map(|it| look(&it.1)).collect();
-        let maps = Mapping::parse_list(maps).unwrap();
-        let header = resolve("a.csv", &names, &maps, &looks).unwrap();
+        let columns = Mapping::parse_list(maps).unwrap();
+        let options = ReadOptions { columns, ..ReadOptions::default() };
+        let header = resolve("a.csv", &names, &options, &looks).unwrap();
         let signals = header.columns.iter().map(|it| it.note.signal.clone()).collect();
         (signals, header.left_out.said)
     }
@@ -105,10 +106,14 @@ mod tests {
     #[test]
     fn a_signal_that_moves_twice_is_refused_with_all_that_is_to_say() {
         let names = ["t", "u", "u", "u"].map(str::to_owned);
-        let said = resolve("a.csv", &names, &[], &[Look::default(); 4]).unwrap_err().to_string();
+        let said = resolve("a.csv", &names, &ReadOptions::default(), &[Look::default(); 4])
+            .unwrap_err()
+            .to_string();
         assert!(said.contains("--columns u_unused=u#2,u_unused_3=u#3"), "{said}");
-        let maps = Mapping::parse_list("u_unused=u#2").unwrap();
-        let said = resolve("a.csv", &names, &maps, &[Look::default(); 4]).unwrap_err().to_string();
+        let columns = Mapping::parse_list("u_unused=u#2").unwrap();
+        let options = ReadOptions { columns, ..ReadOptions::default() };
+        let said =
+            resolve("a.csv", &names, &options, &[Look::default(); 4]).unwrap_err().to_string();
         assert!(said.contains("--columns u_unused_3=u#3"), "{said}");
     }
 }

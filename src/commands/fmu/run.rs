@@ -86,8 +86,8 @@ impl Run for RunFmu {
     fn run(self, session: &Session) -> miette::Result<Ending> {
         let fmu = Fmu::open(&self.file).map_err(into_report)?;
         session.check_writable(&[&self.output])?;
-        let input = self.input.as_ref().map(|path| self.reading.read(path, session));
-        let input = input.transpose()?.map(|(recording, _)| recording);
+        let input = self.input.as_ref().map(|path| self.reading.read_of_model(path, session));
+        let input = input.transpose()?;
         let kind = self.kind.map(|kind| match kind {
             InterfaceName::Cs => Interface::CoSimulation,
             InterfaceName::Me => Interface::ModelExchange,

@@ -135,7 +135,7 @@ impl Taken {
 
     /// What a command line would say of its columns and its time, word by word.
     pub(in crate::page) fn said(&self) -> Vec<String> {
-        let ReadOptions { columns, resample, rows_every } = &self.options;
+        let ReadOptions { columns, resample, rows_every, .. } = &self.options;
         let one = |it: &Mapping| {
             let unit = it.unit.as_ref().map_or(String::new(), |unit| format!(":{unit}"));
             format!("{}={}{unit}", it.canonical, it.foreign)

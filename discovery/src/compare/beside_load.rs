@@ -14,6 +14,15 @@ use crate::case::Setting;
 use crate::estimate::{Evidence, Fit};
 use crate::likelihood::{Alongside, Filtered, Inverse, Scene, Series};
 
+/// Whether the drive has been brought to its best beside a random load.
+#[derive(Clone, Copy)]
+pub(crate) enum Load<'a> {
+    Sought,
+    /// With the recordings that are compared as those of its fit; nothing where it overflows, or along a
+    /// known motion.
+    Known(Option<&'a Filtered>),
+}
+
 /// A drive filtered along its recordings.
 pub(super) struct BesideLoad {
     alongside: Alongside,
@@ -23,22 +32,29 @@ pub(super) struct BesideLoad {
 }
 
 impl BesideLoad {
-    /// The drive at its best beside a random load; nothing where it overflows, or along a known motion,
-    /// whose input answers the load.
+    /// Nothing where the drive overflows, or along a known motion, whose input answers the load.
     pub(super) fn of(
         drive: &Drive,
         setting: &Setting,
-        at: (&Evidence, &[Fit]),
-        limit: Option<f64>,
+        (evidence, fits): (&Evidence, &[Fit]),
+        (load, limit): (Load<'_>, Option<f64>),
     ) -> Option<Self> {
-        if Inverse::of(Scene::whole_at(drive, setting, at)).is_some() {
-            return None;
-        }
-        let ground = Filtered::of(Scene::at(drive, setting, at), None)?;
-        let alongside = Alongside::whole(&ground)?;
+        let at = (evidence, fits);
+        let sought;
+        let filtered = match load {
+            Load::Known(filtered) => filtered?,
+            Load::Sought if Inverse::of(Scene::whole_at(drive, setting, at)).is_some() => {
+                return None;
+            }
+            Load::Sought => {
+                sought = Filtered::of(Scene::at(drive, setting, at), None)?;
+                &sought
+            }
+        };
+        let alongside = Alongside::fitted(filtered)?;
         let along = alongside.recordings();
         let motions: Vec<DriveMotion> = along
-            .map(|(it, ticks)| DriveMotion::filtered(it, ticks, &at.0.recordings[it.place]))
+            .map(|(it, ticks)| DriveMotion::filtered(it, ticks, &evidence.recordings[it.place]))
             .collect();
         let scales = Scales::new(&motions, drive.motor.j);
         Some(Self { alongside, motions, scales, limit })

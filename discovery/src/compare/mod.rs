@@ -44,6 +44,7 @@ pub use span::Span;
 
 use crate::case::Setting;
 use crate::estimate::{Evidence, at_its_balances};
+pub(crate) use beside_load::Load;
 use finding::LEVEL;
 use on_recordings::OnRecordings;
 use residuals::{Residuals, Shown};
@@ -162,6 +163,17 @@ pub fn compare(
     setting: &Setting,
     options: &Options,
 ) -> Result<Comparison, CompareError> {
+    compare_under(Load::Sought, drive, evidence, setting, options)
+}
+
+/// The same where that is known of the load.
+pub(crate) fn compare_under(
+    load: Load<'_>,
+    drive: &Drive,
+    evidence: &Evidence,
+    setting: &Setting,
+    options: &Options,
+) -> Result<Comparison, CompareError> {
     alike(evidence)?;
     let own = OnRecordings::of(drive, evidence, setting)?;
     let cases = own.cases(evidence, setting);
@@ -181,9 +193,14 @@ pub fn compare(
     let shown = match &fitted {
         Some(fitted) => {
             let cases = fitted.cases(evidence, setting);
-            Residuals::of(&fitted.drive, &cases).shown(fitted, evidence, setting, seed)
+            Residuals::of(&fitted.drive, &cases).shown(
+                fitted,
+                evidence,
+                setting,
+                (Load::Sought, seed),
+            )
         }
-        None => view.shown(&own, evidence, setting, seed),
+        None => view.shown(&own, evidence, setting, (load, seed)),
     };
     let error_if_fitted = fitted.map_or(at_first, |it| it.error);
     let recordings = view.recordings(!shown.findings.is_empty());

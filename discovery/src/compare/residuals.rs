@@ -6,7 +6,7 @@ use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::effects::info::Variable;
 use nalgebra::{DMatrix, DVector};
 
-use super::beside_load::BesideLoad;
+use super::beside_load::{BesideLoad, Load};
 use super::columns::{self, Builder};
 use super::curve::{self, Curve, curves};
 use super::drive_motion::{DriveMotion, Scales};
@@ -142,7 +142,7 @@ impl<'a> Residuals<'a> {
         drive: &OnRecordings,
         evidence: &Evidence,
         setting: &Setting,
-        seed: Option<u64>,
+        (load, seed): (Load<'_>, Option<u64>),
     ) -> Shown {
         let (builder, layout) = (&self.builder(), &self.layout);
         let memory_s = (0..layout.outputs)
@@ -160,7 +160,7 @@ impl<'a> Residuals<'a> {
         let filtered = OnceLock::new();
         let beside_load = |known: &[Shape], shape: Shape| {
             let at = (evidence, drive.recordings.as_slice());
-            let make = || BesideLoad::of(&drive.drive, setting, at, self.limit);
+            let make = || BesideLoad::of(&drive.drive, setting, at, (load, self.limit));
             filtered.get_or_init(make).as_ref()?.p_value(known, shape)
         };
         let data = Data {

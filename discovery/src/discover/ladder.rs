@@ -5,6 +5,7 @@ use drivescope_plant::drive::{Drive, EffectData};
 use super::candidate::Candidate;
 use super::candidates::candidates;
 use super::decision::{self, Rule};
+use super::ground::Ground;
 use super::judged::Judged;
 use super::needless::{Added, needless};
 use super::not_judged::NotJudged;
@@ -17,9 +18,10 @@ use super::typed;
 use super::unusable;
 use super::withdrawn::{explains_little, withdrawn};
 use crate::case::Setting;
-use crate::compare::{self, Finding};
+use crate::compare::{self, Finding, Load};
 use crate::error::Error;
 use crate::estimate::{AS_WELL, Evidence, Options};
+use crate::likelihood::Filtered;
 use crate::signals::{SignalFinding, What};
 
 /// Starts of the base fit: the file's values may be far off.
@@ -134,12 +136,15 @@ fn searched(
             formulas: &formulas,
             randomness,
         };
+        let ground = turn.ground();
+        let run = || ground.as_ref().map_or_else(Outcome::default, |ground| turn.run(ground));
+        let fails = || fails(&model, estimation, ground.as_ref().and_then(Ground::filtered));
         let outcome = if round == 0 && watch.compares() {
-            let (outcome, fails) = rayon::join(|| turn.run(), || fails(&model, estimation));
+            let (outcome, fails) = rayon::join(run, fails);
             found.fails = fails;
             outcome
         } else {
-            turn.run()
+            run()
         };
         if round == 0 {
             let unfitted = outcome.unfitted.iter().map(|(candidate, evidence)| Unfitted {
@@ -185,7 +190,7 @@ fn searched(
                 let convicts = |it: &Finding| convicts(rule, it);
                 let contradicted = match watch.compares() {
                     true => found.fails.iter().any(convicts),
-                    false => fails(&model, estimation).iter().any(convicts),
+                    false => fails().iter().any(convicts),
                 };
                 if contradicted {
                     found.remaining = Verdict::Unknown;
@@ -297,10 +302,12 @@ fn convicts(rule: &Rule, finding: &Finding) -> bool {
     finding.p_value < (-asked).exp() && finding.share >= rule.formula
 }
 
-/// Where the base fails; nothing where its recordings cannot be compared together.
-fn fails(model: &Model, estimation: &Evidence) -> Vec<Finding> {
+/// Where the base fails, which that filter has brought to its best; nothing where its recordings cannot be
+/// compared together.
+fn fails(model: &Model, estimation: &Evidence, filtered: Option<&Filtered>) -> Vec<Finding> {
     let options = compare::Options { curves: false, seed: 0, fit: false };
-    let compared = compare::compare(&model.fitted.drive, estimation, &model.setting, &options);
+    let (load, drive) = (Load::Known(filtered), &model.fitted.drive);
+    let compared = compare::compare_under(load, drive, estimation, &model.setting, &options);
     compared.map_or_else(|_| Vec::new(), |compared| compared.findings)
 }
 

@@ -86,13 +86,14 @@ pub(crate) struct Outcome {
 }
 
 impl Round<'_> {
-    /// Weighs, fits and decides.
-    pub(crate) fn run(&self) -> Outcome {
-        let Some(mut ground) = self.ground() else { return Outcome::default() };
+    /// Weighs, fits and decides beside the drive of the round at its own best.
+    pub(crate) fn run(&self, ground: &Ground) -> Outcome {
+        let mut disturbed;
+        let mut ground = ground;
         let mut disturbances = Vec::new();
         let (weights, mut judged) = loop {
-            let Some(weights) = self.weights(&ground) else { return Outcome::default() };
-            let mut judged = self.judged(&ground, &weights);
+            let Some(weights) = self.weights(ground) else { return Outcome::default() };
+            let mut judged = self.judged(ground, &weights);
             let nothing = judged.iter().all(|one| one.refused.is_some());
             let disturbs = judged.first().is_some_and(|best| self.is_disturbance(best));
             let enough = disturbances.len() == DISTURBANCES || self.watch.stopped();
@@ -105,7 +106,8 @@ impl Round<'_> {
             let Some(beside) = law.and_then(|law| ground.beside(law, &it.coefficients)) else {
                 break (weights, judged);
             };
-            ground = beside;
+            disturbed = beside;
+            ground = &disturbed;
             disturbances.push(best);
         };
         let of = |wanted: fn(&LawWeight) -> bool| {
@@ -121,10 +123,10 @@ impl Round<'_> {
         let nothing = judged.iter().all(|one| one.refused.is_some());
         // Where the noise alone is left, what a curve takes of it is nothing.
         let open = nothing && !self.is_at_floor();
-        let unknown = if open { self.unknown(&ground, &weights) } else { None };
+        let unknown = if open { self.unknown(ground, &weights) } else { None };
         let proposed = match unknown {
-            Some(_) => self.formulas_beyond(&ground, self.rule.evidence),
-            None if open && self.named.is_empty() => self.formulas_alone(&ground),
+            Some(_) => self.formulas_beyond(ground, self.rule.evidence),
+            None if open && self.named.is_empty() => self.formulas_alone(ground),
             None => Vec::new(),
         };
         let evidence = || proposed.first().map(formula::Formula::worth);

@@ -15,6 +15,7 @@ mod alongside;
 mod averaged;
 mod base;
 mod beginning;
+mod climb;
 mod columns;
 mod cycle;
 mod direction;

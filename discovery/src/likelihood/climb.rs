@@ -108,93 +108,127 @@ impl<'a> Climb<'a> {
 
     /// Moves all numbers together; whether it is worth while to do it again.
     pub(super) fn together(&mut self) -> bool {
+        let (parabola, mut tried) = self.parabola();
+        let at_top = self.top(&parabola);
+        let holds = at_top.as_ref().is_some_and(|(found, promised)| {
+            let wrong = (found.probability - self.most - promised).abs();
+            parabola.bends_down && found.is_whole && wrong < WORTH.max(WRONG * promised)
+        });
+        tried.extend(at_top.map(|(found, _)| found));
+        let last = tried.len() - 1;
+        let each = tried.iter().enumerate();
+        let best = each.max_by(|a, b| a.1.probability.total_cmp(&b.1.probability));
+        let gains = |it: &Tried| it.probability > self.most + WORTH;
+        let Some((which, best)) = best.filter(|it| gains(it.1)) else { return false };
+        (self.best, self.most) = (self.moved(&best.moves), best.probability);
+        for (k, place) in parabola.free.iter().enumerate() {
+            self.learn_distance(*place, parabola.bends[(k, k)]);
+        }
+        !(holds && which == last)
+    }
+
+    fn tried(&self, moves: Vec<(usize, f64)>) -> Tried {
+        Tried { probability: self.probability(&moves), moves, is_whole: false }
+    }
+
+    /// The parabola in all numbers around the best, with the values that tell it.
+    fn parabola(&self) -> (Parabola, Vec<Tried>) {
         let sides = (0..2 * self.numbers.len()).into_par_iter();
-        let side = |it: usize| {
-            let moves = [(it / 2, if it % 2 == 0 { 1.0 } else { -1.0 })];
-            (moves.to_vec(), self.probability(&moves))
-        };
-        let mut tried: Vec<(Vec<(usize, f64)>, f64)> = sides.map(side).collect();
-        let (up, down) = (|place: usize| tried[2 * place].1, |place: usize| tried[2 * place + 1].1);
+        let side = |it: usize| self.tried(vec![(it / 2, [1.0, -1.0][it % 2])]);
+        let mut tried: Vec<Tried> = sides.map(side).collect();
+        let up = |place: usize| tried[2 * place].probability;
+        let down = |place: usize| tried[2 * place + 1].probability;
         let told = |place: &usize| (up(*place) + down(*place)).is_finite();
         let free: Vec<usize> = (0..self.numbers.len()).filter(told).collect();
         let slopes = free.iter().map(|place| 0.5 * (up(*place) - down(*place)));
         let slopes = DVector::from_iterator(free.len(), slopes);
+        let bends = free.iter().map(|place| 2.0 * self.most - up(*place) - down(*place));
+        let mut bends = DMatrix::from_diagonal(&DVector::from_iterator(free.len(), bends));
         // The noise of a sensor hardly depends on more than how large the load is.
-        let depend =
-            |(a, b): &(usize, usize)| match (self.numbers[free[*a]], self.numbers[free[*b]]) {
-                (Number::LoadSize, _) => true,
-                (_, second) => !matches!(second, Number::Sensor(_)),
-            };
+        let number = |k: usize| self.numbers[free[k]];
+        let depend = |(a, b): &(usize, usize)| {
+            number(*a) == Number::LoadSize || !matches!(number(*b), Number::Sensor(_))
+        };
         let pairs = (1..free.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
         let pairs: Vec<(usize, usize)> = pairs.filter(depend).collect();
-        let both = |(a, b): &(usize, usize)| {
-            let moves = [(free[*a], 1.0), (free[*b], 1.0)];
-            (moves.to_vec(), self.probability(&moves))
-        };
-        let both: Vec<_> = pairs.par_iter().map(both).collect();
-        let mut bends = DMatrix::zeros(free.len(), free.len());
-        for (k, place) in free.iter().enumerate() {
-            bends[(k, k)] = 2.0 * self.most - up(*place) - down(*place);
-        }
-        for ((a, b), (_, found)) in pairs.iter().zip(&both) {
-            let bend = up(free[*a]) + up(free[*b]) - self.most - found;
+        let both = |(a, b): &(usize, usize)| self.tried(vec![(free[*a], 1.0), (free[*b], 1.0)]);
+        let both: Vec<Tried> = pairs.par_iter().map(both).collect();
+        for ((a, b), both) in pairs.iter().zip(&both) {
+            let bend = up(free[*a]) + up(free[*b]) - self.most - both.probability;
             let bend = if bend.is_finite() { bend } else { 0.0 };
             (bends[(*a, *b)], bends[(*b, *a)]) = (bend, bend);
         }
         tried.extend(both);
-        let (step, bends_down) = top(&slopes, &bends);
-        let along = |share: f64| -> Vec<(usize, f64)> {
-            free.iter().zip(&step).map(|(place, by)| (*place, share * by)).collect()
-        };
-        let promised = |share: f64| {
-            share * step.dot(&slopes) - 0.5 * share * share * step.dot(&(&bends * &step))
-        };
-        let mut share = (FURTHEST / step.amax()).min(1.0);
-        let mut holds = false;
-        if promised(share) > WORTH {
-            let at = |share: f64| self.probability(&along(share));
-            let mut found = at(share);
-            if found <= self.most {
-                share *= LESS;
-                found = at(share);
-            }
-            while share < 1.0 && found > self.most {
-                let further = (2.0 * share).min(1.0);
-                let there = at(further);
-                if there <= found {
-                    break;
-                }
-                (share, found) = (further, there);
-            }
-            let wrong = (found - self.most - promised(share)).abs();
-            holds = bends_down && share == 1.0 && wrong < WORTH.max(WRONG * promised(share));
-            tried.push((along(share), found));
+        (Parabola::of(free, slopes, bends), tried)
+    }
+
+    /// As far towards the top of the parabola as the probability rises, with what was promised there;
+    /// nothing where that is too little.
+    fn top(&self, parabola: &Parabola) -> Option<(Tried, f64)> {
+        let mut share = (FURTHEST / parabola.step.amax()).min(1.0);
+        if parabola.promised(share) <= WORTH {
+            return None;
         }
-        let at_top = tried.len() - 1;
-        let best = tried.iter().enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
-        let gains = |found: f64| found > self.most + WORTH;
-        let Some((which, (moves, found))) = best.filter(|(_, (_, found))| gains(*found)) else {
-            return false;
-        };
-        let again = !(holds && which == at_top);
-        (self.best, self.most) = (self.moved(moves), *found);
-        for (k, place) in free.iter().enumerate() {
-            self.learn_distance(*place, bends[(k, k)]);
+        let at = |share: f64| self.probability(&parabola.moves(share));
+        let mut found = at(share);
+        if found <= self.most {
+            share *= LESS;
+            found = at(share);
         }
-        again
+        while share < 1.0 && found > self.most {
+            let further = (2.0 * share).min(1.0);
+            let there = at(further);
+            if there <= found {
+                break;
+            }
+            (share, found) = (further, there);
+        }
+        let moves = parabola.moves(share);
+        let tried = Tried { moves, probability: found, is_whole: share == 1.0 };
+        Some((tried, parabola.promised(share)))
     }
 }
 
-/// The step to the top of a function of those slopes and bends, and whether there is one: where the function
-/// does not bend down, the step goes up.
-fn top(slopes: &DVector<f64>, bends: &DMatrix<f64>) -> (DVector<f64>, bool) {
-    let eigen = SymmetricEigen::new(bends.clone());
-    let bends_down = eigen.eigenvalues.iter().all(|bend| *bend > 0.0);
-    let mut along = eigen.eigenvectors.tr_mul(slopes);
-    for (along, bend) in along.iter_mut().zip(&eigen.eigenvalues) {
-        *along /= bend.abs().max(UNTOLD);
+/// Numbers that were moved by so many of their distances, and ln of the probability there.
+struct Tried {
+    moves: Vec<(usize, f64)>,
+    probability: f64,
+    /// Whether it is the whole way to the top of a parabola.
+    is_whole: bool,
+}
+
+/// A parabola in the numbers that are free, in units of their distances.
+struct Parabola {
+    free: Vec<usize>,
+    slopes: DVector<f64>,
+    bends: DMatrix<f64>,
+    /// To its top; where it does not bend down, upwards.
+    step: DVector<f64>,
+    bends_down: bool,
+}
+
+impl Parabola {
+    fn of(free: Vec<usize>, slopes: DVector<f64>, bends: DMatrix<f64>) -> Self {
+        let eigen = SymmetricEigen::new(bends.clone());
+        let bends_down = eigen.eigenvalues.iter().all(|bend| *bend > 0.0);
+        let mut along = eigen.eigenvectors.tr_mul(&slopes);
+        for (along, bend) in along.iter_mut().zip(&eigen.eigenvalues) {
+            *along /= bend.abs().max(UNTOLD);
+        }
+        let step = &eigen.eigenvectors * along;
+        Self { free, slopes, bends, step, bends_down }
     }
-    (&eigen.eigenvectors * along, bends_down)
+
+    /// That share of the step.
+    fn moves(&self, share: f64) -> Vec<(usize, f64)> {
+        self.free.iter().zip(&self.step).map(|(place, by)| (*place, share * by)).collect()
+    }
+
+    /// What that share of the step promises.
+    fn promised(&self, share: f64) -> f64 {
+        let step = share * &self.step;
+        step.dot(&self.slopes) - 0.5 * step.dot(&(&self.bends * &step))
+    }
 }
 
 #[cfg(test)]
@@ -205,12 +239,12 @@ mod tests {
     fn the_top_of_numbers_that_depend_on_each_other_is_one_step_away() {
         let bends = DMatrix::from_row_slice(2, 2, &[2.0, 1.9, 1.9, 2.0]);
         let at = DVector::from_column_slice(&[0.7, -0.4]);
-        let (step, is_top) = top(&(&bends * &at), &bends);
-        assert!((step - at).amax() < 1e-9 && is_top);
+        let found = Parabola::of(vec![0, 1], &bends * &at, bends);
+        assert!((&found.step - at).amax() < 1e-9 && found.bends_down);
         // On a saddle it goes up both ways.
         let saddle = DMatrix::from_row_slice(2, 2, &[2.0, 0.0, 0.0, -1.0]);
         let slopes = DVector::from_column_slice(&[0.5, 0.5]);
-        let (step, is_top) = top(&slopes, &saddle);
-        assert!(step[0] > 0.0 && step[1] > 0.0 && !is_top);
+        let found = Parabola::of(vec![0, 1], slopes, saddle);
+        assert!(found.step[0] > 0.0 && found.step[1] > 0.0 && !found.bends_down);
     }
 }

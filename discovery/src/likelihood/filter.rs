@@ -70,7 +70,8 @@ fn filter(
                 covariance[POSITION].fill(0.0);
                 covariance.iter_mut().for_each(|row| row[POSITION] = 0.0);
             }
-            let mut tick = Tick {
+            let number = ticks.len();
+            ticks.push(Tick {
                 sample,
                 begins: sample == piece.start,
                 predicted: mean,
@@ -82,8 +83,10 @@ fn filter(
                 gain: [Vector::zeros(); SENSORS],
                 inverse_sd: [0.0; SENSORS],
                 innovation: [0.0; SENSORS],
-            };
-            let senses = plant.shown(&mut tick);
+            });
+            // Where it stays: it is large, and the passes are many.
+            let tick = &mut ticks[number];
+            let senses = plant.shown(tick);
             for channel in &measured.outputs {
                 let (sensor, value) = (channel.output as usize, channel.values[sample]);
                 if sensor >= SENSORS || !value.is_finite() {
@@ -110,7 +113,7 @@ fn filter(
                 log_likelihood -= 0.5 * (tick.innovation[sensor].powi(2) + variance.ln());
             }
             tick.filtered = wandering.whole(&mean);
-            let step = plant.propagate(&mut tick);
+            let step = plant.propagate(tick);
             widest(Carried { covariance: &mut covariance, step, wandering: &wandering });
             wandering.carry(&mean, &mut tick.propagated);
             mean = tick.propagated;
@@ -122,7 +125,6 @@ fn filter(
             if !mean.iter().all(|value| value.is_finite()) {
                 return None;
             }
-            ticks.push(tick);
         }
     }
     log_likelihood.is_finite().then_some(Track {

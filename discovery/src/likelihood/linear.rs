@@ -28,7 +28,7 @@ pub(super) trait Linearised {
     /// A piece begins.
     fn begin(&mut self);
     /// What the sensors show of the predicted state; returns the derivatives.
-    fn shown(&mut self, tick: &mut Tick) -> [Vector; SENSORS];
+    fn shown(&mut self, tick: &mut Tick) -> &[Vector; SENSORS];
     /// The filtered state one sample later, disturbances left out; returns the derivatives.
     fn propagate(&mut self, tick: &mut Tick) -> &Step;
     /// What a torque does to the state over a sample in which the shaft slips, over what it does to
@@ -78,12 +78,12 @@ impl Linearised for Itself<'_> {
         self.plant.begin();
     }
 
-    fn shown(&mut self, tick: &mut Tick) -> [Vector; SENSORS] {
+    fn shown(&mut self, tick: &mut Tick) -> &[Vector; SENSORS] {
         self.plant.enter(tick.sample);
         let shown = self.plant.shown(&tick.predicted, Number::parameter);
         tick.shown = shown.map(|it| it.v);
         self.sense = shown.map(|it| Vector::from(it.d));
-        self.sense
+        &self.sense
     }
 
     fn propagate(&mut self, tick: &mut Tick) -> &Step {
@@ -176,12 +176,12 @@ impl<'a> Along<'a> {
 impl Linearised for Along<'_> {
     fn begin(&mut self) {}
 
-    fn shown(&mut self, tick: &mut Tick) -> [Vector; SENSORS] {
+    fn shown(&mut self, tick: &mut Tick) -> &[Vector; SENSORS] {
         let (now, step) = self.now();
         let apart = tick.predicted - now.predicted;
         tick.shown =
             std::array::from_fn(|sensor| now.shown[sensor] + step.sense[sensor].dot(&apart));
-        step.sense
+        &step.sense
     }
 
     fn propagate(&mut self, tick: &mut Tick) -> &Step {

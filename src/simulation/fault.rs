@@ -1,4 +1,4 @@
-//! A fault as it is typed: `KIND=SIZE[@FROM[..TO]][:PROFILE]`, such as `tacho=5%@20..25` or
+//! A fault as it is typed: `KIND=SIZE[@FROM[..[TO]]][:PROFILE]`, such as `tacho=5%@20..25` or
 //! `tacho=20%@5:ramp=10`.
 
 use std::ops::Range;
@@ -94,6 +94,7 @@ impl FromStr for FaultOverTime {
         let (from_s, to_s) = match span.map(|span| span.split_once("..").ok_or(span)) {
             None => (0.0, f64::INFINITY),
             Some(Err(from)) => (number(from)?, f64::INFINITY),
+            Some(Ok((from, to))) if to.trim().is_empty() => (number(from)?, f64::INFINITY),
             Some(Ok((from, to))) => (number(from)?, number(to)?),
         };
         if to_s <= from_s {
@@ -144,6 +145,7 @@ mod tests {
         assert_eq!((tacho.mechanism.id, tacho.from_s, tacho.to_s), ("tacho", 20.0, 25.0));
         assert!((tacho.size - 0.05).abs() < 1e-15);
         assert_eq!(fault("load = -0.2 @ 1").to_s, f64::INFINITY);
+        assert_eq!(fault("load=-0.2@1.."), fault("load=-0.2@1"));
         assert_eq!(fault("tacho_bias=2").size, 2.0);
         // 0.3 / 0.1 is just below 3.
         let sizes = |text: &str| fault(text).sizes(6, 0.1, 0);

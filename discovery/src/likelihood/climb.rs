@@ -5,8 +5,8 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
+use super::judge::{FINE, Judge, Number};
 use super::randomness::Randomness;
-use super::search::{FINE, Judge, Number};
 
 /// Gain in ln of the likelihood that a step must promise.
 const WORTH: f64 = 0.3;

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use super::gram::References;
 use super::guess::slowest;
+use super::judge::{FINE, Judge};
 use super::noise::Cycle;
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene};
-use super::search::{FINE, Judge};
 use super::state::LOAD;
 use super::track::Track;
 
@@ -20,7 +20,7 @@ const A_LINE: f64 = 2.0;
 /// Periods in a recording from which on something oscillates: what comes again a few times may be
 /// what the drive was made to do.
 const OFTEN: f64 = 8.0;
-/// The same of what keeps its phase over that share of the recording: a line of it.
+/// The same in all of what keeps its phase over that share of a recording: a line of it.
 const OFTEN_ALIKE: f64 = 16.0;
 const FORGETS: f64 = 0.5;
 /// Highest frequency over that of the samples.
@@ -53,10 +53,10 @@ impl Randomness {
         }
         let searched = best.1.searched(scene, references, FINE)?;
         // One that leaves the peak it was tried for is a slow load of another form.
-        let longest_s = longest_s(scene, judge.tracks());
+        let (longest_s, all_s) = lengths_s(scene, judge.tracks());
         let at_peak =
             |from: Cycle, it: Cycle| (it.hz - from.hz).abs() < 1.0 / longest_s + 1.0 / (TAU * it.s);
-        let random = |it: Cycle| it.s < FORGETS * longest_s || it.hz * longest_s > OFTEN_ALIKE;
+        let random = |it: Cycle| it.s < FORGETS * longest_s || it.hz * all_s > OFTEN_ALIKE;
         let oscillates = |(from, it): (Cycle, Cycle)| at_peak(from, it) && random(it);
         let oscillates = best.1.cycle.zip(searched.cycle).is_some_and(oscillates);
         let worth = oscillates && judge.of_randomness(&searched)? + searched.ln_prior() > before;
@@ -64,18 +64,18 @@ impl Randomness {
     }
 }
 
-/// Longest recording, s.
-fn longest_s(scene: &Scene, tracks: &[Track]) -> f64 {
-    let each = tracks.iter().zip(&scene.recordings);
+/// The longest stretch, and all of them, s.
+fn lengths_s(scene: &Scene, tracks: &[Track]) -> (f64, f64) {
     let length_s =
         |(track, it): (&Track, &Recorded)| track.ticks.len() as f64 * it.measured.period_s;
-    each.map(length_s).fold(0.0, f64::max)
+    let each = tracks.iter().zip(&scene.recordings).map(length_s);
+    each.fold((0.0, 0.0), |(longest, all), it| (f64::max(longest, it), all + it))
 }
 
 /// Frequencies that stand out of the load's spectrum most, Hz, with the standard deviation of what
 /// stands there.
 fn peaks(scene: &Scene, tracks: &[Track]) -> Vec<(f64, f64)> {
-    let apart = 1.0 / (A_LINE * longest_s(scene, tracks));
+    let apart = 1.0 / (A_LINE * lengths_s(scene, tracks).0);
     let count = (HIGHEST / slowest(scene) / apart) as usize;
     let frequencies: Vec<f64> =
         ((OFTEN * A_LINE) as usize..count).map(|k| k as f64 * apart).collect();
@@ -117,8 +117,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::super::direction::Direction;
+    use super::super::judge::COARSE;
     use super::super::scene::longest;
-    use super::super::search::COARSE;
     use super::super::state::SENSORS;
     use super::*;
     use crate::measured::Measured;

@@ -25,6 +25,7 @@ mod gram;
 mod ground;
 mod guess;
 mod inverse;
+mod judge;
 mod linear;
 mod marginal;
 mod noise;

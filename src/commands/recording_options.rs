@@ -85,10 +85,10 @@ impl RecordingOptions {
         let kept_at = kept.is_some().then(|| ReadOptions::kept_at(path));
         let kept = kept.unwrap_or_default();
         let options = ReadOptions {
-            columns: said.unwrap_or_else(|| kept.columns.clone()),
+            columns: said.unwrap_or(kept.columns),
             resample: self.resample.or(kept.resample),
             rows_every: self.rows_every.or(kept.rows_every),
-            ..kept
+            ..ReadOptions::default()
         };
         Ok((options, kept_at))
     }

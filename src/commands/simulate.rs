@@ -48,7 +48,7 @@ pub(crate) struct Simulate {
     /// A fault, such as `tacho=5%@2..3`; may be given several times. It acts with full size, or as
     /// its profile says: `:ramp=5` grows for 5 s, `:pulses=0.1/1` acts for 0.1 s of every 1 s,
     /// `:intermittent=0.5/2` comes for 0.5 s and goes for 2 s on average.
-    #[arg(long, value_name = "KIND=SIZE[@FROM[..TO]][:PROFILE]")]
+    #[arg(long, value_name = "KIND=SIZE[@FROM[..[TO]]][:PROFILE]")]
     fault: Vec<FaultOverTime>,
     /// Sampling time, s; by default that of the controller, or 1 ms.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]

@@ -166,7 +166,10 @@ pub fn compare(
     compare_under(Load::Sought, drive, evidence, setting, options)
 }
 
-/// The same where that is known of the load.
+/// As [`compare`], with what is known of the random load.
+///
+/// # Errors
+/// As [`compare`].
 pub(crate) fn compare_under(
     load: Load<'_>,
     drive: &Drive,

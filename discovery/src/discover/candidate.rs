@@ -7,6 +7,7 @@
 //! null: their variants are points from which a short refit begins.
 
 use drivescope_plant::drive::{Drive, EffectData};
+use drivescope_plant::effects::info::Beside;
 use drivescope_plant::effects::law::{Info, Variable};
 use drivescope_plant::effects::registry::Entry;
 
@@ -83,9 +84,10 @@ impl Candidate {
         !self.info.senses() && !self.info.delays
     }
 
-    /// Whether it has states of its own.
-    pub(crate) fn has_states(&self) -> bool {
-        Entry::find(self.info.id).is_some_and(|entry| !entry.states.is_empty())
+    /// Whether that sensor beside the motor shows one of its own states.
+    pub(crate) fn shows_on(&self, sensor: Beside) -> bool {
+        let shows = |entry: &Entry| entry.states.iter().any(|it| it.beside == Some(sensor));
+        Entry::find(self.info.id).is_some_and(shows)
     }
 
     /// Whether it parts the load from the motor, so that the load moves by itself.

@@ -5,6 +5,7 @@
 //! drive) predicts of a sample from those before is a probability too, with the exact moments of
 //! contact. A random load stays in its errors, and what their own past predicts of them is taken out.
 
+use drivescope_plant::effects::info::Beside;
 use drivescope_plant::effects::registry::{Entry, REGISTRY};
 
 use super::candidate::Candidate;
@@ -16,7 +17,7 @@ use super::round::Round;
 use super::whiten::Whitener;
 use crate::balances::unexplained;
 use crate::estimate::Evidence;
-use crate::measured::{Measured, Output};
+use crate::measured::Measured;
 
 /// A law fitted in free run, with ln of its evidence over that of the base.
 pub(super) struct FreeRunFit {
@@ -43,17 +44,16 @@ impl Round<'_> {
         it.info.knocks || REGISTRY.iter().any(knocks) || self.acts_beside(it)
     }
 
-    /// Whether sensors beside the motor were recorded that it acts on: the motor's balance does not
-    /// tell its size.
+    /// Whether sensors beside the motor were recorded that show its own states: the motor's balance does
+    /// not tell its size, and the filter does not look at them.
     pub(super) fn acts_beside(&self, it: &Candidate) -> bool {
-        self.looks_beside() && it.has_states()
+        self.sensors_beside().any(|sensor| it.shows_on(sensor))
     }
 
-    /// Whether sensors beside the motor were recorded, which the filter does not look at.
-    pub(super) fn looks_beside(&self) -> bool {
-        let of_motor = [Output::Current, Output::Speed, Output::Position];
-        let mut outputs = self.estimation.recordings.iter().flat_map(|it| &it.outputs);
-        outputs.any(|channel| !of_motor.contains(&channel.output))
+    /// Sensors beside the motor that were recorded.
+    fn sensors_beside(&self) -> impl Iterator<Item = Beside> {
+        let outputs = self.estimation.recordings.iter().flat_map(|it| &it.outputs);
+        outputs.filter_map(|channel| channel.output.beside())
     }
 
     /// Nothing where no fit ends, or the filter sees not every sample, which are not to be compared.
@@ -92,7 +92,8 @@ impl Round<'_> {
         let price = 0.5 * parameters * (model.fitted.squares.values as f64).ln();
         let [before, rest] = self.ln_probabilities(self.model);
         let both = before + rest;
-        let by_filter = |evidence: f64| if self.looks_beside() { f64::MIN } else { evidence };
+        let looks_beside = self.sensors_beside().next().is_some();
+        let by_filter = |evidence: f64| if looks_beside { f64::MIN } else { evidence };
         let fitted = own - price - before.max(by_filter(ground.base.fitted));
         let all = own + others - price - both.max(by_filter(ground.base.all));
         Some(FreeRunFit { model, evidence: [fitted, all, all - fitted], size })

@@ -27,8 +27,10 @@ impl Round<'_> {
         let part = if ground.filtered().is_some() { PROMISED } else { 1.0 };
         let of_two = |it: &&LawWeight| self.is_of_free_run(&self.all[it.candidate]);
         let two: Vec<&LawWeight> = weights.laws.iter().filter(of_two).collect();
-        let promises =
-            |it: &&LawWeight| self.looks_beside() || (is_evident(it) && it.evidence >= part * most);
+        let promises = |it: &&LawWeight| {
+            let evident = || is_evident(it) && it.evidence >= part * most;
+            self.acts_beside(&self.all[it.candidate]) || evident()
+        };
         let promised = two.iter().any(promises);
         let lowers = |one: &&Judged| one.lowers && !one.weighed.by_balance;
         let leaves = |one: &&Judged| self.removed_of_validation(&one.model) < EXPLAINS;

@@ -4,16 +4,15 @@ use std::f64::consts::TAU;
 
 use super::gram::References;
 use super::guess::slowest;
+use super::judge::{FINE, Judge};
 use super::noise::Cycle;
 use super::randomness::Randomness;
 use super::scene::{Recorded, Scene};
-use super::search::{FINE, Judge};
 use super::state::LOAD;
 use super::track::Track;
 
-/// Gain in ln of the likelihood that a cycle must bring: a thousand frequencies were to choose from,
-/// and its size and memory are known to an octave of ten.
-const WORTH: f64 = 12.0;
+/// Share of what a cycle must gain that the best of the first guesses gains where something oscillates.
+const PROMISING: f64 = 0.25;
 /// Peaks of the spectrum that are tried.
 const PEAKS: usize = 3;
 /// Frequencies to a period of the recording's inverse length.
@@ -21,6 +20,9 @@ const A_LINE: f64 = 2.0;
 /// Periods in a recording from which on something oscillates: what comes again a few times may be
 /// what the drive was made to do.
 const OFTEN: f64 = 8.0;
+/// The same in all of what keeps its phase over that share of a recording: a line of it.
+const OFTEN_ALIKE: f64 = 16.0;
+const FORGETS: f64 = 0.5;
 /// Highest frequency over that of the samples.
 const HIGHEST: f64 = 0.2;
 /// Neighbours on either side among which a peak stands out.
@@ -46,24 +48,34 @@ impl Randomness {
                 }
             }
         }
-        if best.1 == *self {
+        if best.0 + PROMISING * best.1.ln_prior() <= before {
             return Some(*self);
         }
         let searched = best.1.searched(scene, references, FINE)?;
-        let worth = judge.of_randomness(&searched)? > before + WORTH;
+        // One that leaves the peak it was tried for is a slow load of another form.
+        let (longest_s, all_s) = lengths_s(scene, judge.tracks());
+        let at_peak =
+            |from: Cycle, it: Cycle| (it.hz - from.hz).abs() < 1.0 / longest_s + 1.0 / (TAU * it.s);
+        let random = |it: Cycle| it.s < FORGETS * longest_s || it.hz * all_s > OFTEN_ALIKE;
+        let oscillates = |(from, it): (Cycle, Cycle)| at_peak(from, it) && random(it);
+        let oscillates = best.1.cycle.zip(searched.cycle).is_some_and(oscillates);
+        let worth = oscillates && judge.of_randomness(&searched)? + searched.ln_prior() > before;
         Some(if worth { searched } else { *self })
     }
+}
+
+/// The longest stretch, and all of them, s.
+fn lengths_s(scene: &Scene, tracks: &[Track]) -> (f64, f64) {
+    let length_s =
+        |(track, it): (&Track, &Recorded)| track.ticks.len() as f64 * it.measured.period_s;
+    let each = tracks.iter().zip(&scene.recordings).map(length_s);
+    each.fold((0.0, 0.0), |(longest, all), it| (f64::max(longest, it), all + it))
 }
 
 /// Frequencies that stand out of the load's spectrum most, Hz, with the standard deviation of what
 /// stands there.
 fn peaks(scene: &Scene, tracks: &[Track]) -> Vec<(f64, f64)> {
-    let longest_s = tracks
-        .iter()
-        .zip(&scene.recordings)
-        .map(|(track, it)| track.ticks.len() as f64 * it.measured.period_s)
-        .fold(0.0, f64::max);
-    let apart = 1.0 / (A_LINE * longest_s);
+    let apart = 1.0 / (A_LINE * lengths_s(scene, tracks).0);
     let count = (HIGHEST / slowest(scene) / apart) as usize;
     let frequencies: Vec<f64> =
         ((OFTEN * A_LINE) as usize..count).map(|k| k as f64 * apart).collect();
@@ -105,8 +117,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::super::direction::Direction;
+    use super::super::judge::COARSE;
     use super::super::scene::longest;
-    use super::super::search::COARSE;
     use super::super::state::SENSORS;
     use super::*;
     use crate::measured::Measured;

@@ -5,11 +5,11 @@ use drivescope_plant::drive::EffectData;
 use super::base::Known;
 use super::gram::References;
 use super::guess::{ENOUGH, excerpt};
+use super::judge::{COARSE, FINE};
 use super::optimum::{Law, Optimum, optimum};
 use super::randomness::Randomness;
 use super::refine::refined;
 use super::scene::{Scene, rms};
-use super::search::{COARSE, FINE};
 use super::state::{CYCLE, holds_a_cycle};
 use super::weigh::beside;
 use super::weights::CurveWeight;
@@ -22,6 +22,9 @@ const LOADS: [f64; 7] = [20.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.05];
 const OWN: usize = 3;
 /// Rounds of a search for the randomness and one for the parameters: each moves the other.
 const ROUNDS: usize = 5;
+
+/// Size of the random load, over that of the base, beside which a law whose null is infinite is fitted first.
+const LESS: f64 = 0.1;
 
 /// Change of a parameter, ln, beyond which the plant is no longer as it was linearised.
 const FAR: f64 = 0.1;
@@ -158,11 +161,17 @@ impl Filtered {
         estimated: &[String],
         coefficients: &[String],
     ) -> Option<(Scene, Optimum)> {
+        let fit =
+            |scene: Scene, load: f64| refined(scene, &randomness.scaled(load), &self.references);
         let begin = |effect: &EffectData| {
-            let scene = self.scene.with(effect, estimated.iter().cloned());
-            refined(excerpt(&scene), &randomness, &self.references)
+            let part = excerpt(&self.scene.with(effect, estimated.iter().cloned()));
+            // Far from its null a law has to find what the random load has taken for itself: from where it
+            // fits beside less of that, too.
+            let with_less = || fit(fit(part.clone(), LESS)?.scene, 1.0);
+            let far = if coefficients.is_empty() { with_less() } else { None };
+            [fit(part, 1.0), far]
         };
-        let ends = effects.iter().filter_map(begin);
+        let ends = effects.iter().flat_map(begin).flatten();
         let best = ends.max_by(|a, b| a.probability.total_cmp(&b.probability))?;
         if coefficients.is_empty() && best.probability < probability {
             return None;
@@ -208,10 +217,12 @@ fn at_its_best(
     let known = Known::of(scene, &along);
     let taken_out = law.map(|law| law.taken_out(scene, &along));
     let beside = curve.map(|it| beside(scene, &along, it));
+    let ln_prior = if holds_a_cycle(&scene.drive) { randomness.ln_prior() } else { 0.0 };
     let with = |load: &f64| {
         let tracks = scene.retraced(&along, &randomness.scaled(*load))?;
         let law = law.zip(taken_out.as_deref());
-        optimum(scene, (law, beside.as_ref()), (&tracks, &known), references)
+        let found = optimum(scene, (law, beside.as_ref()), (&tracks, &known), references)?;
+        Some(found.with_prior(ln_prior))
     };
     let mut tried: [Option<Option<Optimum>>; LOADS.len()] = [None; LOADS.len()];
     let mut at = |place: usize| *tried[place].get_or_insert_with(|| with(&LOADS[place]));

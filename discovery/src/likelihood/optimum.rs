@@ -51,6 +51,11 @@ impl Optimum {
         [self.fitted - base.fitted, self.all - base.all, self.repeats - base.repeats]
     }
 
+    /// With ln of the prior odds of what it has beside a law.
+    pub(super) fn with_prior(self, ln_prior: f64) -> Self {
+        Self { fitted: self.fitted + ln_prior, all: self.all + ln_prior, ..self }
+    }
+
     /// The same where all recordings are as they are in another.
     pub(super) fn with_all_of(self, other: &Self) -> Self {
         Self { all: other.all, repeats: other.repeats, ..self }

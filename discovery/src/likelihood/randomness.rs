@@ -6,6 +6,10 @@ use super::state::SENSORS;
 /// Correlation time of the random voltage, s.
 const VOLTAGE_S: f64 = 0.02;
 
+/// ln of the prior odds of a load that oscillates: a thousand frequencies were to choose from, and its size
+/// and memory are known to an octave of ten.
+const OSCILLATES: f64 = -12.0;
+
 /// Two disturbances, and factors on what is known of the sensors' noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Randomness {
@@ -32,6 +36,11 @@ impl Randomness {
             cycle: self.cycle,
             sensors: std::array::from_fn(|sensor| self.sensors[sensor] * noise[sensor]),
         }
+    }
+
+    /// ln of its prior odds over a load that does not oscillate.
+    pub(super) fn ln_prior(&self) -> f64 {
+        if self.cycle.is_some() { OSCILLATES } else { 0.0 }
     }
 
     /// With a load of another size.

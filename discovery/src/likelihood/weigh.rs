@@ -64,13 +64,15 @@ pub(crate) fn weigh(
     let (randomness, others) = randomnesses.split_first()?;
     let along = scene.tracks(randomness)?;
     let own = [randomness.scaled(SMALLER), randomness.with_time(SHORTER * randomness.load_s)];
-    let others: Vec<Randomness> = own.into_iter().chain(others.iter().copied()).collect();
-    let at = |other: &Randomness| scene.retraced(&along, other);
-    let others: Vec<Vec<Track>> = others.iter().filter_map(at).collect();
+    let others = own.into_iter().chain(others.iter().copied());
+    let at = |other: Randomness| Some((scene.retraced(&along, &other)?, other.ln_prior()));
+    let others: Vec<(Vec<Track>, f64)> = others.filter_map(at).collect();
     let mut filters = vec![along.as_slice()];
-    filters.extend(others.iter().map(Vec::as_slice));
+    filters.extend(others.iter().map(|(tracks, _)| tracks.as_slice()));
     let each = weigh_along((scene, &filters, references), candidates, (spans, &tolerated), stopped);
-    each.into_iter().reduce(Weights::best_of)
+    let priors = std::iter::once(randomness.ln_prior()).chain(others.iter().map(|it| it.1));
+    let each = each.into_iter().zip(priors).map(|(weights, prior)| weights.with_prior(prior));
+    each.reduce(Weights::best_of)
 }
 
 fn weigh_along(

@@ -63,6 +63,13 @@ impl Weights {
         curve.evidence + (self.base - base).min(0.0)
     }
 
+    /// With ln of the prior odds of what is random beside them.
+    pub(super) fn with_prior(self, ln_prior: f64) -> Self {
+        let [base, base_of_all, plain] =
+            [self.base, self.base_of_all, self.plain].map(|it| it + ln_prior);
+        Self { base, base_of_all, plain, ..self }
+    }
+
     /// Each law and curve where it explains more, over the base where that does.
     pub(super) fn best_of(self, other: Self) -> Self {
         let base = self.base.max(other.base);

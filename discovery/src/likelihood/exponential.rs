@@ -6,8 +6,10 @@
 //! Van Loan, SIAM Review 45, 2003, method 3).
 
 use drivescope_numerics::dispatch::{Work, widest};
+use drivescope_plant::model::OWN;
 
-use super::rows::{NO_ROWS, Row, Rows, add, product, unit};
+use super::rows::{LANES, NO_ROWS, Row, Rows, add, unit};
+use super::state::LOAD;
 
 /// Norm of the part of the sample for which the series is summed; six terms leave 4e-8 of it.
 const SMALL: f64 = 0.3;
@@ -27,7 +29,7 @@ impl Exponential {
         Self { rates: NO_ROWS, h: 0.0, whole: unit(), input: NO_ROWS, mean: NO_ROWS }
     }
 
-    /// Of that matrix of rates over `h` seconds.
+    /// Of that matrix of rates over `h` seconds; the disturbances have none.
     pub(super) fn set(&mut self, rates: &Rows, h: f64) {
         if *rates == self.rates && h == self.h {
             return;
@@ -37,53 +39,102 @@ impl Exponential {
         let norm = h * rates.iter().map(size).fold(0.0, f64::max);
         let doublings =
             if norm > SMALL { (norm / SMALL).log2().ceil().min(60.0) as i32 } else { 0 };
-        let z = scaled(rates, h / 2.0_f64.powi(doublings));
-        widest(Summed { z: &z, doublings, h, of: self });
+        if rates[OWN..LOAD].iter().flatten().all(|rate| *rate == 0.0) {
+            widest(Summed::<OWN> { doublings, of: self });
+        } else {
+            widest(Summed::<LOAD> { doublings, of: self });
+        }
     }
 }
 
-/// The series of a small part of the sample, doubled so often.
-struct Summed<'a> {
-    z: &'a Rows,
+/// The series of a small part of the sample, doubled so often, of rates in `R` rows.
+struct Summed<'a, const R: usize> {
     doublings: i32,
-    h: f64,
     of: &'a mut Exponential,
 }
 
-impl Work for Summed<'_> {
+impl<const R: usize> Work for Summed<'_, R> {
     #[inline(always)]
     fn run(self) {
-        let Self { z, doublings, h, of } = self;
+        let Self { doublings, of } = self;
+        let rates = std::array::from_fn(|row| of.rates[row]);
+        let z = Above::<R> { rows: rates, below: 0.0 }.scaled(of.h / 2.0_f64.powi(doublings));
+        let unit = Above::unit();
         // phi_2 = 1/2 (1 + z/3 (1 + z/4 (1 + ..))), by Horner.
-        let mut second = unit();
+        let mut second = unit;
         for term in (3..=TERMS).rev() {
-            second = sum(&unit(), 1.0 / f64::from(term), &product(z, &second));
+            second = unit.and(1.0 / f64::from(term), &z.times(&second));
         }
-        second = scaled(&second, 0.5);
-        let mut first = sum(&unit(), 1.0, &product(z, &second));
-        let mut whole = sum(&unit(), 1.0, &product(z, &first));
+        second = second.scaled(0.5);
+        let mut first = unit.and(1.0, &z.times(&second));
+        let mut whole = unit.and(1.0, &z.times(&first));
         for _ in 0..doublings {
-            second = scaled(&sum(&product(&first, &first), 2.0, &second), 0.25);
-            first = scaled(&product(&sum(&whole, 1.0, &unit()), &first), 0.5);
-            whole = product(&whole, &whole);
+            second = first.times(&first).and(2.0, &second).scaled(0.25);
+            first = whole.and(1.0, &unit).times(&first).scaled(0.5);
+            whole = whole.times(&whole);
         }
-        (of.whole, of.input, of.mean) = (whole, scaled(&first, h), scaled(&second, h));
+        (of.whole, of.input, of.mean) =
+            (whole.rows(), first.scaled(of.h).rows(), second.scaled(of.h).rows());
     }
 }
 
-#[inline(always)]
-fn scaled(rows: &Rows, factor: f64) -> Rows {
-    rows.map(|row| row.map(|value| factor * value))
+/// A square matrix whose rows below the first `R` are those of a multiple of the unit matrix.
+#[derive(Clone, Copy)]
+struct Above<const R: usize> {
+    rows: [Row; R],
+    below: f64,
 }
 
-/// Rows and a multiple of others.
-#[inline(always)]
-fn sum(rows: &Rows, factor: f64, others: &Rows) -> Rows {
-    let mut sum = *rows;
-    for (sum, other) in sum.iter_mut().zip(others) {
-        add(sum, factor, other);
+impl<const R: usize> Above<R> {
+    #[inline(always)]
+    fn unit() -> Self {
+        let unit = unit();
+        Self { rows: std::array::from_fn(|row| unit[row]), below: 1.0 }
     }
-    sum
+
+    #[inline(always)]
+    fn times(&self, other: &Self) -> Self {
+        // No closure: it would be compiled without the instructions of who calls.
+        let mut rows = [[0.0; LANES]; R];
+        for (total, factors) in rows.iter_mut().zip(&self.rows) {
+            for (factor, row) in factors.iter().zip(&other.rows) {
+                add(total, *factor, row);
+            }
+            for lane in R..LANES {
+                total[lane] += other.below * factors[lane];
+            }
+        }
+        Self { rows, below: self.below * other.below }
+    }
+
+    #[inline(always)]
+    fn scaled(mut self, factor: f64) -> Self {
+        for row in &mut self.rows {
+            for value in row {
+                *value *= factor;
+            }
+        }
+        Self { below: factor * self.below, ..self }
+    }
+
+    /// With a multiple of another.
+    #[inline(always)]
+    fn and(mut self, factor: f64, other: &Self) -> Self {
+        for (sum, row) in self.rows.iter_mut().zip(&other.rows) {
+            add(sum, factor, row);
+        }
+        Self { below: self.below + factor * other.below, ..self }
+    }
+
+    #[inline(always)]
+    fn rows(&self) -> Rows {
+        let mut rows = NO_ROWS;
+        rows[..R].copy_from_slice(&self.rows);
+        for place in R..LANES {
+            rows[place][place] = self.below;
+        }
+        rows
+    }
 }
 
 #[cfg(test)]
@@ -103,6 +154,11 @@ mod tests {
         assert!((e.whole[1][2] - 0.4_f64.sin()).abs() < 1e-9);
         assert!((e.input[1][1] - 0.4_f64.sin() / 40.0).abs() < 1e-11);
         assert!((e.mean[1][1] - (1.0 - 0.4_f64.cos()) / (1600.0 * h)).abs() < 1e-11);
-        assert!((e.input[3][3] - h).abs() < 1e-15 && (e.mean[3][3] - 0.5 * h).abs() < 1e-15);
+        assert!((e.input[7][7] - h).abs() < 1e-15 && (e.mean[7][7] - 0.5 * h).abs() < 1e-15);
+        // Own states have their rows too.
+        (rates[3][4], rates[4][3]) = (40.0, -40.0);
+        e.set(&rates, h);
+        assert!((e.whole[3][4] - 0.4_f64.sin()).abs() < 1e-9);
+        assert!((e.whole[1][2] - 0.4_f64.sin()).abs() < 1e-9);
     }
 }

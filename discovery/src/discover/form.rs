@@ -39,13 +39,20 @@ pub(super) struct Refused {
 impl Round<'_> {
     /// The last of the laws that were added, to the drive of the round, in whose place formulas have
     /// the evidence that a name needs over it and the error falls as far, and which has not that evidence
-    /// itself beside the best of them. What was named by the torque alone has no error of a motion to compare.
-    pub(super) fn formulas_instead(&self, added: &[Added]) -> Option<Instead> {
+    /// itself beside the best of them. `beyond` are formulas for what the laws leave: where one of them and
+    /// the law explain more together, the law stays. What was named by the torque alone has no error of a
+    /// motion to compare.
+    pub(super) fn formulas_instead(&self, added: &[Added], beyond: &[Formula]) -> Option<Instead> {
         let asked = added.iter().enumerate().rev().filter(|(_, it)| it.by_error);
-        asked.filter(|_| !self.watch.stopped()).find_map(|it| self.formulas_instead_of(it))
+        let beyond = beyond.first().map(Formula::worth);
+        asked.filter(|_| !self.watch.stopped()).find_map(|it| self.formulas_instead_of(it, beyond))
     }
 
-    fn formulas_instead_of(&self, (place, it): (usize, &Added)) -> Option<Instead> {
+    fn formulas_instead_of(
+        &self,
+        (place, it): (usize, &Added),
+        beyond: Option<f64>,
+    ) -> Option<Instead> {
         let drive = &self.model.fitted.drive;
         let law = drive.effects.iter().find(|effect| effect.id == it.id)?;
         let model = self.fitted(&without(drive, &it.id))?;
@@ -62,17 +69,20 @@ impl Round<'_> {
         };
         let evidence = of_law(&ground);
         // Both as probable beforehand as the rule of naming has it.
-        let ln_odds = self.rule.law_odds.ln() - self.rule.curve_odds.ln();
-        let formulas = turn.formulas_beyond(&ground, evidence + ln_odds + self.rule.evidence);
+        let rule = self.rule;
+        let ln_odds = rule.law_odds.ln() - rule.curve_odds.ln();
+        let alone = evidence + ln_odds + rule.evidence;
+        let together = beyond.map_or(alone, |beyond| evidence + rule.law_odds.ln() + beyond);
+        let formulas = turn.formulas_beyond(&ground, alone.max(together));
         let best = formulas.first()?;
         let with = self.fitted(&best.added(&model.fitted.drive))?;
         let needed = Round { model: &with, ..beside }.ground().map(|it| of_law(&it))?;
-        if needed + self.rule.law_odds.ln() > self.rule.evidence {
+        if needed + rule.law_odds.ln() > rule.evidence {
             return None;
         }
         let removed = [self.model, &with].map(|it| turn.removed_of_validation(it));
         // What a filter tells of two masses is little; the error tells more.
-        let nearly = 1.0 - self.rule.formula;
+        let nearly = 1.0 - rule.formula;
         if removed[1] < nearly * removed[0] {
             return None;
         }

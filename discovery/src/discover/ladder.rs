@@ -198,7 +198,8 @@ fn searched(
             }
             if formulas_fail || missing {
                 let mut remainder = model.clone();
-                while let Some(it) = (Round { model: &remainder, ..turn }).formulas_instead(&added)
+                while let Some(it) =
+                    (Round { model: &remainder, ..turn }).formulas_instead(&added, &found.formulas)
                 {
                     let of_kind = it.refused.is_none();
                     remainder =

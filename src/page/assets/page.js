@@ -72,6 +72,8 @@ async function act(body) {
 
 async function upload(files) {
   tell();
+  const study = [...files].find((it) => it.name.toLowerCase().endsWith(".json"));
+  if (study) { goTo("faults"); await faults.file(study); return; }
   // The model first: recordings are compared with it.
   const all = [...files].sort((a, b) => b.name.toLowerCase().endsWith(".toml") - a.name.toLowerCase().endsWith(".toml"));
   for (const [place, file] of all.entries()) {
@@ -346,6 +348,8 @@ function tryLaw(target, text) {
 const faults = new Faults($("faults-content"), tell);
 const diagnosis = new Diagnosis($("diagnose-content"), base, tell, mostBytes);
 
+function goTo(name) { view.view = name; writeAddress(); showView(); }
+
 function showView() {
   for (const name of views) $(name).hidden = view.view !== name;
   document.querySelectorAll("[data-view]").forEach((it) => it.setAttribute("aria-pressed", String(it.dataset.view === view.view)));
@@ -359,7 +363,7 @@ document.addEventListener("click", async (event) => {
   const button = event.target.closest("button");
   if (!button || button.closest("#faults, #diagnose")) return;
   const { dataset } = button;
-  if (dataset.view) { view.view = dataset.view; writeAddress(); showView(); }
+  if (dataset.view) goTo(dataset.view);
   else if (dataset.do === "example") await act({ do: "example", id: dataset.id });
   else if (dataset.do === "column") await act({ do: "column", recording: Number(dataset.recording), column: dataset.column, signal: dataset.signal, unit: dataset.unit });
   else if (["again", "resample"].includes(dataset.do)) await act({ do: dataset.do, recording: Number(dataset.recording) });

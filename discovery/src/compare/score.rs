@@ -129,14 +129,11 @@ pub(super) fn score(own: &DMatrix<f64>, e: &DVector<f64>, blocks: (&[usize], usi
     let remainder = e - own * &beta;
     let mut scores = DMatrix::<f64>::zeros(k, blocks.1);
     let mut shares = vec![DMatrix::<f64>::zeros(k, k); blocks.1];
-    for (row, block) in blocks.0.iter().enumerate() {
-        let share = &mut shares[*block];
-        for j in 0..k {
-            scores[(j, *block)] += own[(row, j)] * remainder[row];
-            for l in 0..k {
-                share[(j, l)] += own[(row, j)] * own[(row, l)];
-            }
-        }
+    // A row of the basis beside the other: the sums over a block are gone through row by row.
+    let rows = own.transpose();
+    for ((row, left), block) in rows.column_iter().zip(&remainder).zip(blocks.0) {
+        scores.column_mut(*block).axpy(*left, &row, 1.0);
+        shares[*block].ger(1.0, &row, &row, 1.0);
     }
     let variance = scores.norm_squared() / k as f64;
     let gain = beta.norm_squared();

@@ -40,36 +40,40 @@ pub(super) struct Continuous<R> {
 }
 
 impl<R: Real> Continuous<R> {
-    /// Reads the matrices off the field: lane `l`, direction `sign`, speeds beyond `beyond`.
+    /// Reads the matrices of every lane off the field: direction `sign`, speeds beyond `beyond`.
     pub(super) fn read<const N: usize>(
         model: &Model<R, N>,
-        l: usize,
         sign: f64,
-        beyond: f64,
-    ) -> Self {
-        let one = model.lane(l);
+        beyond: &[f64; N],
+    ) -> [Self; N] {
         // Two speeds in the affine zone: their difference is the speed column.
-        let base = sign * (beyond + 1.0);
-        let slope = |i: f64, omega: f64, u: f64, load: f64| {
-            let mut x = vec![[R::zero()]; OWN];
-            x[CURRENT] = [R::constant(i)];
-            x[SPEED] = [R::constant(omega)];
-            let applied = Applied { u: [R::constant(u)], load: [R::constant(load)], time: 0.0 };
-            let mut dx = vec![[R::zero()]; OWN];
-            field(&one, &x, &applied, &[sign], &mut dx, None);
-            [dx[CURRENT][0], dx[SPEED][0]]
+        let base = beyond.map(|beyond| sign * (beyond + 1.0));
+        let slope = |i: f64, omega: [f64; N], u: f64, load: f64| {
+            let mut x = [[R::zero(); N]; OWN];
+            x[CURRENT] = [R::constant(i); N];
+            x[SPEED] = omega.map(R::constant);
+            let (u, load) = ([R::constant(u); N], [R::constant(load); N]);
+            let mut dx = [[R::zero(); N]; OWN];
+            field(model, &x, &Applied { u, load, time: 0.0 }, &[sign; N], &mut dx, None);
+            dx
         };
         let at_base = slope(0.0, base, 0.0, 0.0);
-        let column = |other: [R; 2]| [other[0] - at_base[0], other[1] - at_base[1]];
-        let i = column(slope(1.0, base, 0.0, 0.0));
-        let omega = column(slope(0.0, 2.0 * base, 0.0, 0.0)).map(|d| d.scaled(1.0 / base));
-        let u = column(slope(0.0, base, 1.0, 0.0));
-        let load = column(slope(0.0, base, 0.0, 1.0));
-        let rest = |row: usize| at_base[row] - omega[row].scaled(base);
-        Self {
-            a: [[i[0], omega[0]], [i[1], omega[1]]],
-            b: [[u[0], load[0], rest(0)], [u[1], load[1], rest(1)]],
-        }
+        let (i, u, load) =
+            (slope(1.0, base, 0.0, 0.0), slope(0.0, base, 1.0, 0.0), slope(0.0, base, 0.0, 1.0));
+        let omega = slope(0.0, base.map(|base| 2.0 * base), 0.0, 0.0);
+        std::array::from_fn(|l| {
+            let at_base = [at_base[CURRENT][l], at_base[SPEED][l]];
+            let column = |other: &[[R; N]; OWN]| {
+                [other[CURRENT][l] - at_base[0], other[SPEED][l] - at_base[1]]
+            };
+            let (i, u, load) = (column(&i), column(&u), column(&load));
+            let omega = column(&omega).map(|d| d.scaled(1.0 / base[l]));
+            let rest = |row: usize| at_base[row] - omega[row].scaled(base[l]);
+            Self {
+                a: [[i[0], omega[0]], [i[1], omega[1]]],
+                b: [[u[0], load[0], rest(0)], [u[1], load[1], rest(1)]],
+            }
+        })
     }
 }
 
@@ -116,22 +120,46 @@ fn exponential<R: Real>(a: &Square<R>) -> Square<R> {
     (0..squarings).fold(sum, |power, _| product(&power, &power))
 }
 
-/// The exponential over `h` of current, speed and position with two unit slopes beside them.
-fn augmented_exponential<R: Real>(a: &[[R; 2]; 2], h: R) -> Square<R> {
-    let mut augmented = [[R::zero(); SIZE]; SIZE];
-    for row in 0..2 {
-        augmented[row][0] = a[row][0] * h;
-        augmented[row][1] = a[row][1] * h;
-        augmented[row][3 + row] = h;
+/// Exponentials over one time: lanes that differ in no parameter of their motion share one, and so do the
+/// two directions.
+pub(super) struct Exponentials<R> {
+    h: R,
+    made: Vec<([[R; 2]; 2], Square<R>)>,
+}
+
+impl<R: Real> Exponentials<R> {
+    /// Over `h`.
+    pub(super) fn over(h: R) -> Self {
+        Self { h, made: Vec::new() }
     }
-    augmented[2][1] = h;
-    exponential(&augmented)
+
+    /// The exponential of current, speed and position with two unit slopes beside them.
+    fn of(&mut self, a: &[[R; 2]; 2]) -> Square<R> {
+        // Most lanes are like one of the last.
+        if let Some((_, phi)) = self.made.iter().rev().find(|(same, _)| same == a) {
+            return *phi;
+        }
+        let h = self.h;
+        let mut augmented = [[R::zero(); SIZE]; SIZE];
+        for row in 0..2 {
+            augmented[row][0] = a[row][0] * h;
+            augmented[row][1] = a[row][1] * h;
+            augmented[row][3 + row] = h;
+        }
+        augmented[2][1] = h;
+        let phi = exponential(&augmented);
+        self.made.push((*a, phi));
+        phi
+    }
 }
 
 impl<R: Real, const N: usize> Affine<R, N> {
-    /// The step over `h` of every lane in the direction `sign`; nothing if a lane is affine
-    /// nowhere.
-    pub(super) fn new(model: &Model<R, N>, sign: f64, h: R) -> Option<Self> {
+    /// The step of every lane in the direction `sign`; nothing if a lane is affine nowhere.
+    pub(super) fn new(
+        model: &Model<R, N>,
+        sign: f64,
+        exponentials: &mut Exponentials<R>,
+    ) -> Option<Self> {
         let beyond: [f64; N] = std::array::from_fn(|l| model.affine_beyond(l));
         if beyond.iter().any(|speed| !speed.is_finite()) {
             return None;
@@ -140,9 +168,9 @@ impl<R: Real, const N: usize> Affine<R, N> {
         let mut acceleration = [[0.0; N]; COLUMNS];
         let mut quadrature = [[0.0; N]; COLUMNS];
         let mut rings = false;
-        let mut last = None;
-        for l in 0..N {
-            let Continuous { a, b } = Continuous::read(model, l, sign, beyond[l]);
+        for (l, Continuous { a, b }) in
+            Continuous::read(model, sign, &beyond).into_iter().enumerate()
+        {
             let row = [a[1][0], b[1][0], a[1][1], b[1][1], b[1][2]];
             for (column, value) in row.into_iter().enumerate() {
                 acceleration[column][l] = value.value();
@@ -164,12 +192,7 @@ impl<R: Real, const N: usize> Affine<R, N> {
                     quadrature[column][l] = (jerk + decay * own) / (-root).sqrt();
                 }
             }
-            // Lanes that differ in no parameter share the exponential of the one before.
-            let phi = match last {
-                Some((same, phi)) if same == a => phi,
-                _ => augmented_exponential(&a, h),
-            };
-            last = Some((a, phi));
+            let phi = exponentials.of(&a);
             for row in 0..OWN {
                 let held = |column: usize| phi[row][3] * b[0][column] + phi[row][4] * b[1][column];
                 let made = [phi[row][0], held(0), phi[row][1], held(1), held(2)];
@@ -179,7 +202,15 @@ impl<R: Real, const N: usize> Affine<R, N> {
             }
         }
         let beyond = if model.dry() { beyond } else { [f64::NEG_INFINITY; N] };
-        Some(Self { matrix, acceleration, quadrature, rings, sign, beyond, seconds: h.value() })
+        Some(Self {
+            matrix,
+            acceleration,
+            quadrature,
+            rings,
+            sign,
+            beyond,
+            seconds: exponentials.h.value(),
+        })
     }
 
     /// The step of one lane.

@@ -102,7 +102,7 @@ pub(super) enum Course<R> {
 impl<R: Real> Collocation<R> {
     /// The step over `h`; nothing where the motor is too fast for it.
     pub(super) fn new(model: &Model<R, 1>, h: R) -> Option<Self> {
-        let motor = Continuous::read(&model.bare(), 0, 1.0, 0.0);
+        let [motor] = Continuous::read(&model.bare(), 1.0, &[0.0]);
         let [[a, b], [c, d]] = motor.a.map(|row| row.map(R::value));
         let fastest = a.abs().max(d.abs()) + (b * c).abs().sqrt();
         let resolved = fastest * h.value() <= RADIANS;

@@ -37,7 +37,7 @@ use std::sync::OnceLock;
 use drivescope_numerics::Real;
 
 use crate::model::{Applied, Model, OWN, SPEED, at_rest};
-use affine::Affine;
+use affine::{Affine, Exponentials};
 use grain::Grain;
 use span::{Room, Span};
 use step::Armature;
@@ -118,8 +118,9 @@ impl<R: Real, const N: usize> Plan<R, N> {
         // Each span takes as many sub-steps.
         let substeps = substeps.next_multiple_of(spans);
         let armature = Armature::new(model, sub_step(h, substeps));
-        let forward = Affine::new(model, 1.0, h);
-        let backward = if model.dry() { Affine::new(model, -1.0, h) } else { None };
+        let mut exponentials = Exponentials::over(h);
+        let forward = Affine::new(model, 1.0, &mut exponentials);
+        let backward = if model.dry() { Affine::new(model, -1.0, &mut exponentials) } else { None };
         let (grain, span) = (Grain::new(model), OnceLock::new());
         Self { h, substeps, armature, grain, forward, backward, spans, whole_spans, span }
     }

@@ -10,10 +10,9 @@ use super::gram::References;
 use super::ground::Filtered;
 use super::guess::excerpt;
 use super::marginal::{Beside, ln_mean_exp, log_evidence};
-use super::randomness::Randomness;
 use super::scene::{Recorded, Scene};
 use super::track::{Tick, Track};
-use super::weigh::{SHORTER, SMALLER};
+use super::weigh::{Filtering, filtered};
 use super::weighing::SIZES;
 
 /// Columns of a source: sources are filtered in parallel.
@@ -25,8 +24,7 @@ pub(crate) struct Alongside {
     scene: Scene,
     references: References,
     known: Vec<Known>,
-    /// Each with ln of the prior odds of its randomness.
-    filters: Vec<(Vec<Track>, f64)>,
+    filters: Vec<Filtering>,
 }
 
 /// What the recordings tell of a group of columns.
@@ -50,21 +48,14 @@ impl Alongside {
     }
 
     fn along(scene: Scene, ground: &Filtered) -> Option<Self> {
-        let all = ground.randomnesses();
-        let own = *all.first()?;
-        let along = scene.tracks(&own)?;
-        let known = Known::of(&scene, &along);
-        let others = [own.scaled(SMALLER), own.with_time(SHORTER * own.load_s)];
-        let others = others.iter().chain(&all[1..]);
-        let at = |other: &Randomness| Some((scene.retraced(&along, other)?, other.ln_prior()));
-        let mut filters: Vec<(Vec<Track>, f64)> = others.filter_map(at).collect();
-        filters.insert(0, (along, own.ln_prior()));
+        let filters = filtered(&scene, &ground.randomnesses())?;
+        let known = Known::of(&scene, &filters[0].tracks);
         Some(Self { scene, references: ground.references, known, filters })
     }
 
     /// The recordings with their tracks.
     pub(crate) fn recordings(&self) -> impl Iterator<Item = (&Recorded, &[Tick])> {
-        let ticks = self.filters[0].0.iter().map(|track| track.ticks.as_slice());
+        let ticks = self.filters[0].tracks.iter().map(|track| track.ticks.as_slice());
         self.scene.recordings.iter().zip(ticks)
     }
 
@@ -125,7 +116,7 @@ impl Alongside {
             };
             Further { judged: sources.iter().map(source).collect(), groups, ..Further::default() }
         };
-        let filters: Vec<&[Track]> = self.filters.iter().map(|it| it.0.as_slice()).collect();
+        let filters: Vec<&[Track]> = self.filters.iter().map(|it| it.tracks.as_slice()).collect();
         let (scene, known) = (&self.scene, Some(self.known.as_slice()));
         let grams = grams(scene, &filters, &self.references, known, further, stopped);
         if stopped() {
@@ -133,10 +124,10 @@ impl Alongside {
         }
         let terms = terms(scene);
         let base = terms.columns.len();
-        let under = |(grams, (tracks, ln_prior)): (&Vec<_>, &(Vec<Track>, f64))| {
+        let under = |(grams, it): (&Vec<_>, &Filtering)| {
             let pooled = Pooled::of(grams, base, scene, &self.references);
             let products = pooled.sum(scene, |_| true);
-            let likelihood: f64 = tracks.iter().map(|track| track.log_likelihood).sum();
+            let likelihood: f64 = it.tracks.iter().map(|track| track.log_likelihood).sum();
             let beside = Beside::of(&products, &terms)?;
             let mut from = base;
             let each = groups.iter().map(|count| {
@@ -146,7 +137,7 @@ impl Alongside {
                 let scale: Vec<f64> = columns.iter().map(|it| pooled.scale[*it]).collect();
                 of(&information, &score, &scale)
             });
-            let base = likelihood + ln_prior + log_evidence(&products, &terms);
+            let base = likelihood + it.ln_prior + log_evidence(&products, &terms);
             Some((base, each.collect()))
         };
         Some(grams.iter().zip(&self.filters).filter_map(under).collect())

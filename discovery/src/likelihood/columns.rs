@@ -17,7 +17,7 @@ use super::direction::Direction;
 use super::rates::Rates;
 use super::rows::{LANES, NO_ROWS, Row, Rows, add};
 use super::share::Share;
-use super::state::{LOAD, SENSORS, VOLTAGE, Vector, own_states};
+use super::state::{LOAD, SENSORS, STATES, VOLTAGE, Vector, own_states};
 use super::stepper::{Stepped, Stepper};
 use super::track::{Tick, Track};
 use crate::measured::Measured;
@@ -260,33 +260,40 @@ fn filter(
     tick: &Tick,
     (shares, count): (&[Share], usize),
     errors: &mut [Rows],
-    mut block: &mut [f64],
+    block: &mut [f64],
 ) {
     let step = track.step(tick);
-    for sensor in (0..SENSORS).filter(|it| tick.inverse_sd[*it] > 0.0) {
-        // The gains stand one after the other: each sensor sees what the ones before left.
-        let written;
-        (written, block) = block.split_at_mut(count);
-        for ((error, share), written) in
-            errors.iter_mut().zip(shares).zip(written.chunks_mut(LANES))
-        {
+    // Columns after columns: what eight of them leave in the state stays in registers from sensor to
+    // sensor and into the next sample.
+    for (group, (errors, share)) in errors.iter_mut().zip(shares).enumerate() {
+        let mut error = *errors;
+        let (mut from, width) = (group * LANES, LANES.min(count - group * LANES));
+        for sensor in 0..SENSORS {
+            let inverse_sd = tick.inverse_sd[sensor];
+            if inverse_sd <= 0.0 {
+                continue;
+            }
+            // The gains stand one after the other: each sensor sees what the ones before left.
             let mut nu = share.shown[sensor];
-            for (state, sense) in step.sense[sensor].iter().enumerate() {
-                if *sense != 0.0 {
-                    add(&mut nu, *sense, &error[state]);
+            for state in 0..STATES {
+                let sense = step.sense[sensor][state];
+                if sense != 0.0 {
+                    add(&mut nu, sense, &error[state]);
                 }
             }
-            for (row, gain) in error.iter_mut().zip(&tick.gain[sensor]) {
-                if *gain != 0.0 {
-                    add(row, -gain, &nu);
+            for state in 0..STATES {
+                let gain = tick.gain[sensor][state];
+                if gain != 0.0 {
+                    add(&mut error[state], -gain, &nu);
                 }
             }
-            for (written, nu) in written.iter_mut().zip(nu) {
-                *written = nu * tick.inverse_sd[sensor];
+            for value in &mut nu {
+                *value *= inverse_sd;
             }
+            block[from..from + width].copy_from_slice(&nu[..width]);
+            from += count;
         }
-    }
-    for (error, share) in errors.iter_mut().zip(shares) {
-        track.wandering.advance(&step.transition, error, &share.state);
+        track.wandering.advance(&step.transition, &mut error, &share.state);
+        *errors = error;
     }
 }

@@ -94,14 +94,20 @@ impl<const R: usize> Above<R> {
 
     #[inline(always)]
     fn times(&self, other: &Self) -> Self {
-        // No closure: it would be compiled without the instructions of who calls.
+        // Column after column of the factors, so that each sum stays in a register; row after row, the
+        // compiler goes over several rows at once and gathers their lanes from everywhere. No closure: it
+        // would be compiled without the instructions of who calls.
         let mut rows = [[0.0; LANES]; R];
-        for (total, factors) in rows.iter_mut().zip(&self.rows) {
-            for (factor, row) in factors.iter().zip(&other.rows) {
-                add(total, *factor, row);
+        for column in 0..R {
+            for (total, factors) in rows.iter_mut().zip(&self.rows) {
+                add(total, factors[column], &other.rows[column]);
             }
-            for lane in R..LANES {
-                total[lane] += other.below * factors[lane];
+        }
+        let mut below = [other.below; LANES];
+        below[..R].fill(0.0);
+        for (total, factors) in rows.iter_mut().zip(&self.rows) {
+            for lane in 0..LANES {
+                total[lane] += below[lane] * factors[lane];
             }
         }
         Self { rows, below: self.below * other.below }

@@ -14,6 +14,7 @@ const SHORTEST: f64 = 2.0;
 /// First change of each number, ln: the randomness is not known, or it is nearly.
 pub(super) const COARSE: f64 = 1.1;
 pub(super) const FINE: f64 = 0.6;
+
 /// A number of a randomness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Number {

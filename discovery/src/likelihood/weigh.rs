@@ -44,8 +44,30 @@ struct Made {
 /// Size of the random load, and the time after which it forgets what it was, over those of the base,
 /// with which laws and curves are weighed besides: it may have taken what they explain, and it takes
 /// what stays the same by a long memory.
-pub(super) const SMALLER: f64 = 0.2;
-pub(super) const SHORTER: f64 = 0.2;
+const SMALLER: f64 = 0.2;
+const SHORTER: f64 = 0.2;
+
+/// All recordings filtered with one randomness.
+pub(super) struct Filtering {
+    pub(super) tracks: Vec<Track>,
+    /// ln of the prior odds of the randomness.
+    pub(super) ln_prior: f64,
+}
+
+/// The scene filtered with each of the randomnesses with which laws are weighed; the first of those that
+/// are given is its own, along which the plant is linearised. Nothing where the drive overflows.
+pub(super) fn filtered(scene: &Scene, randomnesses: &[Randomness]) -> Option<Vec<Filtering>> {
+    let (own, others) = randomnesses.split_first()?;
+    let along = scene.tracks(own)?;
+    let beside = [own.scaled(SMALLER), own.with_time(SHORTER * own.load_s)];
+    let at = |other: &Randomness| {
+        let tracks = scene.retraced(&along, other)?;
+        Some(Filtering { tracks, ln_prior: other.ln_prior() })
+    };
+    let mut filters: Vec<Filtering> = beside.iter().chain(others).filter_map(at).collect();
+    filters.insert(0, Filtering { tracks: along, ln_prior: own.ln_prior() });
+    Some(filters)
+}
 
 /// Weighs the candidates and the curves beside the scene's drive, with each of those randomnesses, of
 /// which the first is its own.
@@ -61,17 +83,10 @@ pub(crate) fn weigh(
     tolerated: impl Fn(&Curve) -> Option<f64> + Sync,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Option<Weights> {
-    let (randomness, others) = randomnesses.split_first()?;
-    let along = scene.tracks(randomness)?;
-    let own = [randomness.scaled(SMALLER), randomness.with_time(SHORTER * randomness.load_s)];
-    let others = own.into_iter().chain(others.iter().copied());
-    let at = |other: Randomness| Some((scene.retraced(&along, &other)?, other.ln_prior()));
-    let others: Vec<(Vec<Track>, f64)> = others.filter_map(at).collect();
-    let mut filters = vec![along.as_slice()];
-    filters.extend(others.iter().map(|(tracks, _)| tracks.as_slice()));
-    let each = weigh_along((scene, &filters, references), candidates, (spans, &tolerated), stopped);
-    let priors = std::iter::once(randomness.ln_prior()).chain(others.iter().map(|it| it.1));
-    let each = each.into_iter().zip(priors).map(|(weights, prior)| weights.with_prior(prior));
+    let filters = filtered(scene, randomnesses)?;
+    let tracks: Vec<&[Track]> = filters.iter().map(|it| it.tracks.as_slice()).collect();
+    let each = weigh_along((scene, &tracks, references), candidates, (spans, &tolerated), stopped);
+    let each = each.into_iter().zip(&filters).map(|(weights, it)| weights.with_prior(it.ln_prior));
     each.reduce(Weights::best_of)
 }
 

@@ -77,17 +77,22 @@ impl<R: Real> Continuous<R> {
     }
 }
 
-/// Rows and columns of the augmented matrix: current, speed, position and two unit slopes.
-const SIZE: usize = 5;
-type Square<R> = [[R; SIZE]; SIZE];
+/// Columns of the augmented matrix: current, speed, position and two unit slopes.
+const SIZE: usize = OWN + 2;
+/// Its rows before those of the slopes, which are the unit matrix's in every exponential.
+type Augmented<R> = [[R; SIZE]; OWN];
 
-fn product<R: Real>(a: &Square<R>, b: &Square<R>) -> Square<R> {
-    let mut c = [[R::zero(); SIZE]; SIZE];
+/// A matrix times one whose slopes stay as they are.
+fn product<R: Real>(a: &Augmented<R>, b: &Augmented<R>) -> Augmented<R> {
+    let mut c = [[R::zero(); SIZE]; OWN];
     for (row, left) in c.iter_mut().zip(a) {
-        for (k, factor) in left.iter().enumerate() {
-            for (sum, value) in row.iter_mut().zip(&b[k]) {
+        for (factor, values) in left.iter().zip(b) {
+            for (sum, value) in row.iter_mut().zip(values) {
                 *sum += *factor * *value;
             }
+        }
+        for (sum, factor) in row.iter_mut().zip(left).skip(OWN) {
+            *sum += *factor;
         }
     }
     c
@@ -96,14 +101,14 @@ fn product<R: Real>(a: &Square<R>, b: &Square<R>) -> Square<R> {
 /// Taylor terms of the exponential after scaling to norm 1/4: 0.25^13 / 13! is below 1e-17.
 const TERMS: usize = 12;
 
-/// The matrix exponential by scaling, Taylor series and squaring.
-fn exponential<R: Real>(a: &Square<R>) -> Square<R> {
+/// The matrix exponential by scaling, Taylor series and squaring; the slopes do not change.
+fn exponential<R: Real>(a: &Augmented<R>) -> Augmented<R> {
     let norm =
         a.iter().map(|row| row.iter().map(|x| x.value().abs()).sum::<f64>()).fold(0.0, f64::max);
     let squarings = (norm * 4.0).log2().ceil().max(0.0) as i32;
     let scale = 0.5f64.powi(squarings);
     let scaled = a.map(|row| row.map(|x| x.scaled(scale)));
-    let mut identity = [[R::zero(); SIZE]; SIZE];
+    let mut identity = [[R::zero(); SIZE]; OWN];
     for (k, row) in identity.iter_mut().enumerate() {
         row[k] = R::one();
     }
@@ -124,7 +129,7 @@ fn exponential<R: Real>(a: &Square<R>) -> Square<R> {
 /// two directions.
 pub(super) struct Exponentials<R> {
     h: R,
-    made: Vec<([[R; 2]; 2], Square<R>)>,
+    made: Vec<([[R; 2]; 2], Augmented<R>)>,
 }
 
 impl<R: Real> Exponentials<R> {
@@ -133,14 +138,19 @@ impl<R: Real> Exponentials<R> {
         Self { h, made: Vec::new() }
     }
 
+    /// That time, s.
+    fn seconds(&self) -> f64 {
+        self.h.value()
+    }
+
     /// The exponential of current, speed and position with two unit slopes beside them.
-    fn of(&mut self, a: &[[R; 2]; 2]) -> Square<R> {
+    fn of(&mut self, a: &[[R; 2]; 2]) -> Augmented<R> {
         // Most lanes are like one of the last.
         if let Some((_, phi)) = self.made.iter().rev().find(|(same, _)| same == a) {
             return *phi;
         }
         let h = self.h;
-        let mut augmented = [[R::zero(); SIZE]; SIZE];
+        let mut augmented = [[R::zero(); SIZE]; OWN];
         for row in 0..2 {
             augmented[row][0] = a[row][0] * h;
             augmented[row][1] = a[row][1] * h;
@@ -209,7 +219,7 @@ impl<R: Real, const N: usize> Affine<R, N> {
             rings,
             sign,
             beyond,
-            seconds: exponentials.h.value(),
+            seconds: exponentials.seconds(),
         })
     }
 
@@ -303,11 +313,11 @@ mod tests {
 
     #[test]
     fn the_exponential_of_a_rotation_and_a_decay_is_exact() {
-        let mut a = [[0.0; SIZE]; SIZE];
+        let mut a = [[0.0; SIZE]; OWN];
         a[0][1] = 2.0;
         a[1][0] = -2.0;
         a[2][2] = -30.0;
-        a[3][4] = 5.0;
+        (a[0][3], a[2][4]) = (1.0, 6.0);
         let e = exponential(&a);
         let (sin, cos) = 2.0f64.sin_cos();
         for (found, expected) in [
@@ -315,8 +325,10 @@ mod tests {
             (e[0][1], sin),
             (e[1][0], -sin),
             (e[2][2], (-30.0f64).exp()),
-            (e[3][4], 5.0),
-            (e[4][4], 1.0),
+            // What a slope adds in the meantime.
+            (e[0][3], 0.5 * sin),
+            (e[1][3], 0.5 * (cos - 1.0)),
+            (e[2][4], 0.2 * (1.0 - (-30.0f64).exp())),
         ] {
             assert!((found - expected).abs() < 1e-14, "{found} against {expected}");
         }

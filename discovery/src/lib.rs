@@ -73,6 +73,7 @@ mod error;
 mod estimate;
 mod force;
 mod formula;
+mod jitter;
 mod likelihood;
 mod measured;
 mod noise;

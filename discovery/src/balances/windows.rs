@@ -5,6 +5,7 @@ use drivescope_plant::drive::{Drive, Input};
 
 use super::laws::{Laws, Point};
 use super::runs::{Run, averaged, noise_of_motion};
+use crate::jitter::jitter;
 use crate::measured::{Measured, Output};
 
 /// Half length of the shortest window, s: what is faster than 100 Hz is no rigid shaft's.
@@ -82,7 +83,14 @@ impl Windows {
         let longest = runs.iter().map(|run| run.speed.len()).max()?;
         let most = (longest / (2 * LEAST_WINDOWS)).max(1);
         let mut length = ((SHORTEST_S / h).ceil() as usize).clamp(1, most);
-        let noise = |length| noise_of_motion(by_position, h, length).map(|gain| gain * sd * sd);
+        // Positions that are read a moment sooner or later are off by the way of the shaft in it.
+        let (mut squares, mut count) = (0.0, 0.0);
+        for speed in runs.iter().flat_map(|run| &run.speed) {
+            (squares, count) = (squares + speed * speed, count + 1.0);
+        }
+        let off = jitter(measured).powi(2) * squares / f64::max(count, 1.0);
+        let noise =
+            |length| noise_of_motion(by_position, h, length).map(|gain| gain * (sd * sd + off));
         let share = |length: usize| {
             let squares = runs.iter().flat_map(|run| averaged(&run.acceleration, length));
             let (sum, count) = squares.fold((0.0, 0), |(sum, n), a| (sum + a * a, n + 1));

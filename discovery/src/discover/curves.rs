@@ -21,6 +21,8 @@ use crate::response::Forcing;
 const SIGNED: usize = 17;
 const MAGNITUDE: usize = 8;
 const AROUND: usize = 12;
+/// One in that many values may lie outside what a curve goes over.
+const SELDOM: usize = 1000;
 
 /// The variables along one recording.
 #[derive(Debug, Clone)]
@@ -168,7 +170,7 @@ pub(crate) fn curves(drive: &Drive, spans: &Spans, runs: &[Trajectory]) -> Vec<C
     let duration = uniform(0.0, spans.duration_s, AROUND);
     let most = |of: fn(&Trajectory) -> &Vec<f64>| {
         let all = runs.iter().flat_map(|run| of(run).iter());
-        all.fold(0.0_f64, |most, value| most.max(value.abs()))
+        reached(all.map(|value| value.abs()).collect())
     };
     let (speed, current) = (most(|run| &run.speed), most(|run| &run.current));
     let mut all = Vec::new();
@@ -209,6 +211,18 @@ pub(crate) fn curves(drive: &Drive, spans: &Spans, runs: &[Trajectory]) -> Vec<C
         add(Flux, Over::CurrentMagnitude, One, magnitude(current), None);
     }
     all
+}
+
+/// The greatest of magnitudes, but no more than twice what one in a thousand exceeds: a filter that begins
+/// without a speed passes through ones that no shaft has.
+fn reached(mut magnitudes: Vec<f64>) -> f64 {
+    if magnitudes.is_empty() {
+        return 0.0;
+    }
+    let place = magnitudes.len() - 1 - magnitudes.len() / SELDOM;
+    let (_, often, beyond) = magnitudes.select_nth_unstable_by(place, f64::total_cmp);
+    let most = beyond.iter().copied().fold(*often, f64::max);
+    if *often > 0.0 { most.min(2.0 * *often) } else { most }
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use super::report::{Coefficient, RandomLoad, Ranked, Step, Watch};
 use crate::estimate::Evidence;
 use crate::formula;
 use crate::likelihood::{CurveWeight, LawWeight, Randomness, Weights};
-use crate::signals::is_one_speed;
+use crate::signals::{is_coarse, is_one_speed};
 
 /// Disturbances locked to the position that recordings may have besides.
 const DISTURBANCES: usize = 3;
@@ -200,7 +200,13 @@ impl Round<'_> {
     pub(super) fn unknown(&self, ground: &Ground, weights: &Weights) -> Option<CurveWeight> {
         let mut standing = weights.repeating().take_while(|curve| self.stands(curve)).take(CURVES);
         if !self.model.setting.observer.follows() && ground.filtered().is_some() {
-            return standing.next().cloned();
+            // What follows few levels may be the converter's, unless the error falls with it.
+            let coarse = is_coarse(self.estimation);
+            let lowers = |curve: &CurveWeight| {
+                let with = self.with_curve(curve);
+                with.is_some_and(|it| self.removed_of_validation(&it) >= self.rule.size)
+            };
+            return standing.find(|curve| !coarse || lowers(curve)).cloned();
         }
         let standing: Vec<&CurveWeight> = standing.collect();
         if standing.is_empty() {

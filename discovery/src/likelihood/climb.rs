@@ -108,7 +108,7 @@ impl<'a> Climb<'a> {
 
     /// Moves all numbers together; whether it is worth while to do it again.
     pub(super) fn together(&mut self) -> bool {
-        let (parabola, mut tried) = self.parabola();
+        let Some((parabola, mut tried)) = self.parabola() else { return false };
         let at_top = self.top(&parabola);
         let holds = at_top.as_ref().is_some_and(|(found, promised)| {
             let wrong = (found.probability - self.most - promised).abs();
@@ -131,8 +131,9 @@ impl<'a> Climb<'a> {
         Tried { probability: self.probability(&moves), moves, is_whole: false }
     }
 
-    /// The parabola in all numbers around the best, with the values that tell it.
-    fn parabola(&self) -> (Parabola, Vec<Tried>) {
+    /// The parabola in all numbers around the best, with the values that tell it; nothing where no number can
+    /// be moved both ways.
+    fn parabola(&self) -> Option<(Parabola, Vec<Tried>)> {
         let sides = (0..2 * self.numbers.len()).into_par_iter();
         let side = |it: usize| self.tried(vec![(it / 2, [1.0, -1.0][it % 2])]);
         let mut tried: Vec<Tried> = sides.map(side).collect();
@@ -140,6 +141,9 @@ impl<'a> Climb<'a> {
         let down = |place: usize| tried[2 * place + 1].probability;
         let told = |place: &usize| (up(*place) + down(*place)).is_finite();
         let free: Vec<usize> = (0..self.numbers.len()).filter(told).collect();
+        if free.is_empty() {
+            return None;
+        }
         let slopes = free.iter().map(|place| 0.5 * (up(*place) - down(*place)));
         let slopes = DVector::from_iterator(free.len(), slopes);
         let bends = free.iter().map(|place| 2.0 * self.most - up(*place) - down(*place));
@@ -159,7 +163,7 @@ impl<'a> Climb<'a> {
             (bends[(*a, *b)], bends[(*b, *a)]) = (bend, bend);
         }
         tried.extend(both);
-        (Parabola::of(free, slopes, bends), tried)
+        Some((Parabola::of(free, slopes, bends), tried))
     }
 
     /// As far towards the top of the parabola as the probability rises, with what was promised there;

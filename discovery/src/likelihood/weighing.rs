@@ -195,6 +195,7 @@ impl Weighing<'_> {
                 let Hats { size, values, visited, identified } = hats;
                 CurveWeight { curve, evidence, repeats, size, values, visited, identified }
             })
+            .filter(CurveWeight::is_possible)
             .collect();
         found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         found

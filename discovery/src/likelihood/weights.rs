@@ -1,6 +1,6 @@
 //! What laws and curves explain, and the better of two accounts of it.
 
-use crate::discover::Curve;
+use crate::discover::{Balance, Curve};
 
 /// What a law explains in its best shape.
 #[derive(Debug, Clone)]
@@ -33,6 +33,18 @@ pub(crate) struct CurveWeight {
     pub(crate) values: Vec<f64>,
     pub(crate) visited: Vec<bool>,
     pub(crate) identified: Vec<bool>,
+}
+
+impl CurveWeight {
+    /// Whether a machine may have such a curve: no flux changes by more than the whole.
+    pub(super) fn is_possible(&self) -> bool {
+        if self.curve.balance != Balance::Flux {
+            return true;
+        }
+        let values = || self.values.iter().zip(&self.visited).filter(|it| *it.1).map(|it| *it.0);
+        let (most, least) = (values().fold(f64::MIN, f64::max), values().fold(f64::MAX, f64::min));
+        most - least <= 1.0
+    }
 }
 
 /// The weights of everything.

@@ -17,6 +17,11 @@ pub(super) fn check(_: &Drive, evidence: &Evidence) -> Vec<SignalFinding> {
     outputs(evidence).filter_map(|(measured, channel)| of(measured, channel)).collect()
 }
 
+/// Whether any output takes few levels only.
+pub(crate) fn is_coarse(evidence: &Evidence) -> bool {
+    outputs(evidence).any(|(measured, channel)| of(measured, channel).is_some())
+}
+
 fn of(measured: &Measured, channel: &Channel) -> Option<SignalFinding> {
     let mut seen: Vec<f64> = Vec::new();
     for value in channel.values.iter().filter(|it| it.is_finite()) {

@@ -34,6 +34,8 @@ pub enum What {
     Coarse,
     /// A sensor slower than the recording keeps its value in between.
     Held,
+    /// A position that rows repeat while the shaft moves on.
+    Repeated,
     /// Speed or position shows the motion later than the other.
     Late,
     /// Values that are not there.
@@ -46,7 +48,7 @@ pub enum What {
 pub enum Consequence {
     /// Nothing can be judged by this recording.
     NotJudged,
-    /// The values were set to missing.
+    /// The values were set to missing, or put between their neighbours.
     Repaired,
     /// Something cannot be told, or not well.
     Limits,

@@ -5,10 +5,10 @@
 //!  recording ──repair──> Measured ──checks──> findings: channel, what, where, how large, what to do
 //! ```
 //!
-//! A repair sets values to missing that no sensor of a moving machine shows ([`repaired`]); a check
-//! only looks ([`findings`]). One file a check, and its line in `REPAIRS` or `CHECKS`. Doubts
-//! that a file alone raises (units that contradict each other, holes, limits) are those of the
-//! reader; here the drive and what drives it are known.
+//! A repair sets values to missing that no sensor of a moving machine shows, or puts them between their
+//! neighbours ([`repaired`]); a check only looks ([`findings`]). One file a check, and its line in `REPAIRS`
+//! or `CHECKS`. Doubts that a file alone raises (units that contradict each other, holes, limits) are those
+//! of the reader; here the drive and what drives it are known.
 
 mod answering;
 mod averaged;
@@ -20,6 +20,7 @@ mod late;
 mod missing;
 mod motion;
 mod outputs;
+mod repeated;
 mod saturated;
 mod shares;
 mod spikes;
@@ -31,12 +32,13 @@ use drivescope_recording::Recording;
 
 use crate::estimate::Evidence;
 
+pub(crate) use coarse::is_coarse;
 pub use finding::{Consequence, SignalFinding, Size, Stretch, What};
 pub(crate) use motion::is_one_speed;
 
-/// Sets what is no measurement to missing, and says so.
+/// Replaces what is no measurement, and says so.
 type Repair = fn(&mut Recording) -> Vec<SignalFinding>;
-const REPAIRS: [Repair; 2] = [spikes::repair, frozen::repair];
+const REPAIRS: [Repair; 3] = [spikes::repair, frozen::repair, repeated::repair];
 
 /// Looks at the recordings of a drive.
 type Check = fn(&Drive, &Evidence) -> Vec<SignalFinding>;
@@ -51,7 +53,7 @@ const CHECKS: [Check; 8] = [
     missing::check,
 ];
 
-/// The recording without the values that are no measurements, and what was set to missing.
+/// The recording without the values that are no measurements, and what became of them.
 pub fn repaired(mut recording: Recording) -> (Recording, Vec<SignalFinding>) {
     let found = REPAIRS.iter().flat_map(|repair| repair(&mut recording)).collect();
     (recording, found)

@@ -80,7 +80,7 @@ pub(super) fn optimum(
     // All recordings together are as random as they are; what those held out say is asked so.
     let (of_fit, of_all): (&dyn Fn(bool) -> bool, &dyn Fn(bool) -> bool) =
         (&|held_out| !held_out, &|_| true);
-    let noise_of_all = noise.searched(table.apart_s(), |it| of(it, of_all));
+    let noise_of_all = noise.searched(table.bounds(), |it| of(it, of_all));
     let (fitted, all) = (of(noise, of_fit), of(&noise_of_all, of_all));
     let repeats = all - of(&noise_of_all, of_fit);
     let size = prior.as_ref().map_or(0.0, |prior| {

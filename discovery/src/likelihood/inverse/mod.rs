@@ -57,11 +57,7 @@ impl Inverse {
     pub(crate) fn of(scene: Scene) -> Option<Self> {
         let windows = known_motion(&scene)?;
         let torque = resisting(&scene, &windows);
-        let table = Table::of_drive(&scene, &windows, torque);
-        let missing = table.missing();
-        let apart_s = table.apart_s();
-        let noise =
-            TorqueNoise { white: 0.5 * missing, load: 0.5 * missing, load_s: 5.0 * apart_s };
+        let noise = TorqueNoise::first(&Table::of_drive(&scene, &windows, torque));
         let found = Self::at(scene, windows, torque, noise)?;
         let moving = found.windows.iter().flat_map(|it| &it.moves).filter(|it| **it).count();
         let driving = driving(&found.scene);
@@ -79,7 +75,7 @@ impl Inverse {
         for _ in 0..ROUNDS {
             let (moved, table, _) = fitted::refined(scene.clone(), &windows, torque, &noise)?;
             let (moved, table) = heavy_enough(moved, &windows, torque, table);
-            let searched = noise.searched(table.apart_s(), |it| table.probability(it, true));
+            let searched = noise.searched(table.bounds(), |it| table.probability(it, true));
             let same = moved.drive == scene.drive && searched == noise;
             (scene, noise) = (moved, searched);
             if same {
@@ -119,7 +115,7 @@ impl Inverse {
         };
         let begun = effects.iter().filter_map(begin);
         let (scene, table, _) = begun.max_by(|a, b| a.2.total_cmp(&b.2))?;
-        let noise = self.noise.searched(table.apart_s(), |it| table.probability(it, true));
+        let noise = self.noise.searched(table.bounds(), |it| table.probability(it, true));
         let (scene, ..) = fit(scene, &noise)?;
         let law = Law { id: &scene.drive.effects.last()?.id.clone(), coefficients };
         let of = (Some(&law), None);
@@ -143,6 +139,15 @@ impl Inverse {
         // A load that moves by itself follows the motion too; when its teeth meet, nobody knows.
         let follows = candidate.has_load() && !candidate.info.knocks;
         (plain || follows) && candidate.acts_at_motor()
+    }
+}
+
+impl TorqueNoise {
+    /// Where nothing is known of it: half of what a drive leaves, either way, and little by the speed.
+    fn first(table: &Table) -> Self {
+        let half = 0.5 * table.missing();
+        let by_speed = 0.1 * half / table.speed().max(f64::MIN_POSITIVE);
+        Self { white: half, load: half, load_s: 5.0 * table.apart_s(), by_speed }
     }
 }
 

@@ -10,12 +10,15 @@ use super::super::base::{FLAT, NEAR_ZERO, OFFSET, ZERO_SPEED};
 use super::super::gram::Products;
 use super::super::marginal::{Terms, log_evidence};
 use super::super::scene::{Recorded, Scene, rms};
-use super::noise::TorqueNoise;
+use super::noise::{Bounds, Course, TorqueNoise};
 use super::torques::{Torques, gains};
 use super::windows::Windows;
 
 /// Standard deviation of what explains nothing, of the balance's size.
 const NOTHING: f64 = 1e-9;
+
+/// Factor by which the noise that grows with the speed may be greater than what a position shows by itself.
+const MORE: f64 = 2.0;
 
 /// Columns of one recording, not whitened.
 #[derive(Debug, Clone)]
@@ -23,9 +26,9 @@ struct Sheet {
     background: DMatrix<f64>,
     judged: DMatrix<f64>,
     missing: DMatrix<f64>,
-    begins: Vec<bool>,
-    used: Vec<bool>,
-    apart_s: f64,
+    course: Course,
+    /// What positions that are read a moment sooner or later make of the inertia's torque, over the speed.
+    jitter: f64,
     held_out: bool,
     /// ln of what the laws over the driving signal take of its density ([`gains`]).
     feedback: f64,
@@ -122,9 +125,13 @@ impl Table {
                 background: matrix(&background, windows.len()),
                 judged: matrix(&further.judged, windows.len()),
                 missing: matrix(&[missing], windows.len()),
-                begins: windows.begins.clone(),
-                used: windows.moves.clone(),
-                apart_s: windows.apart_s(),
+                jitter: it.drive.motor.j * windows.jitter(),
+                course: Course {
+                    apart_s: windows.apart_s(),
+                    begins: windows.begins.clone(),
+                    used: windows.moves.clone(),
+                    speed: windows.over(&windows.speed),
+                },
                 held_out: it.held_out,
                 feedback: feedback(it, windows),
             });
@@ -137,7 +144,7 @@ impl Table {
                 } else {
                     sheet.judged.column(column - known)
                 };
-                let used = sheet.used.iter().zip(own.iter()).filter(|(used, _)| **used);
+                let used = sheet.course.used.iter().zip(own.iter()).filter(|(used, _)| **used);
                 used.map(|(_, value)| *value).collect::<Vec<f64>>()
             };
             let size = rms(sheets.iter().flat_map(of));
@@ -163,16 +170,28 @@ impl Table {
 
     /// Time between windows, the longest of all recordings, s.
     pub(super) fn apart_s(&self) -> f64 {
-        self.sheets.iter().map(|sheet| sheet.apart_s).fold(0.0, f64::max)
+        self.sheets.iter().map(|sheet| sheet.course.apart_s).fold(0.0, f64::max)
     }
 
     /// Root of the mean square of what is missing, N m (N).
     pub(super) fn missing(&self) -> f64 {
         let of = |sheet: &Sheet| {
-            let used = sheet.used.iter().zip(sheet.missing.iter()).filter(|(used, _)| **used);
+            let used =
+                sheet.course.used.iter().zip(sheet.missing.iter()).filter(|(used, _)| **used);
             used.map(|(_, value)| *value).collect::<Vec<f64>>()
         };
         rms(self.sheets.iter().flat_map(of))
+    }
+
+    /// What the windows allow the noise to be.
+    pub(super) fn bounds(&self) -> Bounds {
+        let by_speed = MORE * self.sheets.iter().map(|sheet| sheet.jitter).fold(0.0, f64::max);
+        Bounds { apart_s: self.apart_s(), by_speed }
+    }
+
+    /// Root of the mean square of the speed, rad/s (m/s).
+    pub(super) fn speed(&self) -> f64 {
+        rms(self.sheets.iter().flat_map(|sheet| sheet.course.speed.iter().copied()))
     }
 
     /// Products of the scaled columns of the recordings that are `wanted` by whether they were held
@@ -185,10 +204,9 @@ impl Table {
         let mut ln_likelihood = 0.0;
         let mut sum: Option<Products> = None;
         for sheet in self.sheets.iter().filter(|sheet| wanted(sheet.held_out)) {
-            let at = (sheet.begins.as_slice(), sheet.used.as_slice());
             let white = |columns: &DMatrix<f64>| {
                 let mut columns = columns.clone();
-                (noise.whiten(sheet.apart_s, at, &mut columns), columns)
+                (noise.whiten(&sheet.course, &mut columns), columns)
             };
             let (ln, data) = white(&sheet.missing);
             ln_likelihood += sheet.feedback + ln - 0.5 * data.norm_squared();

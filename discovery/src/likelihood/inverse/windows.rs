@@ -12,6 +12,7 @@ use drivescope_plant::model::{POSITION, SPEED};
 
 use super::super::scene::Recorded;
 use super::super::state::Vector;
+use crate::jitter::jitter;
 use crate::measured::{Measured, Output};
 
 /// Windows along the longest recording: some five to a tenth of a second of one of twenty seconds.
@@ -20,6 +21,9 @@ const WINDOWS: f64 = 1000.0;
 const FEWEST: usize = 2;
 /// Points from one window to the next at which a law that is weighed is asked for its torque.
 const POINTS: usize = 6;
+
+/// Variance of a second difference over that of its positions.
+const OF_POSITIONS: f64 = 6.0;
 
 /// One recording in windows.
 #[derive(Debug, Clone)]
@@ -35,6 +39,8 @@ pub(super) struct Windows {
     /// standard deviation of it.
     pub(super) acceleration: Vec<f64>,
     pub(super) acceleration_sd: f64,
+    /// By how much the moments at which a position was read are off, s: what is known of it.
+    jitter_s: f64,
     /// Whether a piece begins with that window.
     pub(super) begins: Vec<bool>,
     /// Whether the shaft moves in one direction throughout the window, so that dry friction is known.
@@ -103,8 +109,9 @@ impl Windows {
         }
         let from_speed = measured.output(Output::Speed).is_some();
         // Of three positions, or of the speeds over two windows.
-        let noise = if from_speed { 2.0 * every as f64 } else { 6.0 };
+        let noise = if from_speed { 2.0 * every as f64 } else { OF_POSITIONS };
         let acceleration_sd = noise.sqrt() * sd / (apart_s * apart_s);
+        let jitter_s = jitter(measured);
         Some(Self {
             every,
             pieces,
@@ -112,6 +119,7 @@ impl Windows {
             speed,
             acceleration,
             acceleration_sd,
+            jitter_s,
             begins,
             moves,
             one_way_s: one_way as f64 * period,
@@ -122,6 +130,12 @@ impl Windows {
     /// Time over which windows lie in which the shaft moves one way, s.
     pub(super) fn moving_s(&self) -> f64 {
         self.moves.iter().filter(|it| **it).count() as f64 * self.apart_s()
+    }
+
+    /// Standard deviation of the acceleration, over the speed, by positions that are read a moment sooner or
+    /// later, 1/s.
+    pub(super) fn jitter(&self) -> f64 {
+        OF_POSITIONS.sqrt() * self.jitter_s / (self.apart_s() * self.apart_s())
     }
 
     /// Number of windows.
@@ -209,6 +223,7 @@ mod tests {
             speed: Vec::new(),
             acceleration: vec![0.0; 9 + 4],
             acceleration_sd: 0.0,
+            jitter_s: 0.0,
             begins: Vec::new(),
             moves: Vec::new(),
             one_way_s: 0.0,

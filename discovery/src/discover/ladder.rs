@@ -22,7 +22,7 @@ use crate::compare::{self, Finding, Load};
 use crate::error::Error;
 use crate::estimate::{AS_WELL, Evidence, Options};
 use crate::likelihood::Filtered;
-use crate::signals::{SignalFinding, What};
+use crate::signals::{SignalFinding, What, is_coarse};
 
 /// Starts of the base fit: the file's values may be far off.
 const STARTS: usize = 2;
@@ -184,9 +184,10 @@ fn searched(
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };
             found.learned = unknown.map(|curve| turn.drawn(&curve, &found.formulas));
-            // Along a known motion the input answers what disturbs it, and a comparison with it too.
-            let filtered = randomness.is_some();
-            if round == 0 && found.remaining == Verdict::None && filtered && !watch.stopped() {
+            // Along a known motion the input answers what disturbs it, and a comparison with it too; what
+            // it finds in few levels may be the converter's.
+            let tells = randomness.is_some() && !is_coarse(estimation);
+            if round == 0 && found.remaining == Verdict::None && tells && !watch.stopped() {
                 let convicts = |it: &Finding| convicts(rule, it);
                 let contradicted = match watch.compares() {
                     true => found.fails.iter().any(convicts),

@@ -160,7 +160,7 @@ pub(crate) fn with_learned(
     let setting = base.setting.of(&drive);
     let fixed = drive.fixed.clone();
     drive.fixed.extend(kept);
-    let mut model = Model::fit(&drive, estimation, validation, setting, &Options::NEAR, seen)?;
+    let mut model = Model::fit(&drive, estimation, validation, setting, &NEARLY, seen)?;
     model.fitted.drive.fixed = fixed;
     Ok(model)
 }

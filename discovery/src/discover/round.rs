@@ -203,10 +203,10 @@ impl Round<'_> {
             // What follows few levels may be the converter's, unless the error falls with it.
             let coarse = is_coarse(self.estimation);
             let lowers = |curve: &CurveWeight| {
-                let with = self.with_curve(curve);
-                with.is_some_and(|it| self.removed_of_validation(&it) >= self.rule.size)
+                let removed = |it: Model| self.removed(&it).min(self.removed_of_validation(&it));
+                self.with_curve(curve).map(removed).is_some_and(|it| it >= self.rule.size)
             };
-            return standing.find(|curve| !coarse || lowers(curve)).cloned();
+            return standing.next().filter(|curve| !coarse || lowers(curve)).cloned();
         }
         let standing: Vec<&CurveWeight> = standing.collect();
         if standing.is_empty() {

@@ -1,15 +1,13 @@
 //! Positions that are read a moment sooner or later than their rows say: by a bus that waits, a loop that
 //! polls, a clock that is read elsewhere.
 //!
-//! What such a position is off by grows with the speed. Differences of order 5 take the smooth motion out;
+//! What such a position is off by grows with the speed. Differences of high order take the smooth motion out;
 //! as far as they are greater where the shaft is fast than where it is slow, the moments are off.
 
 use crate::measured::{Measured, Output};
+use crate::noise::{ORDER, difference, of_white_noise};
+use crate::rms::rms;
 
-/// Order of the differences, their coefficients, and their variance over that of the positions: C(10, 5).
-const ORDER: usize = 5;
-const BINOMIAL: [f64; ORDER + 1] = [-1.0, 5.0, -10.0, 10.0, -5.0, 1.0];
-const OF_DIFFERENCE: f64 = 252.0;
 /// Share of the root of the mean square of the speed below which a shaft is slow.
 const SLOW: f64 = 0.3;
 /// Share of the differences that count, the smallest, and the standard deviations of a normal variable
@@ -27,25 +25,22 @@ pub(crate) fn jitter(measured: &Measured) -> f64 {
     let Some(position) = measured.output(Output::Position) else { return 0.0 };
     let pieces = measured.pieces.iter().map(|piece| &position.values[piece.clone()]);
     let of = |part: &[f64]| {
-        let bent: f64 = part.iter().zip(BINOMIAL).map(|(x, factor)| factor * x).sum();
-        [(part[ORDER] - part[0]) / (ORDER as f64 * measured.period_s), bent.abs()]
+        let speed = (part[ORDER] - part[0]) / (ORDER as f64 * measured.period_s);
+        [speed, difference(part, ORDER).abs()]
     };
     let each = pieces.flat_map(|values| values.windows(ORDER + 1).map(of));
     let all: Vec<[f64; 2]> = each.filter(|[speed, bent]| (speed + bent).is_finite()).collect();
-    let square = |some: &[[f64; 2]]| {
-        some.iter().map(|[speed, _]| speed * speed).sum::<f64>() / some.len().max(1) as f64
-    };
-    let usual = square(&all).sqrt();
+    let usual = rms(all.iter().map(|[speed, _]| *speed));
     // Squares of what positions are off by, and of the speed.
     let squares = |wanted: &dyn Fn(f64) -> bool| {
         let mut some: Vec<[f64; 2]> =
             all.iter().copied().filter(|[speed, _]| wanted(speed.abs())).collect();
-        let speed = square(&some);
+        let speed = rms(some.iter().map(|[speed, _]| *speed)).powi(2);
         let place = (COUNTED * some.len() as f64) as usize;
         (some.len() >= FEWEST).then(|| {
             let by_size = |a: &[f64; 2], b: &[f64; 2]| a[1].total_cmp(&b[1]);
             let [_, bent] = *some.select_nth_unstable_by(place, by_size).1;
-            [(bent / WITHIN).powi(2) / OF_DIFFERENCE, speed]
+            [(bent / WITHIN).powi(2) / of_white_noise(), speed]
         })
     };
     let both = squares(&|speed| speed > usual).zip(squares(&|speed| speed < SLOW * usual));

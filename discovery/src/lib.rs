@@ -83,6 +83,7 @@ mod residuals;
 mod response;
 #[cfg(test)]
 mod rig;
+mod rms;
 mod run;
 mod sensitivity;
 mod settling;

@@ -23,7 +23,7 @@ use serde::Serialize;
 use crate::measured::{Channel, Measured, Output};
 
 /// Order of the differences.
-const ORDER: usize = 5;
+pub(crate) const ORDER: usize = 5;
 /// Past samples of u that may explain a difference: an armature answers within some of them.
 const LAGS: usize = 20;
 /// Present and future samples of u by which feedback is recognised.
@@ -96,10 +96,9 @@ fn of_file(noise: &NoiseData, sensors: &SensorData, output: Output) -> Option<f6
 fn estimated(measured: &Measured, channel: &Channel) -> f64 {
     let rows = rows(measured, channel);
     let by_grid = Quantum::of(&channel.values).map_or(0.0, |quantum| quantum.step / 12f64.sqrt());
-    let white = (1..=ORDER).map(|k| (ORDER + k) as f64 / k as f64).product::<f64>().sqrt();
     // Interpolated noise is smooth: its differences are smaller than itself by more.
     let smooth = &measured.noise_gain;
-    let gain = white * smooth.of_difference(ORDER) / smooth.of_difference(0);
+    let gain = of_white_noise().sqrt() * smooth.of_difference(ORDER) / smooth.of_difference(0);
     let by_differences = if rows.len() < FEWEST_ROWS {
         clipped(&differences(measured, channel))
     } else {
@@ -132,7 +131,8 @@ struct Row {
     u: [f64; LAGS + AHEAD],
 }
 
-fn difference(values: &[f64], last: usize) -> f64 {
+/// The difference of that order that ends with sample `last`.
+pub(crate) fn difference(values: &[f64], last: usize) -> f64 {
     let mut sum = 0.0;
     let mut binomial = 1.0;
     for j in 0..=ORDER {
@@ -140,6 +140,11 @@ fn difference(values: &[f64], last: usize) -> f64 {
         binomial *= -((ORDER - j) as f64) / (j + 1) as f64;
     }
     sum
+}
+
+/// Variance of such a difference of white noise over that of the noise: C(2 d, d) of order d.
+pub(crate) fn of_white_noise() -> f64 {
+    (1..=ORDER).map(|k| (ORDER + k) as f64 / k as f64).product()
 }
 
 /// The differences of a recording too short for more.

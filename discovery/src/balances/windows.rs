@@ -7,6 +7,7 @@ use super::laws::{Laws, Point};
 use super::runs::{Run, averaged, noise_of_motion};
 use crate::jitter::jitter;
 use crate::measured::{Measured, Output};
+use crate::rms::rms;
 
 /// Half length of the shortest window, s: what is faster than 100 Hz is no rigid shaft's.
 const SHORTEST_S: f64 = 0.003;
@@ -84,11 +85,8 @@ impl Windows {
         let most = (longest / (2 * LEAST_WINDOWS)).max(1);
         let mut length = ((SHORTEST_S / h).ceil() as usize).clamp(1, most);
         // Positions that are read a moment sooner or later are off by the way of the shaft in it.
-        let (mut squares, mut count) = (0.0, 0.0);
-        for speed in runs.iter().flat_map(|run| &run.speed) {
-            (squares, count) = (squares + speed * speed, count + 1.0);
-        }
-        let off = jitter(measured).powi(2) * squares / f64::max(count, 1.0);
+        let speeds = runs.iter().flat_map(|run| run.speed.iter().copied());
+        let off = (jitter(measured) * rms(speeds)).powi(2);
         let noise =
             |length| noise_of_motion(by_position, h, length).map(|gain| gain * (sd * sd + off));
         let share = |length: usize| {
@@ -146,9 +144,7 @@ impl Windows {
 
     /// Root mean square of the speed.
     pub(super) fn speed(&self) -> f64 {
-        let all = self.runs.iter().flat_map(|run| &run.speed);
-        let [sum, n] = all.fold([0.0; 2], |[sum, n], w| [sum + w * w, n + 1.0]);
-        (sum / f64::max(n, 1.0)).sqrt()
+        rms(self.runs.iter().flat_map(|run| run.speed.iter().copied()))
     }
 
     /// Windows with a certain direction, each with the run and its number there.

@@ -201,12 +201,14 @@ impl Round<'_> {
         let mut standing = weights.repeating().take_while(|curve| self.stands(curve)).take(CURVES);
         if !self.model.setting.observer.follows() && ground.filtered().is_some() {
             // What follows few levels may be the converter's, unless the error falls with it.
-            let coarse = is_coarse(self.estimation);
             let lowers = |curve: &CurveWeight| {
                 let removed = |it: Model| self.removed(&it).min(self.removed_of_validation(&it));
                 self.with_curve(curve).map(removed).is_some_and(|it| it >= self.rule.size)
             };
-            return standing.next().filter(|curve| !coarse || lowers(curve)).cloned();
+            return standing
+                .next()
+                .filter(|curve| !is_coarse(self.estimation) || lowers(curve))
+                .cloned();
         }
         let standing: Vec<&CurveWeight> = standing.collect();
         if standing.is_empty() {

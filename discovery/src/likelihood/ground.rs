@@ -9,11 +9,12 @@ use super::judge::{COARSE, FINE};
 use super::optimum::{Law, Optimum, optimum};
 use super::randomness::Randomness;
 use super::refine::refined;
-use super::scene::{Scene, rms};
+use super::scene::Scene;
 use super::state::{CYCLE, holds_a_cycle};
 use super::weigh::beside;
 use super::weights::CurveWeight;
 use crate::discover::{Oscillation, RandomLoad};
+use crate::rms::rms;
 
 /// Sizes of the random load, over that of the base, with which a structure is judged at its best:
 /// the load may have taken what a law explains.

@@ -4,8 +4,9 @@ use drivescope_plant::drive::Input;
 
 use super::gram::References;
 use super::randomness::Randomness;
-use super::scene::{Scene, rms};
+use super::scene::Scene;
 use super::state::SENSORS;
+use crate::rms::rms;
 
 /// Samples that tell how random a recording is.
 pub(super) const ENOUGH: usize = 4000;

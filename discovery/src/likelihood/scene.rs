@@ -19,6 +19,7 @@ use crate::discover::Model;
 use crate::estimate::{Evidence, Fit, with_own};
 use crate::measured::{Measured, Output};
 use crate::observer::Observer;
+use crate::rms::rms;
 
 /// One recording with the drive as it was there.
 #[derive(Debug, Clone)]
@@ -344,14 +345,4 @@ fn stretches(n: usize, share: f64) -> impl Iterator<Item = Range<usize>> {
         let from = (k as f64 / STRETCHES as f64 * n as f64) as usize;
         from..(from + length).min(n)
     })
-}
-
-/// Root of the mean square, never 0: it divides.
-pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0_f64);
-    for value in values.filter(|value| value.is_finite()) {
-        sum += value * value;
-        count += 1.0;
-    }
-    (sum / count.max(1.0)).sqrt().max(1e-300)
 }

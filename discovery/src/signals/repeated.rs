@@ -10,7 +10,7 @@ use drivescope_recording::{Quantum, Recording, Signal};
 use super::finding::{Consequence, SignalFinding, Size, Stretch, What};
 
 /// What shows a way.
-const POSITIONS: [&str; 4] = ["theta", "x", "theta_load", "x_load"];
+pub(super) const POSITIONS: [&str; 4] = ["theta", "x", "theta_load", "x_load"];
 /// Levels by which the position changes at least before and after, in the same direction.
 const LEVELS: f64 = 4.0;
 /// Rows that are repeated one after the other, at most: a longer stay may be a stop.

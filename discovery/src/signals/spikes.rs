@@ -7,10 +7,10 @@
 use drivescope_recording::{Recording, Signal};
 
 use super::finding::{Consequence, SignalFinding, Size, Stretch, What};
+use super::repeated::POSITIONS;
 
-/// What shows the motion.
-const MOTION: [&str; 9] =
-    ["omega", "theta", "v", "x", "T", "omega_load", "theta_load", "v_load", "x_load"];
+/// What, beside the positions, does not jump: a shaft has inertia, and a winding heat capacity.
+const SLOW: [&str; 5] = ["omega", "v", "T", "omega_load", "v_load"];
 /// What may jump.
 const QUICK: [&str; 6] = ["u", "i", "I_m", "C_m", "torque", "T_l"];
 /// Spikes are fewer than one in so many samples; a signal with more is noisy.
@@ -34,7 +34,7 @@ pub(super) fn repair(recording: &mut Recording) -> Vec<SignalFinding> {
     let mut found = Vec::new();
     for signal in &mut recording.signals {
         let quick = QUICK.contains(&signal.name.as_str());
-        if !quick && !MOTION.contains(&signal.name.as_str()) {
+        if !quick && !POSITIONS.iter().chain(&SLOW).any(|name| *name == signal.name) {
             continue;
         }
         let mut spikes: Vec<usize> = Vec::new();

@@ -5,13 +5,14 @@ use drivescope_plant::drive::Drive;
 use super::super::marginal::standing_out;
 use super::super::optimum::{Law, Optimum, Prior, evidence};
 use super::super::refine::{SHARES, STEPS, WORTH, moved, step};
-use super::super::scene::{Recorded, Scene, rms};
+use super::super::scene::{Recorded, Scene};
 use super::super::weights::CurveWeight;
 use super::noise::TorqueNoise;
 use super::table::{Columns, Table};
 use super::torques::Torques;
 use super::weighed::curve_columns;
 use super::windows::Windows;
+use crate::rms::rms;
 
 /// The scene with the parameters of the machine moved to where its recordings of the fit are most
 /// probable, with its table and ln of that probability; nothing where the drive overflows.

@@ -23,11 +23,12 @@ mod windows;
 use drivescope_plant::drive::{Drive, EffectData, Input};
 
 use super::optimum::{Law, Optimum};
-use super::scene::{Scene, rms};
+use super::scene::Scene;
 use super::weights::CurveWeight;
 use crate::balances::UNIDENTIFIED_INERTIA;
 use crate::discover::{Candidate, RandomLoad};
 use crate::measured::Output;
+use crate::rms::rms;
 
 use noise::TorqueNoise;
 use table::{Columns, Table};
@@ -57,7 +58,7 @@ impl Inverse {
     pub(crate) fn of(scene: Scene) -> Option<Self> {
         let windows = known_motion(&scene)?;
         let torque = resisting(&scene, &windows);
-        let noise = TorqueNoise::first(&Table::of_drive(&scene, &windows, torque));
+        let noise = Table::of_drive(&scene, &windows, torque).noise();
         let found = Self::at(scene, windows, torque, noise)?;
         let moving = found.windows.iter().flat_map(|it| &it.moves).filter(|it| **it).count();
         let driving = driving(&found.scene);
@@ -139,15 +140,6 @@ impl Inverse {
         // A load that moves by itself follows the motion too; when its teeth meet, nobody knows.
         let follows = candidate.has_load() && !candidate.info.knocks;
         (plain || follows) && candidate.acts_at_motor()
-    }
-}
-
-impl TorqueNoise {
-    /// Where nothing is known of it: half of what a drive leaves, either way, and little by the speed.
-    fn first(table: &Table) -> Self {
-        let half = 0.5 * table.missing();
-        let by_speed = 0.1 * half / table.speed().max(f64::MIN_POSITIVE);
-        Self { white: half, load: half, load_s: 5.0 * table.apart_s(), by_speed }
     }
 }
 

@@ -9,10 +9,11 @@ use nalgebra::DMatrix;
 use super::super::base::{FLAT, NEAR_ZERO, OFFSET, ZERO_SPEED};
 use super::super::gram::Products;
 use super::super::marginal::{Terms, log_evidence};
-use super::super::scene::{Recorded, Scene, rms};
+use super::super::scene::{Recorded, Scene};
 use super::noise::{Bounds, Course, TorqueNoise};
 use super::torques::{Torques, gains};
 use super::windows::Windows;
+use crate::rms::rms;
 
 /// Standard deviation of what explains nothing, of the balance's size.
 const NOTHING: f64 = 1e-9;
@@ -125,7 +126,7 @@ impl Table {
                 background: matrix(&background, windows.len()),
                 judged: matrix(&further.judged, windows.len()),
                 missing: matrix(&[missing], windows.len()),
-                jitter: it.drive.motor.j * windows.jitter(),
+                jitter: it.drive.motor.j * windows.acceleration_by_jitter(),
                 course: Course {
                     apart_s: windows.apart_s(),
                     begins: windows.begins.clone(),
@@ -189,9 +190,13 @@ impl Table {
         Bounds { apart_s: self.apart_s(), by_speed }
     }
 
-    /// Root of the mean square of the speed, rad/s (m/s).
-    pub(super) fn speed(&self) -> f64 {
-        rms(self.sheets.iter().flat_map(|sheet| sheet.course.speed.iter().copied()))
+    /// The noise where nothing is known of it: half of what the drive leaves, either way, and little by the
+    /// speed.
+    pub(super) fn noise(&self) -> TorqueNoise {
+        let half = 0.5 * self.missing();
+        let speed = rms(self.sheets.iter().flat_map(|sheet| sheet.course.speed.iter().copied()));
+        let by_speed = 0.1 * half / speed.max(f64::MIN_POSITIVE);
+        TorqueNoise { white: half, load: half, load_s: 5.0 * self.apart_s(), by_speed }
     }
 
     /// Products of the scaled columns of the recordings that are `wanted` by whether they were held

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::super::marginal::{Beside, log_evidence, standing_out};
 use super::super::passes::{LawColumns, Passes};
-use super::super::scene::{Scene, rms};
+use super::super::scene::Scene;
 use super::super::weighing::{Feedback, Weighing};
 use super::super::weights::Weights;
 use super::torques::{Torques, Without, shifted};
@@ -16,6 +16,7 @@ use super::windows::Windows;
 use super::{Columns, Inverse, Table, TorqueNoise};
 use crate::discover::{Candidate, Curve, Trajectory, curves};
 use crate::response::Forcing;
+use crate::rms::rms;
 
 /// Size of the random load over that of the base with which laws and curves are weighed besides: it may
 /// have taken what they explain.

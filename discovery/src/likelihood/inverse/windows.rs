@@ -134,7 +134,7 @@ impl Windows {
 
     /// Standard deviation of the acceleration, over the speed, by positions that are read a moment sooner or
     /// later, 1/s.
-    pub(super) fn jitter(&self) -> f64 {
+    pub(super) fn acceleration_by_jitter(&self) -> f64 {
         OF_POSITIONS.sqrt() * self.jitter_s / (self.apart_s() * self.apart_s())
     }
 

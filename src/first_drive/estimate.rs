@@ -185,6 +185,26 @@ mod tests {
     }
 
     #[test]
+    fn an_offset_of_the_current_sensor_is_no_load() {
+        let truth = drive("dr300");
+        let recording = recorded(&truth, RICH);
+        let mut shifted = recording.clone();
+        let current = shifted.signals.iter_mut().find(|it| it.name == "i").expect("recorded");
+        current.values.iter_mut().for_each(|i| *i += 0.3);
+        let first = of(&shifted, &["u", "i", "omega"], "");
+        assert!(first.value("constant_load.T_0").is_none(), "the armature does not feel it");
+        let mut loaded = truth.clone();
+        loaded.effects.push(EffectData {
+            kind: "constant_load".to_owned(),
+            id: "constant_load".to_owned(),
+            parameters: vec![("T_0".to_owned(), 0.3 * truth.motor.k_m)],
+            law: None,
+        });
+        let first = of(&recorded(&loaded, RICH), &["u", "i", "omega"], "");
+        near(&first, "constant_load.T_0", 0.3 * truth.motor.k_m, 0.1);
+    }
+
+    #[test]
     fn one_step_of_the_voltage_tells_the_induced_voltage_before_dry_friction() {
         let recording = recorded(&drive("dr300"), "3 + 3 * sign(t - 1)");
         let first = of(&recording, &["u", "omega"], "");

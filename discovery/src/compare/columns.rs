@@ -9,8 +9,11 @@ use crate::measured::Output;
 use crate::response::{Forcing, Linearised, respond};
 use crate::sensitivity::Direction;
 
-/// Series that are computed together.
+/// Series that are computed together, and of a recording of more samples than that: a series has a value a
+/// sample.
 const TOGETHER: usize = 16;
+const LONG: usize = 250_000;
+const TOGETHER_IF_LONG: usize = 8;
 
 /// Residuals and the columns of the base: its fitted parameters, then the starts of all pieces.
 pub(super) fn base(
@@ -81,10 +84,12 @@ impl Builder<'_> {
     ) -> Vec<Vec<f64>> {
         let mut columns = vec![vec![0.0; self.layout.rows()]; count];
         for path in self.paths {
+            let long = self.cases[path.place].measured.len() > LONG;
+            let together = if long { TOGETHER_IF_LONG } else { TOGETHER };
             let mut from = 0;
             while from < count {
                 let (mut numbers, mut series) = (Vec::new(), Vec::new());
-                while from < count && series.len() < TOGETHER {
+                while from < count && series.len() < together {
                     let forcing = match make(from, path) {
                         Series::Balance(forcing) => Some(forcing),
                         Series::Shown(output, b) => {

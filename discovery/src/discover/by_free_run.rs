@@ -7,12 +7,11 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::columns::{Columns, FittedDrive};
+use super::columns::FittedDrive;
 use super::ground::Ground;
 use super::judged::Judged;
 use super::round::Round;
 use crate::likelihood::Weights;
-use crate::projection::beside;
 
 /// Laws that are fitted.
 const FITTED: usize = 2;
@@ -58,10 +57,7 @@ impl Round<'_> {
         let at = FittedDrive { drive: &drive, setting: &setting, ..self.model.at(self.estimation) };
         let own = it.coefficients.iter().map(|name| format!("{}.{name}", it.id));
         let names: Vec<String> = self.model.names().into_iter().chain(own).collect();
-        let columns = Columns::base(&at, &names);
-        let squares = |values: &[f64]| values.iter().map(|it| it * it).sum::<f64>();
-        let was = squares(&columns.residual);
-        let remainder = squares(&beside(&columns.columns, &columns.residual));
+        let [was, remainder] = at.squares_left(&names);
         let excess = was - self.floor(self.estimation);
         if excess > 0.0 && remainder.is_finite() { (was - remainder) / excess } else { 0.0 }
     }

@@ -6,9 +6,10 @@
 use drivescope_plant::drive::Drive;
 use nalgebra::DMatrix;
 
-use crate::case::Setting;
+use crate::case::{Case, Setting};
 use crate::estimate::{Evidence, Fit, with_own};
 use crate::measured::Measured;
+use crate::projection::Normal;
 use crate::sensitivity::{Direction, Rows};
 
 /// Where a value was measured.
@@ -33,15 +34,61 @@ pub(crate) struct FittedDrive<'a> {
 }
 
 impl<'a> FittedDrive<'a> {
+    /// What belongs to a recording.
+    fn own(&self, recording: usize) -> impl Iterator<Item = Owned> + 'a {
+        let fit = &self.fits[recording];
+        let names = fit.own.iter().map(|it| Owned::Parameter(it.name.clone()));
+        let (drive, measured) = (self.drive, &self.evidence.recordings[recording]);
+        let starts = fit.starts.iter().enumerate().flat_map(move |(piece, start)| {
+            let free = start.free_states(drive, measured, piece).into_iter();
+            free.map(move |state| Owned::Start { piece, state })
+        });
+        names.chain(starts)
+    }
+
+    /// What is shared by the recordings, then what belongs to this one.
+    fn directions(&self, recording: usize, shared: &[String]) -> Vec<Owned> {
+        let names = shared.iter().cloned().map(Owned::Parameter);
+        names.chain(self.own(recording)).collect()
+    }
+
+    /// A recording with what belongs to it, and its directions.
+    fn with_case<T>(
+        &self,
+        recording: usize,
+        owned: &[Owned],
+        run: impl FnOnce(&Case<'_>, &[Direction<'_>]) -> T,
+    ) -> T {
+        let borrowed: Vec<Direction<'_>> = owned.iter().map(Owned::direction).collect();
+        let fit = &self.fits[recording];
+        let drive = with_own(self.drive, fit);
+        run(&self.evidence.case(recording, &drive, &fit.starts, self.setting), &borrowed)
+    }
+
+    /// Squared residuals of all recordings, and what of them a change of what is shared and of what
+    /// belongs to each recording leaves, to first order.
+    pub(crate) fn squares_left(&self, shared: &[String]) -> [f64; 2] {
+        let each: Vec<Vec<Owned>> =
+            (0..self.fits.len()).map(|recording| self.directions(recording, shared)).collect();
+        let all = shared.len() + each.iter().map(|it| it.len() - shared.len()).sum::<usize>();
+        let mut normal = Normal::new(all);
+        let mut first = shared.len();
+        for (recording, owned) in each.iter().enumerate() {
+            let place = |k: usize| if k < shared.len() { k } else { first + k - shared.len() };
+            let places: Vec<usize> = (0..owned.len()).map(place).collect();
+            self.with_case(recording, owned, |case, directions| {
+                case.blocks(directions, |rows| normal.add(&places, &rows.columns, &rows.residual));
+            });
+            first += owned.len() - shared.len();
+        }
+        [normal.squares(), normal.left()]
+    }
+
     /// Rows of every recording for those directions.
     fn rows(&self, directions: impl Fn(usize) -> Vec<Owned>) -> Vec<Rows> {
         let of = |recording: usize| {
             let owned = directions(recording);
-            let borrowed: Vec<Direction<'_>> = owned.iter().map(Owned::direction).collect();
-            let fit = &self.fits[recording];
-            let drive = with_own(self.drive, fit);
-            let case = self.evidence.case(recording, &drive, &fit.starts, self.setting);
-            case.sensitivities(&borrowed)
+            self.with_case(recording, &owned, |case, directions| case.sensitivities(directions))
         };
         (0..self.fits.len()).map(of).collect()
     }
@@ -97,21 +144,8 @@ impl Columns {
 
     /// The base of a fit: its parameters, and what belongs to each recording.
     pub(crate) fn base(at: &FittedDrive<'_>, shared: &[String]) -> Self {
-        let own = |recording: usize| -> Vec<Owned> {
-            let fit = &at.fits[recording];
-            let names = fit.own.iter().map(|it| Owned::Parameter(it.name.clone()));
-            let measured = &at.evidence.recordings[recording];
-            let starts = fit.starts.iter().enumerate().flat_map(|(piece, start)| {
-                let free = start.free_states(at.drive, measured, piece).into_iter();
-                free.map(move |state| Owned::Start { piece, state })
-            });
-            names.chain(starts).collect()
-        };
-        let counts: Vec<usize> = (0..at.fits.len()).map(|r| own(r).len()).collect();
-        let rows = at.rows(|recording| {
-            let names = shared.iter().cloned().map(Owned::Parameter);
-            names.chain(own(recording)).collect()
-        });
+        let counts: Vec<usize> = (0..at.fits.len()).map(|r| at.own(r).count()).collect();
+        let rows = at.rows(|recording| at.directions(recording, shared));
         let values = rows.iter().map(|rows| rows.residual.len()).sum();
         let mut columns = DMatrix::zeros(shared.len() + counts.iter().sum::<usize>(), values);
         let (mut places, mut residual) = (Vec::with_capacity(values), Vec::with_capacity(values));

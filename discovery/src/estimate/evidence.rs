@@ -15,6 +15,11 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// Samples of all recordings.
+    pub(crate) fn samples(&self) -> usize {
+        self.recordings.iter().map(Measured::len).sum()
+    }
+
     /// A recording with the drive as it is in it, and the state at the beginning of each of its pieces.
     pub fn case<'a>(
         &'a self,

@@ -163,10 +163,8 @@ impl Scene {
 
     /// Whether it sees means or stretches of those recordings, and not every sample.
     pub(crate) fn is_reduced(&self, estimation: &Evidence, validation: &Evidence) -> bool {
-        let samples =
-            |evidence: &Evidence| -> usize { evidence.recordings.iter().map(Measured::len).sum() };
         let own: usize = self.recordings.iter().map(|it| it.measured.len()).sum();
-        own != samples(estimation) + samples(validation)
+        own != estimation.samples() + validation.samples()
     }
 
     /// The recordings it was fitted to alone.

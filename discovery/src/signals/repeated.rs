@@ -15,8 +15,9 @@ pub(super) const POSITIONS: [&str; 4] = ["theta", "x", "theta_load", "x_load"];
 const LEVELS: f64 = 4.0;
 /// Rows that are repeated one after the other, at most: a longer stay may be a stop.
 const LONGEST: usize = 2;
-/// Fewer are no habit.
+/// Fewer are no habit, nor is a smaller share of all rows.
 const FEWEST: usize = 5;
+const SHARE: f64 = 1e-3;
 
 /// Puts repeated rows on the line between their neighbours.
 pub(super) fn repair(recording: &mut Recording) -> Vec<SignalFinding> {
@@ -37,7 +38,7 @@ pub(super) fn repair(recording: &mut Recording) -> Vec<SignalFinding> {
         let (Some((first, _)), Some((last, count))) = (stays.first(), stays.last()) else {
             continue;
         };
-        if rows < FEWEST {
+        if rows < FEWEST || (rows as f64) < SHARE * signal.values.len() as f64 {
             continue;
         }
         let at = Stretch::of(first + 1..last + count + 1, &clock);

@@ -7,7 +7,7 @@
 //! judges dry friction. The values depend on the recordings and on what is fixed, not on the
 //! file's values (but for a law's speed, where no other is clearly better): every fit begins alike.
 //!
-//! [`runs`] makes means over intervals of the signals, [`windows`] averages them as long as noise
+//! [`sensors`] finds true values behind what is shown, [`runs`] makes means over intervals of the signals, [`windows`] averages them as long as noise
 //! asks for; [`laws`] finds what is linear; [`torque`] and [`voltage`] are the two problems, which
 //! [`solve`] solves and [`begin`](mod@begin) puts together.
 
@@ -15,6 +15,7 @@ mod begin;
 mod laws;
 mod runs;
 mod scales;
+mod sensors;
 mod solve;
 mod torque;
 mod voltage;
@@ -28,6 +29,7 @@ use crate::measured::Measured;
 use crate::settling::{damping, mechanical_time_s};
 use laws::{along_motion, without_states};
 use runs::{Run, runs};
+use sensors::behind;
 use voltage::VoltageWindows;
 use windows::{Reading, Windows};
 
@@ -89,7 +91,8 @@ impl Balances {
     fn of(drive: &Drive, evidence: &Evidence) -> Option<Self> {
         let reading = Reading::of(drive, evidence.recordings.first()?);
         let each = || evidence.recordings.iter().zip(&evidence.noise);
-        let cut: Vec<Vec<Run>> = evidence.recordings.iter().map(runs).collect();
+        let of_true_values = |measured: &Measured| runs(&behind(drive, measured));
+        let cut: Vec<Vec<Run>> = evidence.recordings.iter().map(of_true_values).collect();
         let torque = |((measured, sds), runs): ((&Measured, &Vec<f64>), &Vec<Run>)| {
             (Reading::of(drive, measured) == reading)
                 .then(|| Windows::of(measured, runs, sds, reading))?

@@ -1,5 +1,5 @@
-//! What the balance of torques says of a candidate, in the recordings held out: where the motion hides what
-//! drives it, that is the error that counts.
+//! What the balances say of a candidate, that of torques before all, in the recordings held out: where the
+//! motion hides what drives it, that is the error that counts.
 
 use drivescope_plant::drive::Drive;
 
@@ -7,7 +7,7 @@ use super::candidate::Candidate;
 use super::learned::effect;
 use super::refit::Model;
 use super::round::Round;
-use crate::balances::{begin, unexplained};
+use crate::balances::{Unexplained, begin, unexplained};
 use crate::likelihood::CurveWeight;
 
 /// Share of the unexplained torque that may be left where that alone decides: an observer follows what
@@ -32,18 +32,28 @@ impl Round<'_> {
     }
 
     /// Why a drive with a candidate explains too little of the torque that the round's own leaves, where
-    /// that is what tells: along a known motion, or behind an observer.
+    /// that is what tells: along a known motion, or behind an observer. Of a sensor that shows something
+    /// else, the voltage tells as well.
     pub(super) fn takes_little(
         &self,
         is_known: bool,
-        before: Option<f64>,
+        candidate: &Candidate,
         with: &Drive,
     ) -> Option<String> {
-        let before = before.filter(|_| is_known || self.model.setting.observer.follows())?;
+        if !is_known && !self.model.setting.observer.follows() {
+            return None;
+        }
+        let left = |drive: &Drive| unexplained(drive, self.validation);
+        let before = left(&self.model.fitted.drive);
         // At its own values or at those of the balances, where it goes on from there.
-        let each = [self.torque_left(with), self.torque_left_at_balances(with)];
-        let after = each.into_iter().flatten().reduce(f64::min)?;
-        let taken = 1.0 - (after / before).powi(2);
+        let each = [left(with), left(&begin(with, self.estimation).drive)];
+        let taken = |balance: usize| {
+            let after = each.iter().filter_map(|it| it[balance]).map(|it| it.share);
+            let before: Unexplained = before[balance]?;
+            after.reduce(f64::min).map(|after| 1.0 - (after / before.share).powi(2))
+        };
+        let by_voltage = if candidate.info.senses() { taken(1) } else { None };
+        let taken = taken(0)?.max(by_voltage.unwrap_or(f64::NEG_INFINITY));
         let percent = 100.0 * taken.max(0.0);
         (taken < TAKEN).then(|| {
             format!(

@@ -82,7 +82,7 @@ impl Round<'_> {
         let was = error(self.model);
         let (_, size) = self.asked(self.is_further(one));
         let inverse = ground.filtered().is_none();
-        let little = self.takes_little(inverse, of_round, &drive);
+        let little = self.takes_little(inverse, candidate, &drive);
         let unfitted = || {
             let model = little.is_none().then(|| self.as_it_is(&drive)).flatten();
             model.filter(|model| error(model) <= was)
@@ -106,7 +106,7 @@ impl Round<'_> {
         if candidate.vanishes_in(&model.fitted.drive) {
             return Err(NotLower::NoFit("its fit ends where it vanishes"));
         }
-        if let Some(little) = self.takes_little(inverse, of_round, &model.fitted.drive) {
+        if let Some(little) = self.takes_little(inverse, candidate, &model.fitted.drive) {
             return Err(NotLower::Fitted(little));
         }
         let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;

@@ -255,7 +255,7 @@ fn searched(
             found.climb(last, &model, (estimation, validation), watch);
         }
     }
-    if let Some(why) = withdrawn(&found) {
+    if let Some(why) = withdrawn(rule, &found) {
         found.take_all_back(&base, why);
         model = base;
     }

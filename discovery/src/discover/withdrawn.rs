@@ -2,6 +2,7 @@
 
 use drivescope_plant::effects::registry::Entry;
 
+use super::decision::Rule;
 use super::other_machine;
 use super::report::{Discovery, LadderStep};
 use crate::observer::Observer;
@@ -16,11 +17,11 @@ const MUCH: f64 = 1.0 / 3.0;
 const MOST: f64 = 0.5;
 
 /// Why everything that was named is taken back; nothing where it stands.
-pub(super) fn withdrawn(found: &Discovery) -> Option<&'static str> {
+pub(super) fn withdrawn(rule: &Rule, found: &Discovery) -> Option<&'static str> {
     if other_machine::outdoes(found) {
         Some(OUTDONE)
     } else {
-        leaves_most(found).then_some(LEAVES_MOST)
+        leaves_most(rule, found).then_some(LEAVES_MOST)
     }
 }
 
@@ -33,8 +34,9 @@ pub(super) fn explains_little(step: &LadderStep, observer: Observer) -> bool {
 }
 
 /// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it
-/// is something else. What every machine has is missing all the same.
-fn leaves_most(found: &Discovery) -> bool {
+/// is something else. What every machine has is missing all the same; and where the motion in free run is
+/// right with it, the balance is what errs (it knows little of teeth that knock).
+fn leaves_most(rule: &Rule, found: &Discovery) -> bool {
     let (Some(first), Some(last)) = (found.ladder.first(), found.ladder.last()) else {
         return false;
     };
@@ -42,5 +44,7 @@ fn leaves_most(found: &Discovery) -> bool {
     let most = left(first).zip(left(last)).is_some_and(|(was, is)| is > MOST * was);
     let basic = |name: &String| Entry::find(name).is_some_and(|entry| entry.info.basic);
     let special = !found.named.is_empty() && !found.named.iter().any(basic);
-    special && most && explains_little(last, found.observer)
+    let excess = |step: &LadderStep| step.validation_error.powi(2) - 1.0;
+    let runs_right = !found.observer.follows() && excess(last) < rule.formula * excess(first);
+    special && most && explains_little(last, found.observer) && !runs_right
 }

@@ -93,6 +93,18 @@ fn what_is_named_has_a_probability_and_a_size_under_a_random_load_too() {
 }
 
 #[test]
+fn an_offset_of_the_current_sensor_is_no_load() {
+    // The balance of torques sees the same of both, but behind the sensor.
+    let answer = found(&with("current_offset", &[0.3]), false, 5);
+    assert!(answer.observer.hz > 0.0, "the error of the motion would tell it");
+    assert_eq!(answer.named, ["current_offset"], "{:?}", answer.ranking);
+    let last = answer.ladder.last().expect("it has a base");
+    assert!(last.validation_error < 1.1, "{:?}", answer.ladder);
+    let answer = found(&with("constant_load", &[0.3 * base().motor.k_m]), false, 5);
+    assert_eq!(answer.named, ["constant_load"], "{:?}", answer.ranking);
+}
+
+#[test]
 fn both_of_two_effects_are_named_where_the_second_shows_over_other_variables() {
     let mut truth = with("asymmetric_friction", &[0.003, 1e-5]);
     let lag = with("speed_sensor_lag", &[0.015]).effects.pop().expect("it was added");

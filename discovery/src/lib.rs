@@ -94,6 +94,7 @@ mod testing;
 
 pub use balances::{
     Begun, BothUnexplained, Identified, Unexplained, begin, small_inertia, unexplained,
+    unexplained_share,
 };
 pub use canonical::with_canonical_names;
 pub use case::{Case, PACE, PASSING_PACE, Setting, Squares};

@@ -7,7 +7,7 @@
 //! inertia that the balance tells beside it.
 
 use drivescope_discovery::{
-    Begun, Evidence, Identified, Options, Output, Setting, begin, fit, unexplained,
+    Begun, Evidence, Identified, Options, Output, Setting, begin, fit, unexplained_share,
 };
 use drivescope_plant::drive::{Drive, EffectData, Input};
 use drivescope_plant::effects::registry::Entry;
@@ -95,7 +95,7 @@ fn clearly_better(
 ) -> miette::Result<Option<Begun>> {
     let evidence = seen(drive, recording)?;
     let begun = begin(drive, &evidence);
-    let remainder = |drive: &Drive| unexplained(drive, &evidence)[0].map(|it| it.rms);
+    let remainder = |drive: &Drive| unexplained_share(drive, &evidence);
     let both = remainder(&without.drive).zip(remainder(&begun.drive));
     let clearly = both.is_some_and(|(before, after)| after < CLEARLY_LESS * before);
     Ok(clearly.then_some(begun))

@@ -146,13 +146,23 @@ pub(crate) fn hold(drive: &Drive) -> bool {
 /// as short as noise allows; none where the balance was not measured, or the drive has states
 /// that were not.
 pub fn unexplained(drive: &Drive, evidence: &Evidence) -> [Option<Unexplained>; 2] {
-    let plain = along_motion(drive);
-    if plain.effects.len() < drive.effects.len() {
-        return [None; 2];
-    }
-    let Some(balances) = Balances::of(drive, evidence) else { return [None; 2] };
+    let Some((plain, balances)) = balanced(drive, evidence) else { return [None; 2] };
     let torque = (balances.reading != Reading::Voltage).then(|| balances.unexplained(&plain, 0));
     [torque.flatten(), balances.unexplained(&plain, 1)]
+}
+
+/// Share of what drives that the drive leaves unexplained: by the current or, for want of one, by the voltage,
+/// whose balance then holds the induced voltage too. It compares drives at the same recordings.
+pub fn unexplained_share(drive: &Drive, evidence: &Evidence) -> Option<f64> {
+    let (plain, balances) = balanced(drive, evidence)?;
+    balances.unexplained(&plain, 0).map(|it| it.share)
+}
+
+/// The drive along the motion, and its balances; nothing where it has states that were not measured.
+fn balanced(drive: &Drive, evidence: &Evidence) -> Option<(Drive, Balances)> {
+    let plain = along_motion(drive);
+    let whole = plain.effects.len() == drive.effects.len();
+    whole.then(|| Balances::of(drive, evidence)).flatten().map(|balances| (plain, balances))
 }
 
 /// An inertia that takes a small share of the applied torque, for a recording that tells none; none

@@ -1,25 +1,37 @@
 //! What takes names back once everything was named: they explain too little.
 
+use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::registry::Entry;
 
 use super::decision::Rule;
 use super::other_machine;
 use super::report::{Discovery, LadderStep};
+use crate::estimate::Evidence;
+use crate::measured::largest;
 use crate::observer::Observer;
 
 /// Why nothing is named where the validation recordings contradict the others more than that explains.
 const OUTDONE: &str = "other values of the base explain more of the validation data";
 /// The same where most of the torque stays unexplained.
 const LEAVES_MOST: &str = "most of the torque stays unexplained with it";
+/// The same where no model is left, but what is random.
+pub(super) const OVERWHELMED: &str =
+    "beside it what is random must be greater than all that drives";
 /// Share of the applied torque that is much to leave unexplained behind an observer.
 const MUCH: f64 = 1.0 / 3.0;
 /// Share of the squared torque that was unexplained which is most of it.
 const MOST: f64 = 0.5;
 
 /// Why everything that was named is taken back; nothing where it stands.
-pub(super) fn withdrawn(rule: &Rule, found: &Discovery) -> Option<&'static str> {
+pub(super) fn withdrawn(
+    rule: &Rule,
+    found: &Discovery,
+    (drive, evidence): (&Drive, &Evidence),
+) -> Option<&'static str> {
     if other_machine::outdoes(found) {
         Some(OUTDONE)
+    } else if is_overwhelmed(found.random_load(), drive, evidence) {
+        Some(OVERWHELMED)
     } else {
         leaves_most(rule, found).then_some(LEAVES_MOST)
     }
@@ -31,6 +43,14 @@ pub(super) fn withdrawn(rule: &Rule, found: &Discovery) -> Option<&'static str> 
 pub(super) fn explains_little(step: &LadderStep, observer: Observer) -> bool {
     let most = if observer.follows() { MUCH } else { 1.0 };
     step.validation_unexplained.torque.is_some_and(|it| it.share > most)
+}
+
+/// Whether the random load beside that drive, of that standard deviation, is greater than all that drives it at most: that is no load, and
+/// the drive no model of the recordings.
+pub(super) fn is_overwhelmed(load: f64, drive: &Drive, evidence: &Evidence) -> bool {
+    let currents = evidence.recordings.iter().map(|it| largest(it.current(drive)));
+    let driving = drive.motor.k_m * currents.fold(0.0, f64::max);
+    load > driving
 }
 
 /// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it

@@ -105,8 +105,7 @@ impl Round<'_> {
             if it.is_linear() && it.coefficients.iter().zip(&it.ranges).all(at_end) {
                 return None;
             }
-            let weighed =
-                Weighed { load: own.load, ..Weighed::of(own.over(ground.base()), own.size) };
+            let weighed = Weighed::of(own.over(ground.base()), own.size);
             let mut model = self.model.clone();
             model.fitted.drive = drive;
             for name in &it.frozen {

@@ -33,8 +33,6 @@ pub(crate) struct Weighed {
     pub(crate) repeats: f64,
     /// Root of the mean square of what it does, of what the balance holds.
     pub(crate) size: f64,
-    /// Standard deviation of the random load beside it, N m (N); 0 where none was sought.
-    pub(crate) load: f64,
     /// That it is what is missing, among the candidates and nothing.
     pub(crate) probability: f64,
     /// Whether nothing but its size speaks against it.
@@ -48,15 +46,6 @@ impl Weighed {
     /// out, not yet among others. What the recordings of the fit deny no others make good.
     pub(crate) fn of([fitted, all, repeats]: [f64; 3], size: f64) -> Self {
         let evidence = if fitted > 0.0 { all } else { all.min(fitted) };
-        Self {
-            evidence,
-            fitted,
-            repeats,
-            size,
-            load: 0.0,
-            probability: 0.0,
-            small: false,
-            by_balance: false,
-        }
+        Self { evidence, fitted, repeats, size, probability: 0.0, small: false, by_balance: false }
     }
 }

@@ -16,7 +16,7 @@ use super::round::{Formula, Outcome, Round};
 use super::spans::{are_possible, spans};
 use super::typed;
 use super::unusable;
-use super::withdrawn::{explains_little, is_overwhelmed, withdrawn};
+use super::withdrawn::{explains_little, withdrawn};
 use crate::case::Setting;
 use crate::compare::{self, Finding, Load};
 use crate::error::Error;
@@ -185,8 +185,7 @@ fn searched(
                 }
             }
             let observer = model.setting.observer;
-            let lost = found.ladder.last().is_some_and(|it| explains_little(it, observer))
-                || is_overwhelmed(found.random_load(), &model.fitted.drive, estimation);
+            let lost = found.ladder.last().is_some_and(|it| explains_little(it, observer));
             let missing = unknown.is_some() || !proposed.is_empty() || lost;
             found.formulas = proposed;
             found.remaining = if missing { Verdict::Unknown } else { Verdict::None };

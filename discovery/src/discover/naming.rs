@@ -7,7 +7,6 @@ use super::ground::Ground;
 use super::judged::Judged;
 use super::round::{Outcome, Round};
 use super::spans::are_possible;
-use super::withdrawn::{OVERWHELMED, is_overwhelmed};
 use crate::likelihood::{CurveWeight, Law};
 use crate::measured::Measured;
 
@@ -61,8 +60,6 @@ impl Round<'_> {
         let own = |id: &str| id == self.all[one.candidate].id;
         if !are_possible(&one.model.fitted.drive, own, self.spans) {
             Some(IMPOSSIBLE.to_owned())
-        } else if is_overwhelmed(it.load, &one.model.fitted.drive, self.estimation) {
-            Some(OVERWHELMED.to_owned())
         } else if it.evidence <= asked {
             Some(format!("its evidence is {:.1} only, and {asked:.1} is asked for", it.evidence))
         } else if self.is_disturbance(one) {

@@ -202,11 +202,6 @@ pub struct Discovery {
 }
 
 impl Discovery {
-    /// Standard deviation of the random load, N m (N); 0 where none was sought.
-    pub(super) fn random_load(&self) -> f64 {
-        self.load.map_or(0.0, |load| load.sd)
-    }
-
     /// That drive as it is, with nothing found yet.
     pub(super) fn of(drive: &Drive, verdict: Verdict, observer: Observer) -> Self {
         Self {

@@ -15,8 +15,7 @@ const OUTDONE: &str = "other values of the base explain more of the validation d
 /// The same where most of the torque stays unexplained.
 const LEAVES_MOST: &str = "most of the torque stays unexplained with it";
 /// The same where no model is left, but what is random.
-pub(super) const OVERWHELMED: &str =
-    "beside it what is random must be greater than all that drives";
+const OVERWHELMED: &str = "beside it what is random must be greater than all that drives";
 /// Share of the applied torque that is much to leave unexplained behind an observer.
 const MUCH: f64 = 1.0 / 3.0;
 /// Share of the squared torque that was unexplained which is most of it.
@@ -26,11 +25,11 @@ const MOST: f64 = 0.5;
 pub(super) fn withdrawn(
     rule: &Rule,
     found: &Discovery,
-    (drive, evidence): (&Drive, &Evidence),
+    at: (&Drive, &Evidence),
 ) -> Option<&'static str> {
     if other_machine::outdoes(found) {
         Some(OUTDONE)
-    } else if is_overwhelmed(found.random_load(), drive, evidence) {
+    } else if is_overwhelmed(found, at) {
         Some(OVERWHELMED)
     } else {
         leaves_most(rule, found).then_some(LEAVES_MOST)
@@ -45,12 +44,15 @@ pub(super) fn explains_little(step: &LadderStep, observer: Observer) -> bool {
     step.validation_unexplained.torque.is_some_and(|it| it.share > most)
 }
 
-/// Whether the random load beside that drive, of that standard deviation, is greater than all that drives it at most: that is no load, and
-/// the drive no model of the recordings.
-pub(super) fn is_overwhelmed(load: f64, drive: &Drive, evidence: &Evidence) -> bool {
+/// Whether the random load beside what was named is greater than all that drives at most, where an observer
+/// follows the motion: that is no load, and the drive no model of the recordings. Of teeth that knock a filter
+/// knows too little.
+fn is_overwhelmed(found: &Discovery, (drive, evidence): (&Drive, &Evidence)) -> bool {
+    let knocks = |name: &String| Entry::find(name).is_some_and(|entry| entry.info.knocks);
+    let told = found.observer.follows() && !found.named.iter().any(knocks);
     let currents = evidence.recordings.iter().map(|it| largest(it.current(drive)));
     let driving = drive.motor.k_m * currents.fold(0.0, f64::max);
-    load > driving
+    told && !found.named.is_empty() && found.load.is_some_and(|load| load.sd > driving)
 }
 
 /// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it

@@ -220,11 +220,9 @@ fn at_its_best(
     let beside = curve.map(|it| beside(scene, &along, it));
     let ln_prior = if holds_a_cycle(&scene.drive) { randomness.ln_prior() } else { 0.0 };
     let with = |load: &f64| {
-        let random = randomness.scaled(*load);
-        let tracks = scene.retraced(&along, &random)?;
+        let tracks = scene.retraced(&along, &randomness.scaled(*load))?;
         let law = law.zip(taken_out.as_deref());
-        let beside_load = (references, scene.drive.motor.j * random.load_sd);
-        let found = optimum(scene, (law, beside.as_ref()), (&tracks, &known), beside_load)?;
+        let found = optimum(scene, (law, beside.as_ref()), (&tracks, &known), references)?;
         Some(found.with_prior(ln_prior))
     };
     let mut tried: [Option<Option<Optimum>>; LOADS.len()] = [None; LOADS.len()];

@@ -41,8 +41,6 @@ pub(crate) struct Optimum {
     pub(crate) repeats: f64,
     /// Root of the mean square of what the law does, of the balance's size.
     pub(crate) size: f64,
-    /// Standard deviation of the random load beside it, N m (N).
-    pub(crate) load: f64,
     /// By how much all recordings together move a parameter of the machine at most, ln.
     pub(super) moves: f64,
 }
@@ -143,14 +141,13 @@ pub(super) fn evidence(products: Products, terms: &Terms, prior: Option<&Prior>)
     moved + if none { of(1.0) } else { ln_mean_exp(SIZES.map(of).into_iter()) }
 }
 
-/// Of the scene's drive along those tracks, filtered beside a random load of that standard deviation, N m (N), with
-/// the shares of its parameters and of what is lost
+/// Of the scene's drive along those tracks, with the shares of its parameters and of what is lost
 /// without the law, `beside` a curve perhaps; nothing where it overflows.
 pub(super) fn optimum(
     scene: &Scene,
     (law, beside): (Option<TakenOut<'_>>, Option<&BackgroundCurve>),
     (tracks, known): (&[Track], &[Known]),
-    (references, load): (&References, f64),
+    references: &References,
 ) -> Option<Optimum> {
     let further = |recording: usize| {
         let background = beside.map(|it| Source::Series(&it.series[recording]));
@@ -189,8 +186,7 @@ pub(super) fn optimum(
         0.0
     };
     let (fitted, all) = (evidence(&|held_out| !held_out), evidence(&|_| true));
-    let moves = moves(scene, &pooled, &terms);
-    Some(Optimum { fitted, all, repeats: all - fitted, size, load, moves })
+    Some(Optimum { fitted, all, repeats: all - fitted, size, moves: moves(scene, &pooled, &terms) })
 }
 
 /// By how much all recordings together move a parameter of the machine that is positive, ln, where

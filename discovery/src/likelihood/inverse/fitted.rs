@@ -93,7 +93,7 @@ pub(super) fn optimum(
         rms(used) / torque * standing_out(&products, &others, table.terms.columns.len())
     });
     let known = fitted.is_finite() && all.is_finite();
-    known.then_some(Optimum { fitted, all, repeats, size, load: noise.load, moves: 0.0 })
+    known.then_some(Optimum { fitted, all, repeats, size, moves: 0.0 })
 }
 
 /// What would be missing without the law.

@@ -7,9 +7,9 @@
 //! judges dry friction. The values depend on the recordings and on what is fixed, not on the
 //! file's values (but for a law's speed, where no other is clearly better): every fit begins alike.
 //!
-//! [`sensors`] finds true values behind what is shown, [`runs`] makes means over intervals of the signals, [`windows`] averages them as long as noise
-//! asks for; [`laws`] finds what is linear; [`torque`] and [`voltage`] are the two problems, which
-//! [`solve`] solves and [`begin`](mod@begin) puts together.
+//! [`sensors`] finds true values behind what is shown, [`runs`] makes means over intervals of the
+//! signals, [`windows`] averages them as long as noise asks for; [`laws`] finds what is linear; [`torque`]
+//! and [`voltage`] are the two problems, which [`solve`] solves and [`begin`](mod@begin) puts together.
 
 mod begin;
 mod laws;

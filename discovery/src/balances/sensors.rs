@@ -14,7 +14,7 @@ use crate::measured::{Measured, Output};
 
 /// Rounds of x := y - e(x): of an error of a third a thousandth is left.
 const ROUNDS: usize = 6;
-/// What stands for each of a drive's true values.
+/// What shows each of a drive's true values; a position may be known beside a speed.
 const SHOWN: [(Output, usize); 3] =
     [(Output::Current, CURRENT), (Output::Speed, SPEED), (Output::Position, POSITION)];
 
@@ -32,8 +32,11 @@ pub(super) fn behind<'a>(drive: &Drive, measured: &'a Measured) -> Cow<'a, Measu
     for k in measured.pieces.iter().cloned().flatten() {
         let mut x = none.clone();
         let applied = Applied { u: [measured.u[k]], load: [0.0], time: measured.time(k) };
-        let value = |output: Output| measured.output(output).map(|it| it.values[k]);
-        let shown = SHOWN.map(|(output, _)| value(output).filter(|y| y.is_finite()));
+        let shown = SHOWN.map(|(output, _)| {
+            let beside = measured.angle.as_ref().filter(|_| output == Output::Position);
+            let value = measured.output(output).map(|it| it.values[k]);
+            value.or(beside.map(|angle| angle[k])).filter(|y| y.is_finite())
+        });
         for round in 0..=ROUNDS {
             let is = model.outputs(&x, &applied);
             for ((y, (_, state)), [is]) in shown.iter().zip(SHOWN).zip([is.i, is.omega, is.theta]) {

@@ -9,11 +9,11 @@ use crate::measured::Output;
 use crate::response::{Forcing, Linearised, respond};
 use crate::sensitivity::Direction;
 
-/// Series that are computed together, and of a recording of more samples than that: a series has a value a
-/// sample.
+/// Series that are computed together, and fewer of a recording of more samples than [`LONG`]: each has a value
+/// a sample.
 const TOGETHER: usize = 16;
-const LONG: usize = 250_000;
 const TOGETHER_IF_LONG: usize = 8;
+const LONG: usize = 250_000;
 
 /// Residuals and the columns of the base: its fitted parameters, then the starts of all pieces.
 pub(super) fn base(

@@ -30,8 +30,9 @@ pub(super) fn with_constant_load(
     drive.per_recording.push(OFFSET.to_owned());
     let begun = clearly_better(&drive, recording, without)?;
     let told = begun.filter(|it| it.identified.iter().any(|it| it.name == OFFSET));
+    let Some(told) = told else { return Ok(None) };
     let evidence = seen(template, recording)?;
-    Ok(told.filter(|it| !is_of_current_sensor(&it.drive, &evidence)))
+    Ok((!is_of_current_sensor(&told.drive, &evidence)).then_some(told))
 }
 
 /// Whether an offset of the current sensor fits better than the constant load of that drive.

@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 
-use drivescope_plant::drive::Drive;
+use drivescope_plant::drive::{Drive, EffectData};
 use drivescope_plant::effects::registry::Entry;
 use drivescope_plant::model::{Applied, CURRENT, POSITION, SPEED};
 
@@ -21,30 +21,27 @@ const SHOWN: [(Output, usize); 3] =
 /// The recording without what the drive's sensors add to true values; sensors with states of their own are
 /// taken as they are.
 pub(super) fn behind<'a>(drive: &Drive, measured: &'a Measured) -> Cow<'a, Measured> {
-    let plain = without_states(drive);
-    let senses = |kind: &str| Entry::find(kind).is_some_and(|entry| entry.info.senses());
-    if !plain.effects.iter().any(|effect| senses(&effect.kind)) {
+    let senses =
+        |effect: &EffectData| Entry::find(&effect.kind).is_some_and(|entry| entry.info.senses());
+    if !drive.effects.iter().any(senses) {
         return Cow::Borrowed(measured);
     }
-    let model = plain.model();
-    let none = vec![[0.0]; model.states()];
+    let model = without_states(drive).model();
     let mut behind = measured.clone();
     for k in measured.pieces.iter().cloned().flatten() {
-        let mut x = none.clone();
+        let mut x = vec![[0.0]; model.states()];
         let applied = Applied { u: [measured.u[k]], load: [0.0], time: measured.time(k) };
         let shown = SHOWN.map(|(output, _)| {
             let beside = measured.angle.as_ref().filter(|_| output == Output::Position);
             let value = measured.output(output).map(|it| it.values[k]);
             value.or(beside.map(|angle| angle[k])).filter(|y| y.is_finite())
         });
-        for round in 0..=ROUNDS {
+        let known = || shown.iter().zip(SHOWN).map(|(y, (_, state))| (state, *y));
+        known().for_each(|(state, y)| x[state] = [y.unwrap_or(0.0)]);
+        for _ in 0..ROUNDS {
             let is = model.outputs(&x, &applied);
-            for ((y, (_, state)), [is]) in shown.iter().zip(SHOWN).zip([is.i, is.omega, is.theta]) {
-                match y {
-                    Some(y) if round == 0 => x[state] = [*y],
-                    Some(y) => x[state][0] += y - is,
-                    None => {}
-                }
+            for ((state, y), [is]) in known().zip([is.i, is.omega, is.theta]) {
+                x[state][0] += y.map_or(0.0, |y| y - is);
             }
         }
         for (output, state) in SHOWN {
@@ -59,8 +56,6 @@ pub(super) fn behind<'a>(drive: &Drive, measured: &'a Measured) -> Cow<'a, Measu
 
 #[cfg(test)]
 mod tests {
-    use drivescope_plant::drive::EffectData;
-
     use super::*;
     use crate::balances::unexplained;
     use crate::estimate::Evidence;

@@ -7,7 +7,7 @@ use super::candidate::Candidate;
 use super::learned::effect;
 use super::refit::Model;
 use super::round::Round;
-use crate::balances::{Unexplained, begin, unexplained};
+use crate::balances::{begin, unexplained};
 use crate::likelihood::CurveWeight;
 
 /// Share of the unexplained torque that may be left where that alone decides: an observer follows what
@@ -23,7 +23,12 @@ impl Round<'_> {
     /// Torque that a drive leaves unexplained in the recordings held out, as a share of the applied one, for
     /// a fit may make all torques small by a small K; none where they do not tell it.
     pub(super) fn torque_left(&self, drive: &Drive) -> Option<f64> {
-        unexplained(drive, self.validation)[0].map(|it| it.share)
+        self.left(drive)[0]
+    }
+
+    /// The same of torque and voltage.
+    pub(super) fn left(&self, drive: &Drive) -> [Option<f64>; 2] {
+        unexplained(drive, self.validation).map(|left| left.map(|it| it.share))
     }
 
     /// The same of a drive of that structure at the values of the balances.
@@ -38,19 +43,17 @@ impl Round<'_> {
         &self,
         is_known: bool,
         candidate: &Candidate,
+        before: [Option<f64>; 2],
         with: &Drive,
     ) -> Option<String> {
         if !is_known && !self.model.setting.observer.follows() {
             return None;
         }
-        let left = |drive: &Drive| unexplained(drive, self.validation);
-        let before = left(&self.model.fitted.drive);
         // At its own values or at those of the balances, where it goes on from there.
-        let each = [left(with), left(&begin(with, self.estimation).drive)];
+        let each = [self.left(with), self.left(&begin(with, self.estimation).drive)];
         let taken = |balance: usize| {
-            let after = each.iter().filter_map(|it| it[balance]).map(|it| it.share);
-            let before: Unexplained = before[balance]?;
-            after.reduce(f64::min).map(|after| 1.0 - (after / before.share).powi(2))
+            let after = each.iter().filter_map(|it| it[balance]).reduce(f64::min)?;
+            before[balance].map(|before| 1.0 - (after / before).powi(2))
         };
         let by_voltage = if candidate.info.senses() { taken(1) } else { None };
         let taken = taken(0)?.max(by_voltage.unwrap_or(f64::NEG_INFINITY));

@@ -33,7 +33,7 @@ impl Round<'_> {
     /// hides what drives it, in a closed loop or behind an observer, that is the error of the torque.
     /// One that was found to lower it before, among fewer, still does.
     pub(super) fn fit_first(&self, ground: &Ground, judged: &mut [Judged]) {
-        let left = [ground.drive(), &self.model.fitted.drive].map(|drive| self.torque_left(drive));
+        let left = (self.torque_left(ground.drive()), self.left(&self.model.fitted.drive));
         // What is far less probable than one over the same variables that does not lower the error is
         // no name for it.
         let mut failed: Vec<(&[Variable], f64)> = Vec::new();
@@ -72,7 +72,7 @@ impl Round<'_> {
     fn fitted_lowers(
         &self,
         ground: &Ground,
-        [of_ground, of_round]: [Option<f64>; 2],
+        (of_ground, of_round): (Option<f64>, [Option<f64>; 2]),
         one: &mut Judged,
     ) -> Result<(), NotLower> {
         let candidate = &self.all[one.candidate];
@@ -82,7 +82,7 @@ impl Round<'_> {
         let was = error(self.model);
         let (_, size) = self.asked(self.is_further(one));
         let inverse = ground.filtered().is_none();
-        let little = self.takes_little(inverse, candidate, &drive);
+        let little = self.takes_little(inverse, candidate, of_round, &drive);
         let unfitted = || {
             let model = little.is_none().then(|| self.as_it_is(&drive)).flatten();
             model.filter(|model| error(model) <= was)
@@ -106,14 +106,14 @@ impl Round<'_> {
         if candidate.vanishes_in(&model.fitted.drive) {
             return Err(NotLower::NoFit("its fit ends where it vanishes"));
         }
-        if let Some(little) = self.takes_little(inverse, candidate, &model.fitted.drive) {
+        if let Some(little) = self.takes_little(inverse, candidate, of_round, &model.fitted.drive) {
             return Err(NotLower::Fitted(little));
         }
         let fits = model.fitted.squares.sum <= self.model.fitted.squares.sum;
         let falls = fits && error(&model) <= (1.0 - FALLS) * was;
         one.model = model;
         let removed = self.removed_of_validation(&one.model);
-        let raises = self.law_raises_torque(candidate, of_round, &one.model);
+        let raises = self.law_raises_torque(candidate, of_round[0], &one.model);
         let lowers = falls && removed >= size && !raises;
         if lowers || self.explains_torque(&one.model.fitted.drive) {
             one.weighed.by_balance = !lowers;

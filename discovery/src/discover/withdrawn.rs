@@ -5,9 +5,8 @@ use drivescope_plant::effects::registry::Entry;
 
 use super::decision::Rule;
 use super::other_machine;
-use super::report::{Discovery, LadderStep};
+use super::report::{Discovery, LadderStep, RandomLoad};
 use crate::estimate::Evidence;
-use crate::measured::largest;
 use crate::observer::Observer;
 
 /// Why nothing is named where the validation recordings contradict the others more than that explains.
@@ -50,9 +49,8 @@ pub(super) fn explains_little(step: &LadderStep, observer: Observer) -> bool {
 fn is_overwhelmed(found: &Discovery, (drive, evidence): (&Drive, &Evidence)) -> bool {
     let knocks = |name: &String| Entry::find(name).is_some_and(|entry| entry.info.knocks);
     let told = found.observer.follows() && !found.named.iter().any(knocks);
-    let currents = evidence.recordings.iter().map(|it| largest(it.current(drive)));
-    let driving = drive.motor.k_m * currents.fold(0.0, f64::max);
-    told && !found.named.is_empty() && found.load.is_some_and(|load| load.sd > driving)
+    let more = |load: RandomLoad| load.sd > evidence.driving(drive);
+    told && !found.named.is_empty() && found.load.is_some_and(more)
 }
 
 /// Whether what was named leaves most of the torque unexplained that was, and much: whatever is missing, it

@@ -3,7 +3,7 @@
 use drivescope_plant::drive::Drive;
 
 use crate::case::{Case, Setting};
-use crate::measured::{Channel, Measured};
+use crate::measured::{Channel, Measured, largest};
 use crate::start::Start;
 
 /// Recordings of one machine with what is known of their noise.
@@ -18,6 +18,12 @@ impl Evidence {
     /// Samples of all recordings.
     pub(crate) fn samples(&self) -> usize {
         self.recordings.iter().map(Measured::len).sum()
+    }
+
+    /// The greatest torque (force) that drives in any of them, N m (N).
+    pub(crate) fn driving(&self, drive: &Drive) -> f64 {
+        let currents = self.recordings.iter().map(|it| largest(it.current(drive)));
+        drive.motor.k_m * currents.fold(0.0, f64::max)
     }
 
     /// A recording with the drive as it is in it, and the state at the beginning of each of its pieces.

@@ -12,7 +12,6 @@ use super::laws::{Linear, without_states};
 use super::windows::Windows;
 use super::{Balances, Begun, Identified};
 use crate::estimate::{Evidence, set};
-use crate::measured::largest;
 
 /// The drive at the values that least squares on the balances of the recordings give. What they do
 /// not tell, and what is fixed, keeps its value. The drive as it is if the balances say nothing at
@@ -37,8 +36,7 @@ pub fn begin(drive: &Drive, evidence: &Evidence) -> Begun {
 fn release(begun: &mut Begun, from: &Drive, evidence: &Evidence) {
     let is_dry = |k: &usize| Entry::find(&from.effects[*k].kind).is_some_and(|law| law.info.dry);
     let mut dry: Vec<usize> = (0..from.effects.len()).filter(is_dry).collect();
-    let currents = evidence.recordings.iter().map(|it| largest(it.current(&begun.drive)));
-    let driving = begun.drive.motor.k_m * currents.fold(0.0, f64::max);
+    let driving = evidence.driving(&begun.drive);
     while level(&begun.drive) > driving {
         let with = |k: usize| {
             let mut drive = begun.drive.clone();

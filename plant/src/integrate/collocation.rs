@@ -53,7 +53,7 @@ pub(super) struct Collocation<R> {
     flow: Box<[[AtNodes<R>; 4]; OWN]>,
     /// To what the laws add to a rate at a node: `response[row][node of it][rate]`.
     response: Box<Response<R>>,
-    nodes: Nodes,
+    nodes: &'static Nodes,
 }
 
 /// How many such steps an interval of that many sub-steps takes; nothing where they would not do.
@@ -109,12 +109,12 @@ impl<R: Real> Collocation<R> {
         if !resolved {
             return None;
         }
-        let nodes = Nodes::new();
+        let nodes = Nodes::lobatto();
         let zero = [R::zero(); NODES];
         let mut flow = Box::new([[zero; 4]; OWN]);
         let mut response = Box::new(Response([[[zero; 2]; NODES]; OWN]));
         for (node, place) in nodes.places.into_iter().enumerate() {
-            let at = At::new(&motor, &nodes, h, place);
+            let at = At::new(&motor, nodes, h, place);
             for row in 0..OWN {
                 for column in 0..4 {
                     flow[row][column][node] = at.flow[row][column];
@@ -255,7 +255,7 @@ impl<R: Real> Collocation<R> {
             }
         }
         if share < 1.0 {
-            let at = At::new(&self.motor, &self.nodes, self.h, share);
+            let at = At::new(&self.motor, self.nodes, self.h, share);
             x.copy_from_slice(&at.state(start, applied, added).map(|value| [value]));
         } else {
             for row in 0..OWN {
@@ -289,7 +289,7 @@ impl<R: Real> Collocation<R> {
         let located = locate(near(low), near(high), high - low, |share| near(low + share));
         let Some(place) = located.map(|share| low + share) else { return Course::Refused };
         let there = |place: f64| {
-            let at = At::new(&self.motor, &self.nodes, self.h, place);
+            let at = At::new(&self.motor, self.nodes, self.h, place);
             at.state(start, applied, added)
         };
         let correction = there(place)[SPEED].value() / slope(&polynomial, place);

@@ -1,6 +1,8 @@
 //! Lobatto's nodes on [0, 1]: both ends, and where between them a polynomial through the values at
 //! the nodes is integrated best.
 
+use std::sync::LazyLock;
+
 use drivescope_numerics::Real;
 
 /// Nodes of a step: as many as one vector of the widest instructions holds.
@@ -31,8 +33,16 @@ fn legendre(degree: usize, x: f64) -> (f64, f64) {
     (now, before)
 }
 
+/// They are the same for every drive.
+static LOBATTO: LazyLock<Nodes> = LazyLock::new(Nodes::new);
+
 impl Nodes {
-    pub(super) fn new() -> Self {
+    /// Lobatto's nodes.
+    pub(super) fn lobatto() -> &'static Self {
+        &LOBATTO
+    }
+
+    fn new() -> Self {
         let on_both_sides: [f64; NODES] = std::array::from_fn(|k| {
             let mut x = -(std::f64::consts::PI * k as f64 / DEGREE as f64).cos();
             for _ in 0..CORRECTIONS {
@@ -100,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_nodes_integrate_a_polynomial_of_degree_thirteen_and_interpolate_one_of_seven() {
-        let nodes = Nodes::new();
+        let nodes = Nodes::lobatto();
         assert_eq!((nodes.places[0], nodes.places[NODES - 1]), (0.0, 1.0));
         // The mean of each basis polynomial is the weight of its node.
         let weights = nodes
@@ -124,7 +134,7 @@ mod tests {
 
     #[test]
     fn the_tail_is_long_where_the_values_are_not_smooth() {
-        let nodes = Nodes::new();
+        let nodes = Nodes::lobatto();
         let tail = |f: fn(f64) -> f64| nodes.tail(&nodes.places.map(f)).0;
         assert!(tail(|t| 1.0 + t.powi(5)) < 1e-13);
         assert!(tail(|t| (-3.0 * t).exp()) < 1e-3);
@@ -133,7 +143,7 @@ mod tests {
 
     #[test]
     fn the_last_coefficients_are_legendres() {
-        let nodes = Nodes::new();
+        let nodes = Nodes::lobatto();
         let of = |degree| nodes.tail(&nodes.places.map(|t| legendre(degree, 2.0 * t - 1.0).0)).0;
         assert!((of(6) - 1.0).abs() < 1e-13 && (of(7) - 1.0).abs() < 1e-13);
         assert!(of(5) < 1e-13);

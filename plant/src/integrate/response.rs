@@ -130,12 +130,12 @@ mod tests {
         let (decay, h) = (300.0, 0.01);
         let b = [[0.0; 3]; 2];
         let motor = Continuous { a: [[-decay, 0.0], [0.0, 0.0]], b };
-        let nodes = Nodes::new();
+        let nodes = Nodes::lobatto();
         let added = [[1.0; NODES], nodes.places.map(|place| (place * h).powi(2))];
         for place in [0.2, 0.7, 1.0] {
             let t: f64 = place * h;
             let applied = Applied { u: [0.0], load: [0.0], time: 0.0 };
-            let found = At::new(&motor, &nodes, h, place).state([2.0, 3.0, 1.0], &applied, &added);
+            let found = At::new(&motor, nodes, h, place).state([2.0, 3.0, 1.0], &applied, &added);
             let left = (-decay * t).exp();
             let expected = [
                 2.0 * left + (1.0 - left) / decay,

@@ -152,8 +152,10 @@ impl<R: Real> Under<'_, R> {
         if model.restless() {
             return false;
         }
+        // At rest the current alone moves.
+        let mut there = self.x.clone();
         let mut margin = |tau: f64| {
-            let mut there = self.x.clone();
+            there[CURRENT] = self.x[CURRENT];
             let armature = Armature::new(model, R::constant(tau));
             step_at_rest(model, &mut there, applied, &armature, stages);
             at_rest(model, &there, applied).margin().value()

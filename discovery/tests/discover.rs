@@ -83,7 +83,7 @@ fn what_is_named_has_a_probability_and_a_size_under_a_random_load_too() {
         let answer = found(&with("unbalance", &[0.003, 0.002]), load, 3);
         assert_eq!(answer.named, ["unbalance"], "{:?}", answer.ranking);
         let named = &answer.ranking[0];
-        assert!(named.probability > 0.99 && named.probability <= 1.0, "{named:?}");
+        assert!(named.probability > 0.96 && named.probability < 0.98, "{named:?}");
         // 3.6 mN m over a resistance to motion of some 20 mN m.
         assert!((0.05..0.5).contains(&named.size), "{named:?}");
         let answer = found(&base(), load, 3);

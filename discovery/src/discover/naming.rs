@@ -149,21 +149,24 @@ impl Round<'_> {
         curve.evidence + self.rule.curve_odds.ln() > evidence && curve.size >= size
     }
 
-    /// Puts what the best of those that pass holds as a case, and stands instead of, before it where that
-    /// has nearly its evidence. Of others the evidence decides, which weighs what each value costs:
-    /// `constant_load`, put before `asymmetric_friction` for having one value less, was wrong in nine
-    /// of ten machines.
-    pub(super) fn case_first(&self, judged: &mut [Judged]) {
+    /// Puts the simplest of those that pass and are not told from the best of them before it. Of two
+    /// formulas for one thing the evidence decides, which weighs what each value costs: `constant_load`,
+    /// put before `asymmetric_friction` for having one value less, was wrong in nine of ten machines.
+    pub(super) fn simplest_of_equal(&self, judged: &mut [Judged]) {
         let Some(best) = judged.iter().position(|one| one.refused.is_none()) else { return };
-        let parameters = |k: usize| self.all[judged[k].candidate].parameters().len();
-        let info = |k: usize| self.all[judged[k].candidate].info;
-        let evidence = |k: usize| judged[k].weighed.evidence;
-        let nearly = self.rule.confused.max(self.rule.nested * evidence(best));
-        let stands = |k: usize| {
-            let instead = k == best || info(best).excludes.contains(&info(k).id);
-            judged[k].refused.is_none() && instead && evidence(best) - evidence(k) < nearly
+        let parameters = |one: &Judged| self.all[one.candidate].parameters().len();
+        let info = |one: &Judged| self.all[one.candidate].info;
+        let evidence = |one: &Judged| one.weighed.evidence;
+        let close = |one: &Judged| {
+            let less = evidence(&judged[best]) - evidence(one);
+            let instead = info(&judged[best]).excludes.contains(&info(one).id);
+            let nested = if instead { self.rule.nested * evidence(&judged[best]) } else { 0.0 };
+            let one_thing = !instead && info(&judged[best]).aliases.contains(&info(one).id);
+            one.refused.is_none() && !one_thing && less < self.rule.confused.max(nested)
         };
-        let simplest = (best..judged.len()).filter(|k| stands(*k)).min_by_key(|k| parameters(*k));
+        let simplest = (best..judged.len())
+            .filter(|k| close(&judged[*k]))
+            .min_by_key(|k| parameters(&judged[*k]));
         if let Some(simplest) = simplest {
             judged[best..=simplest].rotate_right(1);
         }

@@ -174,7 +174,7 @@ impl Round<'_> {
         self.watch.step(&Step::Doing("fitting the best candidates"));
         let mut judged = self.of_one_mass(ground, weights);
         let decide = |judged: &mut Vec<Judged>| {
-            self.case_first(judged);
+            self.simplest_of_equal(judged);
             self.basic_first(judged);
             self.fit_first(ground, judged);
         };

@@ -149,9 +149,7 @@ impl Round<'_> {
         curve.evidence + self.rule.curve_odds.ln() > evidence && curve.size >= size
     }
 
-    /// Puts the simplest of those that pass and are not told from the best of them before it. Of two
-    /// formulas for one thing the evidence decides, which weighs what each value costs: `constant_load`,
-    /// put before `asymmetric_friction` for having one value less, was wrong in nine of ten machines.
+    /// Puts the simplest of those that pass and are not told from the best of them before it.
     pub(super) fn simplest_of_equal(&self, judged: &mut [Judged]) {
         let Some(best) = judged.iter().position(|one| one.refused.is_none()) else { return };
         let parameters = |one: &Judged| self.all[one.candidate].parameters().len();
@@ -161,8 +159,7 @@ impl Round<'_> {
             let less = evidence(&judged[best]) - evidence(one);
             let instead = info(&judged[best]).excludes.contains(&info(one).id);
             let nested = if instead { self.rule.nested * evidence(&judged[best]) } else { 0.0 };
-            let one_thing = !instead && info(&judged[best]).aliases.contains(&info(one).id);
-            one.refused.is_none() && !one_thing && less < self.rule.confused.max(nested)
+            one.refused.is_none() && less < self.rule.confused.max(nested)
         };
         let simplest = (best..judged.len())
             .filter(|k| close(&judged[*k]))

@@ -65,19 +65,18 @@ impl Peer {
         })
     }
 
-    fn samples(&self, held: &Held, mut step: impl FnMut(Rotor, Y) -> Y) -> [Vec<f64>; 2] {
+    fn samples(&self, held: &Held, mut step: impl FnMut(Rotor, Y) -> Y) -> Vec<[f64; 2]> {
         let mut y = Y::new(held.start[0], held.start[1], 0.0);
-        let [mut current, mut speed] = [(); 2].map(|()| Vec::with_capacity(held.inputs.len()));
+        let mut made = Vec::with_capacity(held.inputs.len());
         for [u, load] in &held.inputs {
             y = step(Rotor { u: *u, load: *load, ..self.0 }, y);
-            current.push(y[0]);
-            speed.push(y[1]);
+            made.push([y[0], y[1]]);
         }
-        [current, speed]
+        made
     }
 
     /// Current and speed after every sample by Dopri5 at 1e-6.
-    pub(super) fn run(&self, held: &Held) -> [Vec<f64>; 2] {
+    pub(super) fn run(&self, held: &Held) -> Vec<[f64; 2]> {
         self.samples(held, |rotor, y| {
             let span = held.period_s;
             let mut solver = Dopri5::new(rotor, 0.0, span, span, y, USUAL, USUAL);
@@ -89,7 +88,7 @@ impl Peer {
     }
 
     /// The same by Dop853 at 1e-12.
-    pub(super) fn reference(&self, held: &Held) -> [Vec<f64>; 2] {
+    pub(super) fn reference(&self, held: &Held) -> Vec<[f64; 2]> {
         self.samples(held, |rotor, y| {
             let span = held.period_s;
             let mut solver = Dop853::new(rotor, 0.0, span, span, y, FINE, FINE);

@@ -108,9 +108,9 @@ impl Speed {
             &mut || ours::lanes::<LANES>(&drive, &held),
             &mut || drop(black_box(peer.run(&held))),
         ]);
-        let [_, reference] = peer.reference(&held);
-        let errors = [ours::alone(&drive, &held), peer.run(&held)].map(|[_, speed]| {
-            let apart = speed.iter().zip(&reference).map(|(a, b)| (a - b).abs());
+        let reference = peer.reference(&held);
+        let errors = [ours::alone(&drive, &held), peer.run(&held)].map(|run| {
+            let apart = run.iter().zip(&reference).map(|(a, b)| (a[1] - b[1]).abs());
             apart.fold(0.0, f64::max)
         });
         part()?;

@@ -11,18 +11,16 @@ use drivescope_scenarios::campaign::{Campaign, Design, Plan};
 use super::Held;
 use crate::failure::into_report;
 
-/// Current and speed after every sample of one drive under held inputs, from its integrator: a column
-/// each, for to read both at once would wait for the step's last write to leave the processor.
-pub(super) fn alone(drive: &Drive, held: &Held) -> [Vec<f64>; 2] {
+/// Current and speed after every sample of one drive under held inputs, from its integrator.
+pub(super) fn alone(drive: &Drive, held: &Held) -> Vec<[f64; 2]> {
     let mut integrator = Integrator::new(drive.model(), speed_bound(drive));
     let mut state = started(integrator.model(), held);
-    let [mut current, mut speed] = [(); 2].map(|()| Vec::with_capacity(held.inputs.len()));
+    let mut made = Vec::with_capacity(held.inputs.len());
     for [u, load] in &held.inputs {
         integrator.advance(&mut state, &applied(*u, *load), held.period_s);
-        current.push(state.x[CURRENT][0]);
-        speed.push(state.x[SPEED][0]);
+        made.push([state.x[CURRENT][0], state.x[SPEED][0]]);
     }
-    [current, speed]
+    made
 }
 
 /// The same of `N` drives side by side, whose states nobody keeps.

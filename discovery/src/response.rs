@@ -12,7 +12,6 @@
 use drivescope_numerics::Dual;
 
 use crate::case::Case;
-use crate::measured::OUTPUTS;
 use crate::run::Runner;
 use crate::sensitivity::Direction;
 
@@ -22,7 +21,8 @@ const SEEDS: usize = 8;
 const MOST_STATES: usize = SEEDS - 2;
 /// Series that advance together.
 const TOGETHER: usize = 8;
-/// Samples of a recording that is linearised at most: 77 MB of maps.
+/// Samples of a recording that is linearised at most: 24 MB of maps for three states and outputs, 77 MB at
+/// most.
 const MOST_SAMPLES: usize = 100_000;
 
 /// A torque against nothing, N m (N), positive forward, and a voltage in the armature circuit, V,
@@ -45,19 +45,13 @@ impl Forcing {
     }
 }
 
-/// The maps of one sample: derivatives by the states, then torque and voltage.
-#[derive(Debug, Clone, Copy)]
-struct Map {
-    next: [[f64; SEEDS]; MOST_STATES],
-    shown: [[f64; SEEDS]; OUTPUTS],
-}
-
 /// A drive linearised along a recording.
 #[derive(Debug, Clone)]
 pub(crate) struct Linearised {
     states: usize,
-    /// One a sample of the pieces, in order.
-    maps: Vec<Map>,
+    /// A map for each sample of the pieces, in order: a row for each state after the sample, then one for
+    /// each measured output; in a row the derivatives by the states, torque and voltage.
+    maps: Vec<f64>,
 }
 
 impl Linearised {
@@ -76,15 +70,15 @@ impl Linearised {
             return None;
         }
         let added = [states, states + 1].map(|seed| Dual::parameter(0.0, seed));
-        let mut maps = Vec::with_capacity(case.measured.len());
+        let used = states + added.len();
+        let outputs = &case.measured.outputs;
+        let mut maps = Vec::with_capacity(case.measured.len() * (states + outputs.len()) * used);
         for k in case.measured.pieces.iter().cloned().flatten() {
             runner.seed();
-            let shown = runner.sample(k, added).map(|value| value.d);
-            let mut next = [[0.0; SEEDS]; MOST_STATES];
-            for (row, [value]) in next.iter_mut().zip(&runner.state().x) {
-                *row = value.d;
-            }
-            maps.push(Map { next, shown });
+            let shown = runner.sample(k, added);
+            let next = runner.state().x.iter().map(|[value]| value);
+            let shown = outputs.iter().map(|it| &shown[it.output as usize]);
+            next.chain(shown).for_each(|row| maps.extend_from_slice(&row.d[..used]));
         }
         Some(Self { states, maps })
     }
@@ -105,30 +99,29 @@ impl Linearised {
         visit: &mut impl FnMut(Response<'_>),
     ) {
         let n = self.states;
-        let mut place = 0;
+        let outputs = &case.measured.outputs;
+        let mut maps = self.maps.chunks_exact((n + outputs.len()) * (n + 2));
         for piece in &case.measured.pieces {
             // States, then torque and voltage.
             let mut x = [[0.0; TOGETHER]; SEEDS];
-            for sample in piece.clone() {
-                let map = &self.maps[place];
-                place += 1;
+            for (sample, map) in piece.clone().zip(&mut maps) {
+                let (next, shown) = map.split_at(n * (n + 2));
                 for (slot, forcing) in series.iter().enumerate() {
                     x[n][slot] = forcing.torque.get(sample).copied().unwrap_or(0.0);
                     x[n + 1][slot] = forcing.voltage.get(sample).copied().unwrap_or(0.0);
                 }
-                for (output, channel) in case.measured.outputs.iter().enumerate() {
-                    if channel.values[sample].is_finite() {
-                        let mut shown = along(&map.shown[channel.output as usize], &x, n + 2);
+                for (output, row) in shown.chunks_exact(n + 2).enumerate() {
+                    if outputs[output].values[sample].is_finite() {
+                        let mut shown = along(row, &x);
                         shown.iter_mut().for_each(|shown| *shown /= case.noise[output]);
                         let of = &shown[..series.len()];
                         visit(Response { sample, output, first, of });
                     }
                 }
-                let mut next = x;
-                for (row, map) in next[..n].iter_mut().zip(&map.next) {
-                    *row = along(map, &x, n + 2);
+                let before = x;
+                for (after, row) in x.iter_mut().zip(next.chunks_exact(n + 2)) {
+                    *after = along(row, &before);
                 }
-                x = next;
             }
         }
     }
@@ -136,9 +129,9 @@ impl Linearised {
 
 /// A row of a map times several vectors.
 #[inline(always)]
-fn along(row: &[f64; SEEDS], x: &[[f64; TOGETHER]; SEEDS], used: usize) -> [f64; TOGETHER] {
+fn along(row: &[f64], x: &[[f64; TOGETHER]; SEEDS]) -> [f64; TOGETHER] {
     let mut sum = [0.0; TOGETHER];
-    for (factor, x) in row[..used].iter().zip(x) {
+    for (factor, x) in row.iter().zip(x) {
         for (sum, x) in sum.iter_mut().zip(x) {
             *sum += factor * x;
         }

@@ -238,6 +238,11 @@ impl Form {
         &COEFFICIENTS[..if self.wave.is_some() { 2 } else { 1 }]
     }
 
+    /// The balance that it stands in, and whether it knows the speed, the current and the position.
+    pub(super) fn family(&self) -> (Target, [bool; 3]) {
+        (self.target, [self.speed.is_some(), self.current.is_some(), self.wave.is_some()])
+    }
+
     /// Its columns at a speed, a current and a position, for coefficients of 1.
     pub(super) fn at(&self, [omega, i, theta]: [f64; 3], names: &Names) -> [f64; 2] {
         let [of_speed, of_current] = names.rounded;

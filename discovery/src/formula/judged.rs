@@ -1,13 +1,14 @@
 //! The formulas that are worth it, each fitted and judged at its own best like any law.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 
 use drivescope_plant::drive::{Drive, EffectData, LawData};
 use drivescope_plant::file::CUSTOM;
 use rayon::prelude::*;
 
-use super::grammar::{Form, Written, complexity};
-use super::weighed::{Visited, Weighed, different, weighed};
+use super::compared::Compared;
+use super::grammar::{Written, complexity};
+use super::weighed::{Visited, Weighed, weighed};
 use super::{Formula, FormulaLaw};
 use crate::likelihood::{Alongside, Filtered};
 
@@ -15,6 +16,12 @@ use crate::likelihood::{Alongside, Filtered};
 /// a grid that misses a shape by less.
 const FITTED: usize = 6;
 const WORTH: f64 = 0.8;
+/// What the best formula of other variables or the other balance must be worth, of the best, to be fitted too:
+/// along the run of a drive that lacks it, a friction near standstill shows a fraction of its evidence.
+const WORTH_OF_OTHERS: f64 = 0.25;
+/// Formulas that are fitted from the curve of the best one on. Weighed beside the base, where a shape stands
+/// on its grid, one may show the opposite of what it is in its place.
+const NEAREST: usize = 4;
 /// What a formula may lose of its evidence, and be preferred for having fewer constants.
 const AS_PROBABLE: f64 = 1.0;
 /// Their name in the drive.
@@ -32,17 +39,24 @@ pub(crate) fn formulas(
     let found = || {
         let alongside = Alongside::of(ground)?;
         let visited = Visited::of(drive, &alongside);
-        let all = weighed(drive, &visited, &alongside, stopped)?;
-        let most = all.first()?.worth();
-        let promising = all.into_iter().filter(|it| it.worth() > WORTH * most.max(0.0));
-        let some = different(promising, &visited, FITTED);
+        let kinds = visited.proposals(drive);
+        let all = weighed(&kinds, &visited, &alongside, stopped)?;
+        let compared = Compared::of(&visited);
         let at_best = |it: &Weighed| {
             if stopped() { None } else { judged(ground, drive, it, &visited) }
         };
-        let judged: Vec<Formula> = some.par_iter().filter_map(at_best).collect();
-        (!stopped()).then_some(judged)
+        let some = promising(&all, &compared)?;
+        let mut judged: Vec<(Formula, Weighed)> = some.par_iter().filter_map(at_best).collect();
+        let best = judged.iter().max_by(|a, b| a.0.worth().total_cmp(&b.0.worth()));
+        let near = best.map_or_else(Vec::new, |(_, best)| {
+            let is_fitted = |it: &&Weighed| judged.iter().any(|(_, other)| other.kind == it.kind);
+            let others: Vec<&Weighed> = all.iter().filter(|it| !is_fitted(it)).collect();
+            compared.nearest(best, &others, &kinds, NEAREST)
+        });
+        judged.par_extend(near.par_iter().filter_map(at_best));
+        (!stopped()).then(|| judged.into_iter().map(|it| it.0).collect())
     };
-    let mut judged = found().unwrap_or_default();
+    let mut judged: Vec<Formula> = found().unwrap_or_default();
     judged.retain(|it| it.worth() > asked);
     judged.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
     // Two that became one without the constants that are not told.
@@ -56,27 +70,46 @@ pub(crate) fn formulas(
     judged
 }
 
-/// A formula at its best; without a constant that its recordings do not tell from none.
-fn judged(ground: &Filtered, drive: &Drive, it: &Weighed, visited: &Visited) -> Option<Formula> {
-    let (mut best, mut form) = at_best(ground, drive, it, visited)?;
-    while let Some(simpler) = form.simpler(visited.greatest()) {
-        let it = Weighed { form: simpler, ..it.clone() };
-        let Some((formula, fitted)) = at_best(ground, drive, &it, visited) else { break };
-        if formula.evidence < best.evidence - AS_PROBABLE {
+/// The formulas that are fitted: the best that differ, and the best of each other kind.
+fn promising(all: &[Weighed], compared: &Compared<'_>) -> Option<Vec<Weighed>> {
+    let most = all.first()?.worth().max(0.0);
+    let worth = |share: f64| all.iter().filter(move |it| it.worth() > share * most);
+    let mut some = compared.different(worth(WORTH), FITTED);
+    for it in worth(WORTH_OF_OTHERS) {
+        if some.iter().all(|other| other.form.family() != it.form.family()) {
+            some.push(it.clone());
+        }
+    }
+    Some(some)
+}
+
+/// A formula at its best, also as it is weighed; without a constant that its recordings do not tell from
+/// none.
+fn judged(
+    ground: &Filtered,
+    drive: &Drive,
+    it: &Weighed,
+    visited: &Visited,
+) -> Option<(Formula, Weighed)> {
+    let mut best = at_best(ground, drive, it, visited)?;
+    while let Some(form) = best.1.form.simpler(visited.greatest()) {
+        let simpler = Weighed { form, ..it.clone() };
+        let Some(fitted) = at_best(ground, drive, &simpler, visited) else { break };
+        if fitted.0.evidence < best.0.evidence - AS_PROBABLE {
             break;
         }
-        (best, form) = (formula, fitted);
+        best = fitted;
     }
     Some(best)
 }
 
-/// A formula fitted in the filter, with its form at those values.
+/// A formula fitted in the filter, also as it is weighed, with those values.
 fn at_best(
     ground: &Filtered,
     drive: &Drive,
     it: &Weighed,
     visited: &Visited,
-) -> Option<(Formula, Form)> {
+) -> Option<(Formula, Weighed)> {
     let Written { text, shape } = it.form.written(&visited.names);
     let coefficients = it.form.coefficients();
     let start = coefficients.iter().zip(&it.coefficients).map(|(name, value)| (*name, *value));
@@ -92,25 +125,24 @@ fn at_best(
     if repeats <= 0.0 {
         return None;
     }
-    let fitted = scene.drive.effects.iter().find(|effect| effect.id == id)?;
-    let value = |name: &str| fitted.parameters.iter().find(|it| it.0 == name).map(|it| it.1);
+    let own = scene.drive.effects.iter().find(|effect| effect.id == id)?;
+    let value = |name: &str| own.parameters.iter().find(|it| it.0 == name).map(|it| it.1);
     let (form, sign) = it.form.fitted(value);
-    let coefficients = coefficients.iter().map(|name| Some((*name, sign * value(name)?)));
+    let values: Option<Vec<f64>> = coefficients.iter().map(|it| Some(sign * value(it)?)).collect();
+    let fitted = Weighed { form, coefficients: values?, ..it.clone() };
     let shape = form.written(&visited.names).shape;
-    let parameters: Option<BTreeMap<String, f64>> = coefficients
-        .chain(shape.into_iter().map(Some))
-        .map(|it| it.map(|(name, value)| (name.to_owned(), value)))
-        .collect();
+    let of_coefficients = coefficients.iter().copied().zip(fitted.coefficients.iter().copied());
+    let parameters = of_coefficients.chain(shape).map(|(name, value)| (name.to_owned(), value));
     let formula = Formula {
         complexity: complexity(&text),
         law: FormulaLaw::of(it.form.target, text),
-        parameters: parameters?,
+        parameters: parameters.collect(),
         evidence,
         probability: 0.0,
         price: it.price,
         size: optimum.size,
     };
-    Some((formula, form))
+    Some((formula, fitted))
 }
 
 impl Formula {

@@ -10,6 +10,7 @@
 //! beforehand as the others: choosing it costs ln N(n). Sums of two terms are not searched: with one of
 //! them in the drive, another discovery proposes the other.
 
+mod compared;
 mod grammar;
 mod judged;
 mod proposals;

@@ -1,8 +1,10 @@
 use drivescope_plant::drive::Drive;
 use drivescope_plant::effects::custom::Law;
 
-use super::grammar::{Form, complexity};
+use super::compared::Compared;
+use super::grammar::{Factor, Form, Magnitude, complexity};
 use super::proposals::{Greatest, Kind, names, proposals};
+use super::weighed::{Visited, Weighed};
 use crate::testing::dr300;
 
 const GREATEST: Greatest = Greatest { speed: 400.0, current: 2.5, travel: 30.0 };
@@ -63,6 +65,39 @@ fn a_width_far_beyond_the_recordings_is_left_out() {
         assert!(sign == 1.0 || written.shape.iter().all(|(_, value)| *value > 0.0));
     }
     assert!(simplified > 100, "{simplified}");
+}
+
+/// Beside all dry friction a friction that begins at rest would do as well; the drive would stick
+/// elsewhere.
+#[test]
+fn what_comes_nearest_to_a_drag_that_decays_vanishes_at_rest_as_it_does() {
+    let drive = dr300();
+    let run = (0..4000).map(|k| [GREATEST.speed * (0.002 * f64::from(k)).sin(), 0.4, 0.0]);
+    let visited = Visited::along(&drive, run.collect(), GREATEST);
+    let kinds = visited.proposals(&drive);
+    let weighed = |kind: usize, coefficient: f64| {
+        let form = kinds[kind][0];
+        Weighed { form, kind, price: 0.0, evidence: 0.0, coefficients: vec![coefficient] }
+    };
+    let magnitude = |form: &Form| match (form.speed, form.current, form.wave) {
+        (Some(Factor { odd: true, magnitude }), None, None) => Some(magnitude),
+        _ => None,
+    };
+    let decays = |kind: &Kind| matches!(magnitude(&kind[0]), Some(Magnitude::LinearDecay { .. }));
+    let mut best = weighed(kinds.iter().position(decays).expect("it is proposed"), -1e-3);
+    best.form = kinds[best.kind][3];
+    let all: Vec<Weighed> = (0..kinds.len()).map(|kind| weighed(kind, 0.0)).collect();
+    let others: Vec<&Weighed> = all.iter().filter(|it| it.kind != best.kind).collect();
+    let near = Compared::of(&visited).nearest(&best, &others, &kinds, 4);
+    assert!((2..=4).contains(&near.len()), "{near:?}");
+    let of = |it: &Weighed, omega: f64| {
+        it.coefficients[0] * it.form.at([omega, 0.4, 0.0], &visited.names)[0]
+    };
+    let at_most = of(&best, 100.0);
+    for it in &near[..2] {
+        assert!(of(it, 1e-3).abs() < 0.1 * at_most.abs(), "{it:?}");
+        assert!((0.5..2.0).contains(&(of(it, 100.0) / at_most)), "{it:?}");
+    }
 }
 
 #[test]

@@ -3,7 +3,6 @@
 use drivescope_plant::drive::{Drive, Input};
 use drivescope_plant::effects::custom::Target;
 use drivescope_plant::model::{CURRENT, POSITION, SPEED};
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::grammar::{Form, Names, complexity};
@@ -12,16 +11,13 @@ use crate::likelihood::{Alongside, GroupEvidence, Series};
 
 /// Columns that are held at once: some 16 MB at 8,000 samples.
 const COLUMNS: usize = 256;
-/// Places along the recordings at which formulas are compared with each other.
-const PLACES: usize = 1000;
-/// Share of its amplitude by which a formula differs from another from which on it is another one
-/// where the recordings went.
-const APART: f64 = 0.03;
 
 /// A formula with what it explains.
 #[derive(Debug, Clone)]
 pub(super) struct Weighed {
     pub(super) form: Form,
+    /// The number of its kind among the proposals.
+    pub(super) kind: usize,
     /// ln of the number of formulas that are no more complex: what choosing it costs.
     pub(super) price: f64,
     /// ln of its evidence over that of the base, averaged over its shapes.
@@ -63,15 +59,26 @@ impl Visited {
         Self { runs, names, greatest }
     }
 
+    /// Those of one recording.
+    #[cfg(test)]
+    pub(super) fn along(drive: &Drive, run: Vec<[f64; 3]>, greatest: Greatest) -> Self {
+        Self { runs: vec![run], names: names(drive, &greatest), greatest }
+    }
+
+    /// Every formula that is tried for the drive.
+    pub(super) fn proposals(&self, drive: &Drive) -> Vec<Kind> {
+        proposals(drive, &self.greatest)
+    }
+
     /// The greatest speed and current.
     pub(super) fn greatest(&self) -> [f64; 2] {
         [self.greatest.speed, self.greatest.current]
     }
 
-    /// Some of the places.
-    fn places(&self) -> Vec<[f64; 3]> {
+    /// At most so many of the places, evenly.
+    pub(super) fn places(&self, most: usize) -> Vec<[f64; 3]> {
         let count: usize = self.runs.iter().map(Vec::len).sum();
-        self.runs.iter().flatten().step_by(count.div_ceil(PLACES).max(1)).copied().collect()
+        self.runs.iter().flatten().step_by(count.div_ceil(most).max(1)).copied().collect()
     }
 
     /// Columns of a formula along a recording.
@@ -92,14 +99,13 @@ impl Visited {
     }
 }
 
-/// Every formula with its best shape, best first: evidence less price. Nothing where it is stopped.
+/// Each kind of formula in its best shape, best first: evidence less price. Nothing where it is stopped.
 pub(super) fn weighed(
-    drive: &Drive,
+    kinds: &[Kind],
     visited: &Visited,
     alongside: &Alongside,
     stopped: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Weighed>> {
-    let kinds = proposals(drive, &visited.greatest);
     let forms: Vec<Form> = kinds.iter().flatten().copied().collect();
     let mut groups_evidence: Vec<GroupEvidence> = Vec::with_capacity(forms.len());
     for some in forms.chunks(COLUMNS / 2) {
@@ -111,11 +117,11 @@ pub(super) fn weighed(
     }
     let sizes: Vec<usize> = kinds.iter().map(|kind| size(kind, &visited.names)).collect();
     let mut groups_evidence = groups_evidence.into_iter();
-    let one = |(kind, size): (&Kind, &usize)| {
+    let one = |(number, (kind, size)): (usize, (&Kind, &usize))| {
         let own: Vec<GroupEvidence> = groups_evidence.by_ref().take(kind.len()).collect();
-        best(kind, own, sizes.iter().filter(|it| *it <= size).count())
+        best((number, kind), own, sizes.iter().filter(|it| *it <= size).count())
     };
-    let mut all: Vec<Weighed> = kinds.iter().zip(&sizes).filter_map(one).collect();
+    let mut all: Vec<Weighed> = kinds.iter().zip(&sizes).enumerate().filter_map(one).collect();
     all.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
     Some(all)
 }
@@ -124,7 +130,11 @@ fn size(kind: &Kind, names: &Names) -> usize {
     kind.first().map_or(0, |form| complexity(&form.written(names).text))
 }
 
-fn best(kind: &Kind, groups_evidence: Vec<GroupEvidence>, as_simple: usize) -> Option<Weighed> {
+fn best(
+    (number, kind): (usize, &Kind),
+    groups_evidence: Vec<GroupEvidence>,
+    as_simple: usize,
+) -> Option<Weighed> {
     let shapes = groups_evidence.len() as f64;
     let (form, it) = kind
         .iter()
@@ -133,6 +143,7 @@ fn best(kind: &Kind, groups_evidence: Vec<GroupEvidence>, as_simple: usize) -> O
     // Of few shapes that are far apart one holds nearly all of the mean.
     Some(Weighed {
         form: *form,
+        kind: number,
         price: (as_simple as f64).ln(),
         evidence: it.evidence - shapes.ln(),
         coefficients: it.coefficients,
@@ -144,67 +155,4 @@ impl Weighed {
     pub(super) fn worth(&self) -> f64 {
         self.evidence - self.price
     }
-}
-
-/// The first so many that differ from each other where the recordings went, beside what the base makes
-/// good.
-pub(super) fn different(
-    all: impl Iterator<Item = Weighed>,
-    visited: &Visited,
-    most: usize,
-) -> Vec<Weighed> {
-    let places = visited.places();
-    let mut kept: Vec<Weighed> = Vec::new();
-    let mut spaces: Vec<Space> = Vec::new();
-    for one in all {
-        if kept.len() == most {
-            break;
-        }
-        let space = Space::of(&one.form, &places, &visited.names);
-        if spaces.iter().all(|other| other.is_apart(&space)) {
-            kept.push(one);
-            spaces.push(space);
-        }
-    }
-    kept
-}
-
-/// What a formula can be where the recordings went, beside the base: directions of unit length.
-struct Space {
-    target: Target,
-    directions: DMatrix<f64>,
-}
-
-impl Space {
-    fn of(form: &Form, places: &[[f64; 3]], names: &Names) -> Self {
-        let rows = places.len();
-        let base = DMatrix::from_fn(rows, 4, |row, column| {
-            let [omega, i, _] = places[row];
-            [1.0, omega, sign(omega), i][column]
-        });
-        let count = form.coefficients().len();
-        let mut own = DMatrix::zeros(rows, count);
-        for (row, place) in places.iter().enumerate() {
-            let values = form.at(*place, names);
-            (0..count).for_each(|column| own[(row, column)] = values[column]);
-        }
-        let base = base.qr().q();
-        let left = &own - &base * base.tr_mul(&own);
-        Self { target: form.target, directions: left.qr().q() }
-    }
-
-    /// Whether none of the functions of one is nearly one of the other.
-    fn is_apart(&self, other: &Self) -> bool {
-        if self.target != other.target || self.directions.ncols() != other.directions.ncols() {
-            return true;
-        }
-        let shared = self.directions.tr_mul(&other.directions);
-        // The least cosine of the angles between them.
-        let least = shared.singular_values().iter().fold(1.0_f64, |least, it| least.min(*it));
-        (1.0 - least * least).max(0.0).sqrt() > APART
-    }
-}
-
-fn sign(z: f64) -> f64 {
-    if z == 0.0 { 0.0 } else { z.signum() }
 }

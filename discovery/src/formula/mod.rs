@@ -3,7 +3,8 @@
 //! ```text
 //!  grammar: factors of speed, current, position ──> proposals: some thousand formulas
 //!     ──> weighed: a column each beside the base, whitened by the same filters
-//!     ──> judged: the best that differ, fitted as custom laws, less what choosing one costs
+//!     ──> judged: the best that differ, fitted as custom laws, less what choosing one costs;
+//!         then those that come nearest to the curve of the best (compared), fitted from there
 //! ```
 //!
 //! A formula with n names and numbers is one of N(n) that are no more complex, each as probable

@@ -87,6 +87,7 @@ mod rms;
 mod run;
 mod sensitivity;
 mod settling;
+mod sign;
 pub mod signals;
 mod start;
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::case::Case;
 use crate::likelihood::{Recorded, Tick};
 use crate::measured::Measured;
 use crate::run::Runner;
+use crate::sign::sign;
 
 /// Share of the samples whose magnitude is below what counts as a signal's usual top: a short
 /// peak must not stretch the bins.
@@ -72,7 +73,7 @@ impl DriveMotion {
                 path.i[k] = if path.force { measured.u[k] } else { current };
                 path.omega[k] = speed;
                 path.theta[k] = measured.angle.as_ref().map_or(position, |angle| angle[k]);
-                path.direction[k] = if speed == 0.0 { 0.0 } else { speed.signum() };
+                path.direction[k] = sign(speed);
                 if path.direction[k] != last {
                     (way, last) = (0.0, path.direction[k]);
                 }

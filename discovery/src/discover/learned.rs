@@ -12,6 +12,7 @@ use super::curves::{Balance, Factor, Over};
 use crate::formula::Formula;
 use crate::likelihood::CurveWeight;
 use crate::projection::beside;
+use crate::sign::sign;
 
 /// A curve over one variable.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -159,8 +160,4 @@ fn beside_parameters(weight: &CurveWeight) -> Vec<f64> {
     let remainder = beside(&rows, &known.iter().map(|k| values[*k]).collect::<Vec<_>>());
     let nearest = |k: usize| (0..known.len()).min_by_key(|place| known[*place].abs_diff(k));
     (0..values.len()).map(|k| nearest(k).map_or(0.0, |place| remainder[place])).collect()
-}
-
-fn sign(z: f64) -> f64 {
-    if z == 0.0 { 0.0 } else { z.signum() }
 }

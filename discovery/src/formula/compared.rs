@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::grammar::Form;
 use super::proposals::Kind;
-use super::weighed::{Visited, Weighed};
+use super::weighed::{Valued, Visited};
+use crate::sign::sign;
 
 /// Places along the recordings at which they are compared.
 const PLACES: usize = 1000;
@@ -47,10 +48,10 @@ impl<'a> Compared<'a> {
     /// The first so many that differ from each other.
     pub(super) fn different<'b>(
         &self,
-        all: impl Iterator<Item = &'b Weighed>,
+        all: impl Iterator<Item = &'b Valued>,
         most: usize,
-    ) -> Vec<Weighed> {
-        let mut kept: Vec<Weighed> = Vec::new();
+    ) -> Vec<Valued> {
+        let mut kept: Vec<Valued> = Vec::new();
         let mut spaces: Vec<DMatrix<f64>> = Vec::new();
         for one in all {
             if kept.len() == most {
@@ -58,7 +59,7 @@ impl<'a> Compared<'a> {
             }
             let space = self.columns(&one.form, &self.base).qr().q();
             let mut others = kept.iter().zip(&spaces);
-            let like = |(other, its): (&Weighed, &DMatrix<f64>)| {
+            let like = |(other, its): (&Valued, &DMatrix<f64>)| {
                 other.form.target == one.form.target && are_alike(its, &space)
             };
             if !others.any(like) {
@@ -74,15 +75,15 @@ impl<'a> Compared<'a> {
     /// difference good: where it is another one the drive sticks elsewhere.
     pub(super) fn nearest(
         &self,
-        it: &Weighed,
-        others: &[&Weighed],
+        it: &Valued,
+        others: &[&Valued],
         kinds: &[Kind],
         most: usize,
-    ) -> Vec<Weighed> {
+    ) -> Vec<Valued> {
         let curve =
             self.columns(&it.form, &self.smooth) * DVector::from_column_slice(&it.coefficients);
         let others = others.par_iter().filter(|other| other.form.family() == it.form.family());
-        let in_nearest_shape = |other: &&Weighed| {
+        let in_nearest_shape = |other: &&Valued| {
             let shapes = kinds[other.kind].iter().filter_map(|form| {
                 let columns = self.columns(form, &self.smooth);
                 let squares = columns.tr_mul(&columns).cholesky()?;
@@ -92,16 +93,16 @@ impl<'a> Compared<'a> {
             });
             let (left, form, coefficients) = shapes.min_by(|a, b| a.0.total_cmp(&b.0))?;
             let coefficients = coefficients.as_slice().to_vec();
-            Some((left, Weighed { form: *form, coefficients, ..(*other).clone() }))
+            Some((left, Valued { form: *form, coefficients, ..**other }))
         };
-        let mut near: Vec<(f64, Weighed)> = others.filter_map(in_nearest_shape).collect();
+        let mut near: Vec<(f64, Valued)> = others.filter_map(in_nearest_shape).collect();
         near.retain(|it| it.0 < NEAR * NEAR * curve.norm_squared());
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         near.into_iter().take(most).map(|(_, it)| it).collect()
     }
 }
 
-/// Whether one of the functions of one space is nearly one of the other.
+/// Whether every function of one space is nearly one of the other.
 fn are_alike(one: &DMatrix<f64>, other: &DMatrix<f64>) -> bool {
     if one.ncols() != other.ncols() {
         return false;
@@ -110,8 +111,4 @@ fn are_alike(one: &DMatrix<f64>, other: &DMatrix<f64>) -> bool {
     // The least cosine of the angles between them.
     let least = shared.singular_values().iter().fold(1.0_f64, |least, it| least.min(*it));
     (1.0 - least * least).max(0.0).sqrt() <= APART
-}
-
-fn sign(z: f64) -> f64 {
-    if z == 0.0 { 0.0 } else { z.signum() }
 }

@@ -7,6 +7,8 @@
 
 use drivescope_plant::effects::custom::Target;
 
+use crate::sign::sign;
+
 /// Names of the constants of shapes, and of the coefficients.
 const SHAPES: [&str; 4] = ["a", "b", "f", "g"];
 pub(super) const COEFFICIENTS: [&str; 2] = ["c", "d"];
@@ -142,10 +144,8 @@ pub(super) struct Factor {
 
 impl Factor {
     pub(super) fn at(self, value: f64, rounded: f64) -> f64 {
-        // At rest there is no direction.
-        let sign = if value == 0.0 { 0.0 } else { value.signum() };
         let magnitude = self.magnitude.at(value.abs(), rounded);
-        if self.odd { sign * magnitude } else { magnitude }
+        if self.odd { sign(value) * magnitude } else { magnitude }
     }
 
     /// What it is up to the greatest value of its variable with fewer constants; `Some(None)` is 1.

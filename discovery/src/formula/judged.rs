@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::compared::Compared;
 use super::grammar::{Written, complexity};
-use super::weighed::{Visited, Weighed, weighed};
+use super::weighed::{Valued, Visited, Weighed, weighed};
 use super::{Formula, FormulaLaw};
 use crate::likelihood::{Alongside, Filtered};
 
@@ -42,15 +42,16 @@ pub(crate) fn formulas(
         let kinds = visited.proposals(drive);
         let all = weighed(&kinds, &visited, &alongside, stopped)?;
         let compared = Compared::of(&visited);
-        let at_best = |it: &Weighed| {
+        let at_best = |it: &Valued| {
             if stopped() { None } else { judged(ground, drive, it, &visited) }
         };
         let some = promising(&all, &compared)?;
-        let mut judged: Vec<(Formula, Weighed)> = some.par_iter().filter_map(at_best).collect();
+        let mut judged: Vec<(Formula, Valued)> = some.par_iter().filter_map(at_best).collect();
         let best = judged.iter().max_by(|a, b| a.0.worth().total_cmp(&b.0.worth()));
         let near = best.map_or_else(Vec::new, |(_, best)| {
-            let is_fitted = |it: &&Weighed| judged.iter().any(|(_, other)| other.kind == it.kind);
-            let others: Vec<&Weighed> = all.iter().filter(|it| !is_fitted(it)).collect();
+            let is_fitted = |it: &&Valued| judged.iter().any(|(_, other)| other.kind == it.kind);
+            let others: Vec<&Valued> =
+                all.iter().map(|it| &it.valued).filter(|it| !is_fitted(it)).collect();
             compared.nearest(best, &others, &kinds, NEAREST)
         });
         judged.par_extend(near.par_iter().filter_map(at_best));
@@ -71,29 +72,28 @@ pub(crate) fn formulas(
 }
 
 /// The formulas that are fitted: the best that differ, and the best of each other kind.
-fn promising(all: &[Weighed], compared: &Compared<'_>) -> Option<Vec<Weighed>> {
+fn promising(all: &[Weighed], compared: &Compared<'_>) -> Option<Vec<Valued>> {
     let most = all.first()?.worth().max(0.0);
     let worth = |share: f64| all.iter().filter(move |it| it.worth() > share * most);
-    let mut some = compared.different(worth(WORTH), FITTED);
-    for it in worth(WORTH_OF_OTHERS) {
-        if some.iter().all(|other| other.form.family() != it.form.family()) {
+    let mut some = compared.different(worth(WORTH).map(|it| &it.valued), FITTED);
+    for Weighed { valued: it, .. } in worth(WORTH_OF_OTHERS) {
+        if some.iter().all(|other: &Valued| other.form.family() != it.form.family()) {
             some.push(it.clone());
         }
     }
     Some(some)
 }
 
-/// A formula at its best, also as it is weighed; without a constant that its recordings do not tell from
-/// none.
+/// A formula at its best, with the values found; without a constant that its recordings do not tell from none.
 fn judged(
     ground: &Filtered,
     drive: &Drive,
-    it: &Weighed,
+    it: &Valued,
     visited: &Visited,
-) -> Option<(Formula, Weighed)> {
+) -> Option<(Formula, Valued)> {
     let mut best = at_best(ground, drive, it, visited)?;
     while let Some(form) = best.1.form.simpler(visited.greatest()) {
-        let simpler = Weighed { form, ..it.clone() };
+        let simpler = Valued { form, ..it.clone() };
         let Some(fitted) = at_best(ground, drive, &simpler, visited) else { break };
         if fitted.0.evidence < best.0.evidence - AS_PROBABLE {
             break;
@@ -103,13 +103,13 @@ fn judged(
     Some(best)
 }
 
-/// A formula fitted in the filter, also as it is weighed, with those values.
+/// A formula fitted in the filter, with the values found.
 fn at_best(
     ground: &Filtered,
     drive: &Drive,
-    it: &Weighed,
+    it: &Valued,
     visited: &Visited,
-) -> Option<(Formula, Weighed)> {
+) -> Option<(Formula, Valued)> {
     let Written { text, shape } = it.form.written(&visited.names);
     let coefficients = it.form.coefficients();
     let start = coefficients.iter().zip(&it.coefficients).map(|(name, value)| (*name, *value));
@@ -129,7 +129,7 @@ fn at_best(
     let value = |name: &str| own.parameters.iter().find(|it| it.0 == name).map(|it| it.1);
     let (form, sign) = it.form.fitted(value);
     let values: Option<Vec<f64>> = coefficients.iter().map(|it| Some(sign * value(it)?)).collect();
-    let fitted = Weighed { form, coefficients: values?, ..it.clone() };
+    let fitted = Valued { form, coefficients: values?, ..*it };
     let shape = form.written(&visited.names).shape;
     let of_coefficients = coefficients.iter().copied().zip(fitted.coefficients.iter().copied());
     let parameters = of_coefficients.chain(shape).map(|(name, value)| (name.to_owned(), value));

@@ -4,7 +4,7 @@ use drivescope_plant::effects::custom::Law;
 use super::compared::Compared;
 use super::grammar::{Factor, Form, Magnitude, complexity};
 use super::proposals::{Greatest, Kind, names, proposals};
-use super::weighed::{Visited, Weighed};
+use super::weighed::{Valued, Visited};
 use crate::testing::dr300;
 
 const GREATEST: Greatest = Greatest { speed: 400.0, current: 2.5, travel: 30.0 };
@@ -75,22 +75,22 @@ fn what_comes_nearest_to_a_drag_that_decays_vanishes_at_rest_as_it_does() {
     let run = (0..4000).map(|k| [GREATEST.speed * (0.002 * f64::from(k)).sin(), 0.4, 0.0]);
     let visited = Visited::along(&drive, run.collect(), GREATEST);
     let kinds = visited.proposals(&drive);
-    let weighed = |kind: usize, coefficient: f64| {
+    let valued = |kind: usize, coefficient: f64| {
         let form = kinds[kind][0];
-        Weighed { form, kind, price: 0.0, evidence: 0.0, coefficients: vec![coefficient] }
+        Valued { form, kind, price: 0.0, coefficients: vec![coefficient] }
     };
     let magnitude = |form: &Form| match (form.speed, form.current, form.wave) {
         (Some(Factor { odd: true, magnitude }), None, None) => Some(magnitude),
         _ => None,
     };
     let decays = |kind: &Kind| matches!(magnitude(&kind[0]), Some(Magnitude::LinearDecay { .. }));
-    let mut best = weighed(kinds.iter().position(decays).expect("it is proposed"), -1e-3);
+    let mut best = valued(kinds.iter().position(decays).expect("it is proposed"), -1e-3);
     best.form = kinds[best.kind][3];
-    let all: Vec<Weighed> = (0..kinds.len()).map(|kind| weighed(kind, 0.0)).collect();
-    let others: Vec<&Weighed> = all.iter().filter(|it| it.kind != best.kind).collect();
+    let all: Vec<Valued> = (0..kinds.len()).map(|kind| valued(kind, 0.0)).collect();
+    let others: Vec<&Valued> = all.iter().filter(|it| it.kind != best.kind).collect();
     let near = Compared::of(&visited).nearest(&best, &others, &kinds, 4);
     assert!((2..=4).contains(&near.len()), "{near:?}");
-    let of = |it: &Weighed, omega: f64| {
+    let of = |it: &Valued, omega: f64| {
         it.coefficients[0] * it.form.at([omega, 0.4, 0.0], &visited.names)[0]
     };
     let at_most = of(&best, 100.0);

@@ -12,18 +12,24 @@ use crate::likelihood::{Alongside, GroupEvidence, Series};
 /// Columns that are held at once: some 16 MB at 8,000 samples.
 const COLUMNS: usize = 256;
 
-/// A formula with what it explains.
+/// A formula with the values that a fit of it begins with, or ended with.
 #[derive(Debug, Clone)]
-pub(super) struct Weighed {
+pub(super) struct Valued {
     pub(super) form: Form,
     /// The number of its kind among the proposals.
     pub(super) kind: usize,
     /// ln of the number of formulas that are no more complex: what choosing it costs.
     pub(super) price: f64,
-    /// ln of its evidence over that of the base, averaged over its shapes.
-    pub(super) evidence: f64,
-    /// The most probable coefficients, in their own units.
+    /// In their own units.
     pub(super) coefficients: Vec<f64>,
+}
+
+/// A formula with what it explains, its coefficients the most probable.
+#[derive(Debug)]
+pub(super) struct Weighed {
+    pub(super) valued: Valued,
+    /// ln of its evidence over that of the base, averaged over its shapes.
+    evidence: f64,
 }
 
 /// The variables along the recordings, and what they are called.
@@ -140,19 +146,15 @@ fn best(
         .iter()
         .zip(groups_evidence)
         .max_by(|(_, a), (_, b)| a.evidence.total_cmp(&b.evidence))?;
+    let price = (as_simple as f64).ln();
+    let valued = Valued { form: *form, kind: number, price, coefficients: it.coefficients };
     // Of few shapes that are far apart one holds nearly all of the mean.
-    Some(Weighed {
-        form: *form,
-        kind: number,
-        price: (as_simple as f64).ln(),
-        evidence: it.evidence - shapes.ln(),
-        coefficients: it.coefficients,
-    })
+    Some(Weighed { valued, evidence: it.evidence - shapes.ln() })
 }
 
 impl Weighed {
     /// Evidence less price.
     pub(super) fn worth(&self) -> f64 {
-        self.evidence - self.price
+        self.evidence - self.valued.price
     }
 }

@@ -11,25 +11,27 @@ use crate::model::{Applied, CURRENT, Model, OWN, POSITION, SPEED, field};
 /// memory: a state is kept number by number, and read as a vector it would have to be waited for, which
 /// takes as long as the step of one drive.
 const COLUMNS: usize = 5;
+/// The column of the speed.
+const SPEED_COLUMN: usize = 2;
 
 /// The exact step of `N` drives in one direction of motion.
 #[derive(Debug, Clone)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(super) struct Affine<R, const N: usize> {
+    /// Speed beyond which each lane is affine; without dry friction that is everywhere.
+    pub(super) beyond: [f64; N],
     /// `matrix[row][column][lane]`; rows current, speed, position (less its start).
     pub(super) matrix: [[[R; N]; COLUMNS]; OWN],
-    /// The acceleration at the start of the step, as a row over the same columns.
-    pub(super) acceleration: [[f64; N]; COLUMNS],
-    /// For lanes that ring: the same row a quarter of a period on, so that with the acceleration
-    /// it gives the amplitude of the acceleration.
+    /// The speed along the direction of motion had the acceleration of the start lasted the whole step, as
+    /// a row over the same columns.
+    pub(super) ahead: [[f64; N]; COLUMNS],
+    /// For lanes that ring: what that acceleration adds, a quarter of a period on, so that both together
+    /// give its amplitude.
     pub(super) quadrature: [[f64; N]; COLUMNS],
     /// Whether any lane does.
     pub(super) rings: bool,
     /// The direction of motion, +1 or -1.
     pub(super) sign: f64,
-    /// Speed beyond which each lane is affine; without dry friction that is everywhere.
-    pub(super) beyond: [f64; N],
-    seconds: f64,
 }
 
 /// A continuous affine drive of one direction: d(i, omega)/dt = a (i, omega) + b (u, T_l, 1).
@@ -175,15 +177,17 @@ impl<R: Real, const N: usize> Affine<R, N> {
             return None;
         }
         let mut matrix = [[[R::zero(); N]; COLUMNS]; OWN];
-        let mut acceleration = [[0.0; N]; COLUMNS];
+        let seconds = exponentials.seconds();
+        let mut ahead = [[0.0; N]; COLUMNS];
         let mut quadrature = [[0.0; N]; COLUMNS];
         let mut rings = false;
         for (l, Continuous { a, b }) in
             Continuous::read(model, sign, &beyond).into_iter().enumerate()
         {
-            let row = [a[1][0], b[1][0], a[1][1], b[1][1], b[1][2]];
-            for (column, value) in row.into_iter().enumerate() {
-                acceleration[column][l] = value.value();
+            let acceleration = [a[1][0], b[1][0], a[1][1], b[1][1], b[1][2]].map(R::value);
+            for (column, value) in acceleration.into_iter().enumerate() {
+                let now = if column == SPEED_COLUMN { 1.0 } else { 0.0 };
+                ahead[column][l] = sign * (now + seconds * value);
             }
             // Eigenvalues of a: -decay +- sqrt(root); the acceleration then follows
             // e^(-decay t) cos(w t + phase), w = sqrt(-root), and its derivative is a row too.
@@ -197,9 +201,9 @@ impl<R: Real, const N: usize> Affine<R, N> {
                 let current =
                     [a_value[0][0], b_value[0][0], a_value[0][1], b_value[0][1], b_value[0][2]];
                 for (column, slope) in current.into_iter().enumerate() {
-                    let own = acceleration[column][l];
+                    let own = acceleration[column];
                     let jerk = a_value[1][0] * slope + a_value[1][1] * own;
-                    quadrature[column][l] = (jerk + decay * own) / (-root).sqrt();
+                    quadrature[column][l] = seconds * (jerk + decay * own) / (-root).sqrt();
                 }
             }
             let phi = exponentials.of(&a);
@@ -212,27 +216,18 @@ impl<R: Real, const N: usize> Affine<R, N> {
             }
         }
         let beyond = if model.dry() { beyond } else { [f64::NEG_INFINITY; N] };
-        Some(Self {
-            matrix,
-            acceleration,
-            quadrature,
-            rings,
-            sign,
-            beyond,
-            seconds: exponentials.seconds(),
-        })
+        Some(Self { matrix, ahead, quadrature, rings, sign, beyond })
     }
 
     /// The step of one lane.
     pub(super) fn lane(&self, l: usize) -> Affine<R, 1> {
         Affine {
             matrix: self.matrix.map(|row| row.map(|column| [column[l]])),
-            acceleration: self.acceleration.map(|column| [column[l]]),
+            ahead: self.ahead.map(|column| [column[l]]),
             quadrature: self.quadrature.map(|column| [column[l]]),
             rings: self.rings,
             sign: self.sign,
             beyond: [self.beyond[l]],
-            seconds: self.seconds,
         }
     }
 
@@ -247,25 +242,24 @@ impl<R: Real, const N: usize> Affine<R, N> {
         next: &[[R; N]; OWN],
         applied: &Applied<R, N>,
     ) -> [u64; N] {
-        let rate = along(&self.acceleration, x, applied);
-        let mut fall = [0.0; N];
+        let ahead = along(&self.ahead, x, applied);
+        let mut least = [0.0; N];
         for l in 0..N {
-            let outward = self.sign * rate[l];
-            fall[l] = if outward < 0.0 { -outward } else { 0.0 };
+            least[l] = lesser(self.sign * x[SPEED][l].value(), ahead[l]);
         }
         if self.rings {
             let quadrature = along(&self.quadrature, x, applied);
             for l in 0..N {
-                let amplitude = (rate[l] * rate[l] + quadrature[l] * quadrature[l]).sqrt();
-                fall[l] = if quadrature[l] != 0.0 { amplitude } else { fall[l] };
+                let now = self.sign * x[SPEED][l].value();
+                let gain = ahead[l] - now;
+                let amplitude = (gain * gain + quadrature[l] * quadrature[l]).sqrt();
+                least[l] = if quadrature[l] != 0.0 { now - amplitude } else { least[l] };
             }
         }
         let mut holds = [0; N];
         for l in 0..N {
-            let first = self.sign * x[SPEED][l].value() - fall[l] * self.seconds;
-            let last = self.sign * next[SPEED][l].value();
-            let clear = (first > self.beyond[l]) & (last > self.beyond[l]);
-            holds[l] = u64::from(clear & (sign[l] == self.sign));
+            let least = lesser(least[l], self.sign * next[SPEED][l].value());
+            holds[l] = u64::from((least > self.beyond[l]) & (sign[l] == self.sign));
         }
         holds
     }
@@ -287,6 +281,12 @@ impl<R: Real, const N: usize> Affine<R, N> {
         }
         next
     }
+}
+
+/// The lesser of two; what is not a number where `b` is.
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 /// What a row over the columns gives for each lane.

@@ -25,7 +25,7 @@ const DIFFERENCE: f64 = 1e-4;
 #[inline(always)]
 pub(super) fn advance<R: Real>(
     model: &Model<R, 1>,
-    (x, sign): (&mut Vec<[R; 1]>, &mut f64),
+    (x, sign): (&mut [[R; 1]], &mut f64),
     applied: &Applied<R, 1>,
     h: R,
     armature: &Armature<R, 1>,
@@ -43,17 +43,17 @@ pub(super) fn advance<R: Real>(
 #[cold]
 pub(super) fn advance_in_parts<R: Real>(
     model: &Model<R, 1>,
-    (x, sign): (&mut Vec<[R; 1]>, &mut f64),
+    (x, sign): (&mut [[R; 1]], &mut f64),
     applied: &Applied<R, 1>,
     h: R,
     parts: f64,
     room: &mut Stages<R, 1>,
-    start: &mut Vec<[R; 1]>,
+    start: &mut [[R; 1]],
 ) {
     let h = h.scaled(1.0 / parts);
     let armature = Armature::new(model, h);
     for k in 0..parts as usize {
-        start.clone_from(x);
+        start.copy_from_slice(x);
         let held = Applied { time: applied.time + k as f64 * h.value(), ..*applied };
         advance(model, (x, sign), &held, h, &armature, room, start);
     }
@@ -135,7 +135,7 @@ fn stepped<R: Real>(
 #[cold]
 fn through_events<R: Real>(
     model: &Model<R, 1>,
-    x: &mut Vec<[R; 1]>,
+    x: &mut [[R; 1]],
     sign: &mut f64,
     applied: &Applied<R, 1>,
     h: R,
@@ -159,7 +159,7 @@ fn through_events<R: Real>(
             false => None,
         };
         let Some((until, value)) = negative else {
-            *x = end;
+            x.copy_from_slice(&end);
             return;
         };
         let Some(instant) = locate(start, value, until, margin) else {
@@ -171,7 +171,7 @@ fn through_events<R: Real>(
         left -= R::constant(instant) + moved;
         applied.time += instant;
         *sign = after(model, &there, *sign, &applied);
-        *x = there;
+        x.copy_from_slice(&there);
         if left.value() <= 0.0 {
             return;
         }
@@ -180,7 +180,8 @@ fn through_events<R: Real>(
         *sign = 0.0;
         x[SPEED] = [R::zero()];
     }
-    *x = stepped(model, x, *sign, &applied, left, room);
+    let end = stepped(model, x, *sign, &applied, left, room);
+    x.copy_from_slice(&end);
 }
 
 /// The sign of the motion after an event, at which the state is `x`.

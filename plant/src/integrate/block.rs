@@ -4,8 +4,8 @@ use drivescope_numerics::Real;
 use drivescope_numerics::dispatch::{Work, widest};
 
 use super::step::{Stages, may_dip, step};
-use super::{Integrator, Pace, Plan, State, within_budget};
-use crate::model::{Applied, Model, OWN, Rows, SPEED};
+use super::{Integrator, Pace, Plan, State, all, within_budget};
+use crate::model::{Applied, Model, OWN, Rows, SPEED, zeros};
 
 /// Up to this share of the lanes, one in `FEW`, those that cannot take the exact step are made
 /// alone; beyond it sub-steps of the whole block cost less.
@@ -18,7 +18,7 @@ pub struct Block<R, const N: usize> {
     pub(super) pace: Pace,
     pub(super) plan: Option<Plan<R, N>>,
     room: Stages<R, N>,
-    saved: Vec<[R; N]>,
+    saved: Rows<R, N>,
     /// The state during sub-steps.
     moving: Rows<R, N>,
     /// One integrator a lane, once that has met an event.
@@ -44,9 +44,9 @@ impl<R: Real, const N: usize> Block<R, N> {
 
     fn with(model: Model<R, N>, pace: Pace) -> Self {
         let room = Stages::new(model.states());
-        let saved = vec![[R::zero(); N]; model.states()];
-        let moving = Rows::zero(model.states());
-        let one = State { x: vec![[R::zero()]; model.states()], sign: [0.0] };
+        let saved = zeros(model.states());
+        let moving = zeros(model.states());
+        let one = State { sign: [0.0], x: zeros(model.states()) };
         Self { model, pace, plan: None, room, saved, moving, alone: Vec::new(), one, redo: [0; N] }
     }
 
@@ -82,16 +82,9 @@ impl<R: Real, const N: usize> Block<R, N> {
             self.ready(h);
         }
         let Some(plan) = &self.plan else { return };
-        // Most of the time all lanes go one way: what each of them takes need not be chosen then,
-        // which would stand between a sample and the next.
-        if let Some(affine) = plan.affine(state.sign[0]) {
-            let next = affine.step(&state.x, applied);
-            if all(&affine.holds((&state.x, &state.sign), &next, applied)) {
-                state.x[..OWN].copy_from_slice(&next);
-                return;
-            }
+        if !plan.exact(state, applied) {
+            widest(Apart { block: self, state, applied });
         }
-        widest(Apart { block: self, state, applied });
     }
 
     /// The plan for intervals of length `h`; the lanes alone make theirs when they need it.
@@ -111,7 +104,7 @@ impl<R: Real, const N: usize> Block<R, N> {
         exact: &Exact<R, N>,
     ) {
         let Some(plan) = &self.plan else { return };
-        self.saved.clone_from(&state.x);
+        self.saved.copy_from_slice(&state.x);
         let lanes = exact.lanes.iter().zip(&state.sign);
         let others = lanes.filter(|(exact, sign)| **exact == 0 && **sign != 0.0).count();
         if plan.whole_spans || plan.forward.is_some() && others <= N / FEW {
@@ -138,13 +131,13 @@ impl<R: Real, const N: usize> Block<R, N> {
         });
         let alone = &mut self.one;
         alone.sign = [state.sign[l]];
-        for (value, values) in alone.x.iter_mut().zip(&self.saved) {
+        for (value, values) in alone.x.iter_mut().zip(self.saved.iter()) {
             *value = [values[l]];
         }
         let held = Applied { u: [applied.u[l]], load: [applied.load[l]], time: applied.time };
         integrator.advance_planned(alone, &held);
         state.sign[l] = alone.sign[0];
-        for (values, value) in state.x.iter_mut().zip(&alone.x) {
+        for (values, value) in state.x.iter_mut().zip(alone.x.iter()) {
             values[l] = value[0];
         }
     }
@@ -187,16 +180,6 @@ impl<R: Real, const N: usize> Exact<R, N> {
             }
         }
     }
-}
-
-/// Whether it is 1 in every lane.
-#[inline(always)]
-fn all<const N: usize>(lanes: &[u64; N]) -> bool {
-    let mut all = 1;
-    for l in 0..N {
-        all &= lanes[l];
-    }
-    all == 1
 }
 
 /// Whether any lane goes that way.

@@ -21,7 +21,9 @@ use super::automaton::locate;
 use super::nodes::{NODES, Nodes};
 use super::response::{At, AtNodes, RADIANS};
 use super::step::may_dip;
-use crate::model::{Applied, CURRENT, Inverses, Model, OWN, POSITION, Rows, SPEED, field_at};
+use crate::model::{
+    Applied, CURRENT, Inverses, Model, OWN, POSITION, Rows, SPEED, field_at, zeros,
+};
 
 /// Sub-steps that one step stands for at most: 4 armature time constants, a radian of the laws.
 const MOST: usize = 32;
@@ -79,7 +81,7 @@ pub(super) struct Room<R> {
 
 impl<R: Real> Room<R> {
     pub(super) fn new() -> Self {
-        let zero = Rows::zero(OWN);
+        let zero = zeros(OWN);
         let [y, next, rates, added, free] = std::array::from_fn(|_| zero.clone());
         Self { y, next, rates, added, free }
     }

@@ -36,7 +36,7 @@ use std::sync::OnceLock;
 
 use drivescope_numerics::Real;
 
-use crate::model::{Applied, Model, OWN, SPEED, at_rest};
+use crate::model::{Applied, Model, OWN, Rows, SPEED, at_rest, zeros};
 use affine::{Affine, Exponentials};
 use grain::Grain;
 use span::{Room, Span};
@@ -59,20 +59,20 @@ pub const MOST_SUBSTEPS: usize = 100_000;
 
 /// The state of `N` drives: current, speed, position, own states; and the sign of the motion.
 #[derive(Debug, Clone, PartialEq)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub struct State<R, const N: usize> {
-    /// `x[state][lane]`, in the order of [`crate::model`].
-    pub x: Vec<[R; N]>,
     /// +1 forward, -1 backward, 0 stuck; never 0 without dry friction, and +1 throughout where
     /// no law depends on it ([`Model::directed`]).
     pub sign: [f64; N],
+    /// `x[state][lane]`, in the order of [`crate::model`].
+    pub x: Rows<R, N>,
 }
 
 impl<R: Real, const N: usize> State<R, N> {
     /// At rest: every state zero.
     pub fn at_rest(model: &Model<R, N>) -> Self {
         let sign = if model.dry() { 0.0 } else { 1.0 };
-        Self { x: vec![[R::zero(); N]; model.states()], sign: [sign; N] }
+        Self { sign: [sign; N], x: zeros(model.states()) }
     }
 
     /// Whether every state and every derivative it carries is finite.
@@ -146,6 +146,22 @@ impl<R: Real, const N: usize> Plan<R, N> {
         }
     }
 
+    /// Takes the exact step where all lanes go one way and it holds for each; else leaves the state as it
+    /// is and says so.
+    #[inline(always)]
+    fn exact(&self, state: &mut State<R, N>, applied: &Applied<R, N>) -> bool {
+        // Most of the time all lanes go one way: what each of them takes need not be chosen then,
+        // which would stand between a sample and the next.
+        let Some(affine) = self.affine(state.sign[0]) else { return false };
+        let Some(x) = state.x.first_chunk_mut::<OWN>() else { return false };
+        let next = affine.step(x, applied);
+        let holds = all(&affine.holds((x, &state.sign), &next, applied));
+        if holds {
+            *x = next;
+        }
+        holds
+    }
+
     /// The exact step in that direction of motion, if there is one.
     #[inline(always)]
     fn affine(&self, sign: f64) -> Option<&Affine<R, N>> {
@@ -157,6 +173,16 @@ impl<R: Real, const N: usize> Plan<R, N> {
             None
         }
     }
+}
+
+/// Whether it is 1 in every lane.
+#[inline(always)]
+fn all<const N: usize>(lanes: &[u64; N]) -> bool {
+    let mut all = 1;
+    for l in 0..N {
+        all &= lanes[l];
+    }
+    all == 1
 }
 
 fn sub_step<R: Real>(h: R, substeps: usize) -> R {
@@ -276,20 +302,23 @@ impl<R: Real> Integrator<R> {
         self.advance_planned(state, applied);
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance_planned(&mut self, state: &mut State<R, 1>, applied: &Applied<R, 1>) {
+        let Some(plan) = &self.plan else { return };
+        if !plan.exact(state, applied) {
+            self.advance_else(state, applied);
+        }
+    }
+
+    /// Advances where the exact step does not hold.
+    #[inline(never)]
+    fn advance_else(&mut self, state: &mut State<R, 1>, applied: &Applied<R, 1>) {
         let Self { model, plan, room, .. } = self;
         let Some(plan) = plan else { return };
-        let State { x, sign: [sign] } = state;
+        let State { sign: [sign], x } = state;
         if model.dry() && *sign == 0.0 {
+            // The exact step does not hold for one that breaks away: it is at rest where it starts.
             *sign = at_rest(model, x, applied).sign();
-        }
-        if let Some(affine) = plan.affine(*sign) {
-            let next = affine.step(x, applied);
-            if affine.holds((x, &[*sign]), &next, applied) == [1] {
-                x[..OWN].copy_from_slice(&next);
-                return;
-            }
         }
         span::advance(model, plan, (x, sign), applied, room);
     }

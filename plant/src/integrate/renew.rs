@@ -85,8 +85,7 @@ impl<R: Real, const N: usize> Affine<R, N> {
         for (all, one) in self.matrix.iter_mut().flatten().zip(one.matrix.iter().flatten()) {
             all[l] = one[0];
         }
-        let rows =
-            [(&mut self.acceleration, &one.acceleration), (&mut self.quadrature, &one.quadrature)];
+        let rows = [(&mut self.ahead, &one.ahead), (&mut self.quadrature, &one.quadrature)];
         for (all, one) in rows.into_iter().flat_map(|(all, one)| all.iter_mut().zip(one)) {
             all[l] = one[0];
         }

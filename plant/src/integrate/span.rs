@@ -5,7 +5,7 @@ use drivescope_numerics::Real;
 use super::collocation::{self, Collocation, Course};
 use super::step::{Armature, Stages, step_at_rest};
 use super::{Plan, automaton, sub_step};
-use crate::model::{Applied, CURRENT, Model, OWN, SPEED, at_rest, field};
+use crate::model::{Applied, CURRENT, Model, OWN, Rows, SPEED, at_rest, field, zeros};
 
 /// What makes a span in one step.
 #[derive(Debug, Clone)]
@@ -22,14 +22,14 @@ pub(super) struct Room<R> {
     stages: Stages<R, 1>,
     nodes: collocation::Room<R>,
     /// The state to return to.
-    saved: Vec<[R; 1]>,
+    saved: Rows<R, 1>,
 }
 
 impl<R: Real> Room<R> {
     /// For a drive of so many states.
     pub(super) fn new(states: usize) -> Self {
         let (stages, nodes) = (Stages::new(states), collocation::Room::new());
-        Self { stages, nodes, saved: Vec::new() }
+        Self { stages, nodes, saved: zeros(states) }
     }
 }
 
@@ -37,7 +37,7 @@ impl<R: Real> Room<R> {
 struct Under<'a, R> {
     model: &'a Model<R, 1>,
     plan: &'a Plan<R, 1>,
-    x: &'a mut Vec<[R; 1]>,
+    x: &'a mut [[R; 1]],
     sign: &'a mut f64,
     room: &'a mut Room<R>,
 }
@@ -47,7 +47,7 @@ struct Under<'a, R> {
 pub(super) fn advance<R: Real>(
     model: &Model<R, 1>,
     plan: &Plan<R, 1>,
-    (x, sign): (&mut Vec<[R; 1]>, &mut f64),
+    (x, sign): (&mut [[R; 1]], &mut f64),
     applied: &Applied<R, 1>,
     room: &mut Room<R>,
 ) {
@@ -153,7 +153,7 @@ impl<R: Real> Under<'_, R> {
             return false;
         }
         // At rest the current alone moves.
-        let mut there = self.x.clone();
+        let mut there = self.x.to_vec();
         let mut margin = |tau: f64| {
             there[CURRENT] = self.x[CURRENT];
             let armature = Armature::new(model, R::constant(tau));
@@ -167,7 +167,7 @@ impl<R: Real> Under<'_, R> {
         let (there, moved) = automaton::at_event(model, self.x, 0.0, applied, (instant, h), stages);
         let then = Applied { time: applied.time + instant, ..*applied };
         *self.sign = automaton::after(model, &there, 0.0, &then);
-        *self.x = there;
+        self.x.copy_from_slice(&there);
         self.go_on(span, &then, h - R::constant(instant) - moved);
         true
     }
@@ -231,12 +231,12 @@ impl<R: Real> Under<'_, R> {
         let Self { model, plan, x, sign, room: Room { stages, saved, .. } } = self;
         for k in 0..count {
             let held = Applied { time: applied.time + k as f64 * h.value(), ..*applied };
-            saved.clone_from(x);
+            saved.copy_from_slice(x);
             let before = **sign;
             automaton::advance(model, (x, sign), &held, h, armature, stages, saved);
             let parts = plan.grain.parts(0, saved[SPEED][0].value(), x[SPEED][0].value());
             if parts > 1.0 {
-                x.clone_from(saved);
+                x.copy_from_slice(saved);
                 **sign = before;
                 automaton::advance_in_parts(model, (x, sign), &held, h, parts, stages, saved);
             }

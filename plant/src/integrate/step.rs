@@ -3,7 +3,7 @@
 use drivescope_numerics::Real;
 
 use super::exponential::Exponential;
-use crate::model::{Applied, CURRENT, Inverses, Model, OWN, Rows, SPEED, field_at};
+use crate::model::{Applied, CURRENT, Inverses, Model, OWN, Rows, SPEED, field_at, zeros};
 
 /// Room for the stages of a step; allocated once, reused by every step.
 #[derive(Debug, Clone)]
@@ -20,7 +20,7 @@ pub(super) struct Stages<R, const N: usize> {
 
 impl<R: Real, const N: usize> Stages<R, N> {
     pub(super) fn new(states: usize) -> Self {
-        let zero = Rows::zero(states);
+        let zero = zeros(states);
         Self {
             slopes: [zero.clone(), zero.clone(), zero.clone(), zero.clone()],
             stage: zero.clone(),

@@ -13,14 +13,10 @@ impl Drive {
     /// The model with the drive's own values.
     ///
     /// # Panics
-    /// If the drive was put together by hand with an effect that no drive file may have (see
-    /// [`Drive::model_of`]).
+    /// If the drive was put together by hand without a value that a drive file must have, or with an
+    /// effect that none may have (see [`Drive::model_of`]).
     pub fn model(&self) -> Model<f64, 1> {
-        let all = self.parameters();
-        self.build(false, |name| {
-            let of_that_name = all.iter().find(|parameter| parameter.name == name);
-            of_that_name.expect("built from its own names").value
-        })
+        self.build(false, |_, _, own| own.expect("the drive file must have it"))
     }
 
     /// The model whose parameters are what `values` gives for their names (`R`, `coulomb.T_c`).
@@ -30,21 +26,33 @@ impl Drive {
     /// If an effect's kind is not in the registry, its parameters are not those of its kind, or
     /// its law is wrong: reading the drive file excludes all three.
     pub fn model_of<R: Real>(&self, values: impl Fn(&str) -> R) -> Model<R, 1> {
-        self.build(self.motor.tie_k, values)
+        self.build(self.motor.tie_k, |effect, key, _| match effect {
+            Some(effect) => values(&format!("{}.{key}", effect.id)),
+            None => values(key),
+        })
     }
 
-    fn build<R: Real>(&self, tie: bool, values: impl Fn(&str) -> R) -> Model<R, 1> {
-        let force = self.motor.input == Input::Force;
+    /// `values` gives a number for the effect that it belongs to, none for the motor, its key there and
+    /// the drive's own.
+    fn build<R: Real>(
+        &self,
+        tie: bool,
+        values: impl Fn(Option<&EffectData>, &str, Option<f64>) -> R,
+    ) -> Model<R, 1> {
+        let data = &self.motor;
+        let force = data.input == Input::Force;
         // A force-driven drive has no armature circuit; its field reads none of these three.
-        let electrical = |name, without| if force { R::constant(without) } else { values(name) };
-        let k_e = electrical("K_e", 0.0);
+        let electrical = |key, own, without| {
+            if force { R::constant(without) } else { values(None, key, own) }
+        };
+        let k_e = electrical("K_e", data.k_e, 0.0);
         let motor = Motor {
-            r: electrical("R", 1.0),
-            l: electrical("L", 1.0),
+            r: electrical("R", data.r, 1.0),
+            l: electrical("L", data.l, 1.0),
             k_e,
-            k_m: if tie && !force { k_e } else { values("K_m") },
-            j: values("J"),
-            b_m: values("B_m"),
+            k_m: if tie && !force { k_e } else { values(None, "K_m", Some(data.k_m)) },
+            j: values(None, "J", Some(data.j)),
+            b_m: values(None, "B_m", Some(data.b_m)),
             friction: R::one(),
         };
         let mut laws = Vec::new();
@@ -56,7 +64,7 @@ impl Drive {
                 parameters: effect
                     .parameters
                     .iter()
-                    .map(|(name, _)| values(&format!("{}.{name}", effect.id)))
+                    .map(|(key, own)| values(Some(effect), key, Some(*own)))
                     .collect(),
             })
             .collect();

@@ -22,7 +22,9 @@ pub(crate) use field::field_at;
 pub use field::{AtRest, at_rest, field};
 pub(crate) use motor::Inverses;
 pub use motor::{Motor, Motors};
-pub(crate) use rows::Rows;
+pub use rows::Rows;
+use rows::rows;
+pub(crate) use rows::zeros;
 
 /// Index of the armature current in the state.
 pub const CURRENT: usize = 0;
@@ -126,7 +128,7 @@ impl<R: Real> Model<R, 1> {
             force,
             placed,
             laws,
-            p: Rows::copied(&p),
+            p: rows(p),
             own_states: stiff.len() - OWN,
             stiff,
             dry,
@@ -163,13 +165,13 @@ impl<R: Real, const N: usize> Model<R, N> {
         for (l, model) in of.iter().enumerate() {
             motors.set_lane(l, model.motors.lane(0));
         }
-        let p: Vec<[R; N]> = (0..first.p.len()).map(|k| of.map(|m| m.p[k][0])).collect();
+        let p = (0..first.p.len()).map(|k| of.map(|m| m.p[k][0]));
         Self {
             motors,
             force: first.force,
             placed: first.placed.clone(),
             laws: first.laws.clone(),
-            p: Rows::copied(&p),
+            p: rows(p),
             own_states: first.own_states,
             stiff: first.stiff.clone(),
             dry: first.dry,
@@ -196,7 +198,7 @@ impl<R: Real, const N: usize> Model<R, N> {
             force: self.force,
             placed: self.placed.clone(),
             laws: self.laws.clone(),
-            p: Rows::copied(&self.p.iter().map(|values| [values[l]]).collect::<Vec<_>>()),
+            p: rows(self.p.iter().map(|values| [values[l]])),
             own_states: self.own_states,
             stiff: self.stiff.clone(),
             dry: self.dry,

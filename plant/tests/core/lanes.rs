@@ -127,7 +127,7 @@ fn equal_drives_need_no_fixed_pace() {
             let time = k as f64 * H;
             integrator.advance(&mut one, &Applied { u: [u], load: [load], time }, H);
             block.advance(&mut many, &Applied { u: [u; 4], load: [load; 4], time }, H);
-            for (x, lanes) in one.x.iter().zip(&many.x) {
+            for (x, lanes) in one.x.iter().zip(many.x.iter()) {
                 assert_eq!(lanes, &[x[0]; 4], "{} at sample {k}", case.name);
             }
         }

@@ -62,18 +62,27 @@ struct Answers {
 }
 
 impl Answers {
-    fn of(rule: &Rule, cases: &[Case], advance: &(dyn Fn() + Sync)) -> miette::Result<Self> {
-        let one = |(number, case): (usize, &Case)| {
+    /// What each rule answers: all of them at once, for a rule alone ends on its slowest machine.
+    fn all(
+        rules: &[Moving],
+        cases: &[Case],
+        advance: &(dyn Fn() + Sync),
+    ) -> miette::Result<Vec<Self>> {
+        let one = |(rule, number): (&Rule, usize)| {
             interrupt::check()?;
-            let outcome = outcome(rule, case, gives_noise(number));
+            let outcome = outcome(rule, &cases[number], gives_noise(number));
             advance();
             Ok(outcome)
         };
-        let (cases, real) = rayon::join(
-            || cases.par_iter().enumerate().map(one).collect::<miette::Result<_>>(),
-            || Real::run(rule),
+        let asked: Vec<_> =
+            rules.iter().flat_map(|(_, it)| (0..cases.len()).map(move |k| (it, k))).collect();
+        let (outcomes, real) = rayon::join(
+            || asked.into_par_iter().map(one).collect::<miette::Result<Vec<_>>>(),
+            || rules.par_iter().map(|(_, it)| Real::run(it)).collect::<miette::Result<Vec<_>>>(),
         );
-        Ok(Self { cases: cases?, real: real? })
+        let mut outcomes = outcomes?.into_iter();
+        let of_rule = |real| Self { cases: outcomes.by_ref().take(cases.len()).collect(), real };
+        Ok(real?.into_iter().map(of_rule).collect())
     }
 
     fn row(&self, moved: Option<(&'static str, f64)>, usual: &Self) -> Row {
@@ -123,13 +132,10 @@ impl Moved {
         advance: &(dyn Fn() + Sync),
     ) -> miette::Result<Self> {
         let all = drawn(cases, seed, python)?;
-        let mut rows = Vec::new();
-        let mut usual = None;
-        for (moved, rule) in rules() {
-            let answers = Answers::of(&rule, &all, advance)?;
-            rows.push(answers.row(moved, usual.as_ref().unwrap_or(&answers)));
-            usual.get_or_insert(answers);
-        }
+        let rules = rules();
+        let answers = Answers::all(&rules, &all, advance)?;
+        let row = |((moved, _), it): (&Moving, &Answers)| it.row(*moved, &answers[0]);
+        let rows = rules.iter().zip(&answers).map(row).collect();
         Ok(Self { seed, rows })
     }
 

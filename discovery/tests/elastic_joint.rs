@@ -56,7 +56,7 @@ fn recorded(to_hz: f64, seed: u64, (ratio, swings): (f64, f64)) -> Recording {
             theta_l += dt * omega_l;
         }
     }
-    recording(PERIOD_S, current, position)
+    recording(PERIOD_S, [("i", "A", current), ("theta", "rad", position)])
 }
 
 fn found(load: (f64, f64)) -> Discovery {

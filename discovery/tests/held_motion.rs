@@ -51,7 +51,7 @@ fn recorded(speed: f64, seed: u64, disturbs: impl Fn(f64) -> f64) -> Recording {
             theta += dt * omega;
         }
     }
-    recording(PERIOD_S, current, position)
+    recording(PERIOD_S, [("i", "A", current), ("theta", "rad", position)])
 }
 
 fn found(disturbs: impl Fn(f64) -> f64) -> Discovery {

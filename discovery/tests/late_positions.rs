@@ -54,7 +54,7 @@ fn recorded(seed: u64, weight: f64) -> Recording {
             theta += dt * omega;
         }
     }
-    repaired(recording(PERIOD_S, torques, positions)).0
+    repaired(recording(PERIOD_S, [("i", "A", torques), ("theta", "rad", positions)])).0
 }
 
 fn found(weight: f64) -> Discovery {

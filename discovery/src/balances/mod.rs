@@ -126,15 +126,27 @@ impl Balances {
     }
 
     fn unexplained(&self, drive: &Drive, balance: usize) -> Option<Unexplained> {
+        in_all(&[self.squares(drive, balance)])
+    }
+
+    /// Squares of what is left of a balance and of what was applied, and their number.
+    fn squares(&self, drive: &Drive, balance: usize) -> [f64; 3] {
         let each: Vec<[f64; 3]> = match balance {
             0 => self.torque.iter().map(|it| torque::unexplained(it, drive)).collect(),
             _ => self.voltage.iter().map(|it| voltage::unexplained(it, drive)).collect(),
         };
-        let [missing, all, n] =
-            each.iter().fold([0.0; 3], |sum, it| [sum[0] + it[0], sum[1] + it[1], sum[2] + it[2]]);
-        (all > 0.0)
-            .then(|| Unexplained { rms: (missing / n).sqrt(), share: (missing / all).sqrt() })
+        added(&each)
     }
+}
+
+fn added(each: &[[f64; 3]]) -> [f64; 3] {
+    each.iter().fold([0.0; 3], |sum, it| [sum[0] + it[0], sum[1] + it[1], sum[2] + it[2]])
+}
+
+/// What such squares leave together; none where nothing was applied.
+fn in_all(each: &[[f64; 3]]) -> Option<Unexplained> {
+    let [missing, all, n] = added(each);
+    (all > 0.0).then(|| Unexplained { rms: (missing / n).sqrt(), share: (missing / all).sqrt() })
 }
 
 /// Whether least squares on the balances hold the drive whole: they know no states of its own.
@@ -144,11 +156,52 @@ pub(crate) fn hold(drive: &Drive) -> bool {
 
 /// What the drive leaves unexplained of the applied torque and of the voltage, each over windows
 /// as short as noise allows; none where the balance was not measured, or the drive has states
-/// that were not.
+/// that were not. What may differ from recording to recording is what each of them tells.
 pub fn unexplained(drive: &Drive, evidence: &Evidence) -> [Option<Unexplained>; 2] {
+    if drive.per_recording.is_empty() {
+        return squares(drive, evidence).map(|it| in_all(&[it?]));
+    }
+    let each = (0..evidence.recordings.len()).map(|k| {
+        let alone = evidence.alone(k);
+        squares(&with_own(drive, &alone), &alone)
+    });
+    let each: Vec<[Option<[f64; 3]>; 2]> = each.collect();
+    std::array::from_fn(|balance| {
+        in_all(&each.iter().filter_map(|it| it[balance]).collect::<Vec<_>>())
+    })
+}
+
+/// Share of the acceleration that is no multiple of the torque that the drive leaves for it, whatever the
+/// inertia; none where no torque was measured, or the drive has states that were not.
+pub(crate) fn acceleration_left(drive: &Drive, evidence: &Evidence) -> Option<f64> {
+    let each = (0..evidence.recordings.len()).filter_map(|k| {
+        let alone = evidence.alone(k);
+        let (plain, balances) = balanced(&with_own(drive, &alone), &alone)?;
+        let measured = balances.reading != Reading::Voltage;
+        let products = || balances.torque.iter().map(|it| torque::accelerating(it, &plain));
+        measured.then(|| added(&products().collect::<Vec<_>>()))
+    });
+    let [a, t, both] = added(&each.collect::<Vec<_>>());
+    let explained = both.max(0.0).powi(2) / (a * t);
+    explained.is_finite().then(|| (1.0 - explained).max(0.0).sqrt())
+}
+
+/// Squares of the balances of torque and voltage; none where one was not measured.
+fn squares(drive: &Drive, evidence: &Evidence) -> [Option<[f64; 3]>; 2] {
     let Some((plain, balances)) = balanced(drive, evidence) else { return [None; 2] };
-    let torque = (balances.reading != Reading::Voltage).then(|| balances.unexplained(&plain, 0));
-    [torque.flatten(), balances.unexplained(&plain, 1)]
+    let torque = (balances.reading != Reading::Voltage).then(|| balances.squares(&plain, 0));
+    [torque, Some(balances.squares(&plain, 1))]
+}
+
+/// The drive as it is in one recording: what may differ from one to the next as the balances tell it.
+fn with_own(drive: &Drive, recording: &Evidence) -> Drive {
+    if drive.per_recording.is_empty() {
+        return drive.clone();
+    }
+    let mut own = drive.clone();
+    let shared = drive.fitted().into_iter().map(|it| it.name);
+    own.fixed.extend(shared.filter(|name| !drive.per_recording.contains(name)));
+    begin(&own, recording).drive
 }
 
 /// Share of what drives that the drive leaves unexplained: by the current or, for want of one, by the voltage,

@@ -88,15 +88,43 @@ fn at_nominal(zero: &Drive, parameter: &NamedParameter) -> Option<Laws> {
     drive.set(&parameter.name, parameter.nominal).ok().map(|()| Laws::new(&drive))
 }
 
-/// What the drive leaves unexplained of the torque, window by window, and the applied torque.
-fn missing<'a>(windows: &'a Windows, drive: &'a Drive) -> impl Iterator<Item = [f64; 2]> + 'a {
+/// Torques of a window, N m (N), and its acceleration.
+struct Torques {
+    applied: f64,
+    /// What loads and laws take of it, all but the inertia.
+    taken: f64,
+    /// What the inertia takes.
+    inertial: f64,
+    acceleration: f64,
+}
+
+/// The torques of a drive, window by window.
+fn torques<'a>(windows: &'a Windows, drive: &'a Drive) -> impl Iterator<Item = Torques> + 'a {
     let motor = &drive.motor;
     let (brake, inertia) = windows.along(&Laws::of_drive(drive));
     windows.moving().map(move |(r, k)| {
         let run = &windows.runs[r];
-        let applied = motor.k_m * run.driver[k];
-        let needed = inertia * run.acceleration[k] + motor.b_m * run.speed[k] + brake[r][k];
-        [applied - run.load[k] - needed, applied]
+        let acceleration = run.acceleration[k];
+        Torques {
+            applied: motor.k_m * run.driver[k],
+            taken: run.load[k] + motor.b_m * run.speed[k] + brake[r][k],
+            inertial: inertia * acceleration,
+            acceleration,
+        }
+    })
+}
+
+/// What the drive leaves unexplained of the torque, window by window, and the applied torque.
+fn missing<'a>(windows: &'a Windows, drive: &'a Drive) -> impl Iterator<Item = [f64; 2]> + 'a {
+    torques(windows, drive).map(|it| [it.applied - it.taken - it.inertial, it.applied])
+}
+
+/// Products of the acceleration and the torque that is left for it: of both with themselves, and with
+/// each other.
+pub(super) fn accelerating(windows: &Windows, drive: &Drive) -> [f64; 3] {
+    torques(windows, drive).fold([0.0; 3], |[a, t, both], it| {
+        let left = it.applied - it.taken;
+        [a + it.acceleration * it.acceleration, t + left * left, both + it.acceleration * left]
     })
 }
 

@@ -7,7 +7,7 @@ use super::candidate::Candidate;
 use super::learned::effect;
 use super::refit::Model;
 use super::round::Round;
-use crate::balances::{begin, unexplained};
+use crate::balances::{acceleration_left, begin, unexplained};
 use crate::likelihood::CurveWeight;
 
 /// Share of the unexplained torque that may be left where that alone decides: an observer follows what
@@ -18,6 +18,9 @@ const MUCH: f64 = 0.5;
 /// behind an observer, where what is left is no random load but what no model holds: on some forty
 /// strange machines right names took 40 % and more of it, wrong ones up to 14 %.
 const TAKEN: f64 = 0.2;
+
+/// Share of the acceleration that is left at most where that is what tells.
+const SWINGS: f64 = 0.5;
 
 impl Round<'_> {
     /// Torque that a drive leaves unexplained in the recordings held out, as a share of the applied one, for
@@ -58,7 +61,8 @@ impl Round<'_> {
         let by_voltage = if candidate.info.senses() { taken(1) } else { None };
         let taken = taken(0)?.max(by_voltage.unwrap_or(f64::NEG_INFINITY));
         let percent = 100.0 * taken.max(0.0);
-        (taken < TAKEN).then(|| {
+        let little = taken < TAKEN && !self.explains_acceleration(with);
+        little.then(|| {
             format!(
                 "it takes {percent:.1} % of what is unexplained of the torque on the validation \
                  data away only"
@@ -85,7 +89,23 @@ impl Round<'_> {
             return false;
         }
         let both = before.zip(self.torque_left(&with.fitted.drive));
-        both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before)
+        let raises = both.is_some_and(|(before, after)| after > (1.0 + self.rule.size) * before);
+        raises && !self.explains_acceleration(&with.fitted.drive)
+    }
+
+    /// Whether a drive explains the acceleration where the round's own does not. The torque of a shaft that
+    /// swings freely is small beside what moves it, and says little: a drive of hardly any inertia leaves
+    /// less of it than the right one.
+    fn explains_acceleration(&self, with: &Drive) -> bool {
+        let left = |drive: &Drive| {
+            let begun = begin(drive, self.estimation).drive;
+            let each = [drive, &begun].map(|it| acceleration_left(it, self.validation));
+            each.into_iter().flatten().reduce(f64::min)
+        };
+        let both = left(&self.model.fitted.drive).zip(left(with));
+        both.is_some_and(|(before, after)| {
+            after < SWINGS && 1.0 - (after / before).powi(2) >= TAKEN
+        })
     }
 
     /// Whether a drive explains most of the torque that the round's own leaves.

@@ -35,7 +35,7 @@ pub(crate) fn candidates(
             not.push(own(format!("impossible in this drive: {refusal}"), false));
         } else if let Some(reason) = needless(entry, drive) {
             not.push(own(reason.to_owned(), false));
-        } else if let Some(reason) = unseen(entry, evidence, spans) {
+        } else if let Some(reason) = unseen(entry, drive, evidence, spans) {
             not.push(own(reason, true));
         } else {
             found.push(candidate(entry, drive, spans));
@@ -82,12 +82,15 @@ fn needless(entry: &Entry, drive: &Drive) -> Option<&'static str> {
 }
 
 /// Why these recordings cannot show the effect.
-fn unseen(entry: &Entry, evidence: &Evidence, spans: &Spans) -> Option<String> {
+fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence, spans: &Spans) -> Option<String> {
     let has = |one: &Measured, output| one.output(output).is_some();
     let any = |wanted: &[Output]| {
         evidence.recordings.iter().all(|one| wanted.iter().any(|output| has(one, *output)))
     };
     let info = entry.info;
+    if info.fails_over.first() == Some(&Variable::Current) && is_constant(drive, evidence) {
+        return Some("the current is the same throughout but for its noise".to_owned());
+    }
     if info.fails_over.contains(&Variable::Theta) && !any(&[Output::Speed, Output::Position]) {
         return Some("needs the position or the speed, and neither was recorded".to_owned());
     }
@@ -99,6 +102,22 @@ fn unseen(entry: &Entry, evidence: &Evidence, spans: &Spans) -> Option<String> {
         }
     }
     (info.unseen)(spans)
+}
+
+/// Whether a recorded current stays at one level, but for what a sample does not share with the next.
+fn is_constant(drive: &Drive, evidence: &Evidence) -> bool {
+    /// Correlation from a sample to the next below which it is noise.
+    const WHITE: f64 = 0.2;
+    /// Standard deviations that the level is from 0 at least.
+    const HELD: f64 = 3.0;
+    let each = || evidence.recordings.iter().map(|it| it.current(drive).collect::<Vec<f64>>());
+    let all: Vec<f64> = each().flatten().collect();
+    let n = all.len() as f64;
+    let mean = all.iter().sum::<f64>() / n;
+    let variance = all.iter().map(|i| (i - mean).powi(2)).sum::<f64>() / n;
+    let product = |pair: &[f64]| (pair[0] - mean) * (pair[1] - mean);
+    let shared: f64 = each().map(|it| it.windows(2).map(product).sum::<f64>()).sum::<f64>() / n;
+    variance > 0.0 && shared < WHITE * variance && mean * mean > HELD * HELD * variance
 }
 
 fn dry(effect: &EffectData) -> bool {

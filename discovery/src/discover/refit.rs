@@ -63,7 +63,12 @@ impl Model {
         }
         let options = Options { starts: 2, balanced: true, ..Options::NEAR };
         let other = Self::fit(drive, estimation, validation, self.setting, &options, seen).ok()?;
-        is_better(&other.fitted.drive).then_some(other)
+        // Where the torque hardly moves the shaft, a drive of hardly any inertia leaves least of it: it
+        // explains little, and does not follow the motion.
+        let error = |of: &Self| of.validation.squares.error();
+        let strays = self.setting.observer.follows() && error(&other) > STRAYS * error(self);
+        let little = || left(&other.fitted.drive).is_some_and(|it| it.share > LITTLE);
+        (is_better(&other.fitted.drive) && !(strays && little())).then_some(other)
     }
 
     /// At the recordings it was fitted to.
@@ -83,6 +88,11 @@ impl Model {
         self.fitted.parameters.iter().map(|it| it.name.clone()).collect()
     }
 }
+
+/// Error over that of a fit to the motion from which on an observer does not hold a drive on it.
+const STRAYS: f64 = 2.0;
+/// Share of the torque that one which strays leaves unexplained at most.
+const LITTLE: f64 = 0.5;
 
 /// Squared error, in units of the noise, by which a fit of a candidate may miss its minimum: far
 /// below the evidence that a name needs ([`super::decision::Rule::evidence`]).

@@ -18,7 +18,7 @@ const OVERWHELMED: &str = "beside it what is random must be greater than all tha
 /// Share of the applied torque that is much to leave unexplained behind an observer.
 const MUCH: f64 = 1.0 / 3.0;
 /// Share of the squared torque that was unexplained which is most of it.
-const MOST: f64 = 0.5;
+const MOST: f64 = 0.6;
 
 /// Why everything that was named is taken back; nothing where it stands.
 pub(super) fn withdrawn(

@@ -20,6 +20,12 @@ impl Evidence {
         self.recordings.iter().map(Measured::len).sum()
     }
 
+    /// One of the recordings alone.
+    pub(crate) fn alone(&self, recording: usize) -> Self {
+        let noise = self.noise.get(recording).cloned().into_iter().collect();
+        Self { recordings: vec![self.recordings[recording].clone()], noise }
+    }
+
     /// The greatest torque (force) that drives in any of them, N m (N).
     pub(crate) fn driving(&self, drive: &Drive) -> f64 {
         let currents = self.recordings.iter().map(|it| largest(it.current(drive)));

@@ -87,6 +87,7 @@ mod tests {
     use crate::balances::{small_inertia, unexplained};
     use crate::measured::Measured;
     use crate::testing::{bench, dr300, gaussian};
+    use drivescope_plant::drive::EffectData;
     use drivescope_recording::Recording;
 
     /// Standard errors that a value may be off, and what trapezoids and windows add, relative.
@@ -150,6 +151,30 @@ mod tests {
         let seen = evidence(&truth, &recording, &[0.01, 0.3]);
         let [torque, voltage] = unexplained(&truth, &seen).map(|it| it.expect("measured").share);
         assert!(torque < 0.05 && voltage < 0.02, "{torque} {voltage}");
+    }
+
+    #[test]
+    fn a_load_of_each_recording_is_its_own_in_what_stays_unexplained() {
+        let mut truth = dr300();
+        truth.motor.k_m = truth.motor.k_e.expect("it has one");
+        let loaded = |torque: f64| {
+            let mut drive = truth.clone();
+            drive.effects.push(EffectData {
+                kind: "constant_load".to_owned(),
+                id: "constant_load".to_owned(),
+                parameters: vec![("T_0".to_owned(), torque)],
+                law: None,
+            });
+            drive
+        };
+        let recordings = [0.02, -0.02].map(|torque| bench(&loaded(torque), 4.0, 0.001));
+        let measured = recordings.map(|it| Measured::new(&truth, &it).expect("usable"));
+        let seen = Evidence { recordings: measured.to_vec(), noise: vec![vec![1e-3, 1e-2]; 2] };
+        let left = |drive: &Drive| unexplained(drive, &seen)[0].expect("measured").share;
+        let shared = loaded(0.0);
+        let mut own = shared.clone();
+        own.per_recording.push("constant_load.T_0".to_owned());
+        assert!(left(&own) < 0.2 * left(&shared), "{} {}", left(&own), left(&shared));
     }
 
     #[test]

@@ -36,6 +36,9 @@ use windows::{Windows, every, way};
 
 /// Noise of the acceleration that is taken for known, as a torque, over the torque that drives.
 const KNOWN: f64 = 0.1;
+/// The same of the inertia that the run has, where the balance may have found too small a one: of a motion
+/// that the torque hardly moves it says nothing, and no inertia leaves the least of it.
+const BLIND: f64 = 0.3;
 /// Fewest windows in which the shaft moves.
 const FEWEST: usize = 100;
 /// The inertia, by its name in a drive.
@@ -57,13 +60,18 @@ impl Inverse {
     /// Nothing where the torque or the motion is not known well enough, or the drive overflows.
     pub(crate) fn of(scene: Scene) -> Option<Self> {
         let windows = known_motion(&scene)?;
+        // As the run knows it.
+        let run = scene.drive.motor.j;
         let torque = resisting(&scene, &windows);
         let noise = Table::of_drive(&scene, &windows, torque).noise();
         let found = Self::at(scene, windows, torque, noise)?;
         let moving = found.windows.iter().flat_map(|it| &it.moves).filter(|it| **it).count();
         let driving = driving(&found.scene);
         let inertia = found.scene.drive.motor.j;
-        let noisy = |it: &Windows| inertia * it.acceleration_sd > KNOWN * driving;
+        let noisy = |it: &Windows| {
+            inertia * it.acceleration_sd > KNOWN * driving
+                || run * it.acceleration_sd > BLIND * driving
+        };
         (moving >= FEWEST && !found.windows.iter().any(noisy)).then_some(found)
     }
 

@@ -21,6 +21,8 @@ mod torque;
 mod voltage;
 mod windows;
 
+use std::borrow::Cow;
+
 use drivescope_plant::drive::Drive;
 use serde::Serialize;
 
@@ -158,14 +160,8 @@ pub(crate) fn hold(drive: &Drive) -> bool {
 /// as short as noise allows; none where the balance was not measured, or the drive has states
 /// that were not. What may differ from recording to recording is what each of them tells.
 pub fn unexplained(drive: &Drive, evidence: &Evidence) -> [Option<Unexplained>; 2] {
-    if drive.per_recording.is_empty() {
-        return squares(drive, evidence).map(|it| in_all(&[it?]));
-    }
-    let each = (0..evidence.recordings.len()).map(|k| {
-        let alone = evidence.alone(k);
-        squares(&with_own(drive, &alone), &alone)
-    });
-    let each: Vec<[Option<[f64; 3]>; 2]> = each.collect();
+    let parts = as_recorded(drive, evidence);
+    let each: Vec<_> = parts.iter().map(|(drive, of)| squares(drive, of)).collect();
     std::array::from_fn(|balance| {
         in_all(&each.iter().filter_map(|it| it[balance]).collect::<Vec<_>>())
     })
@@ -174,14 +170,14 @@ pub fn unexplained(drive: &Drive, evidence: &Evidence) -> [Option<Unexplained>; 
 /// Share of the acceleration that is no multiple of the torque that the drive leaves for it, whatever the
 /// inertia; none where no torque was measured, or the drive has states that were not.
 pub(crate) fn acceleration_left(drive: &Drive, evidence: &Evidence) -> Option<f64> {
-    let each = (0..evidence.recordings.len()).filter_map(|k| {
-        let alone = evidence.alone(k);
-        let (plain, balances) = balanced(&with_own(drive, &alone), &alone)?;
+    let products = |(drive, of): &(Cow<'_, Drive>, Cow<'_, Evidence>)| {
+        let (plain, balances) = balanced(drive, of)?;
         let measured = balances.reading != Reading::Voltage;
-        let products = || balances.torque.iter().map(|it| torque::accelerating(it, &plain));
-        measured.then(|| added(&products().collect::<Vec<_>>()))
-    });
-    let [a, t, both] = added(&each.collect::<Vec<_>>());
+        let each = || balances.torque.iter().map(|it| torque::accelerating(it, &plain));
+        measured.then(|| added(&each().collect::<Vec<_>>()))
+    };
+    let parts = as_recorded(drive, evidence);
+    let [a, t, both] = added(&parts.iter().filter_map(products).collect::<Vec<_>>());
     let explained = both.max(0.0).powi(2) / (a * t);
     explained.is_finite().then(|| (1.0 - explained).max(0.0).sqrt())
 }
@@ -193,15 +189,23 @@ fn squares(drive: &Drive, evidence: &Evidence) -> [Option<[f64; 3]>; 2] {
     [torque, Some(balances.squares(&plain, 1))]
 }
 
-/// The drive as it is in one recording: what may differ from one to the next as the balances tell it.
-fn with_own(drive: &Drive, recording: &Evidence) -> Drive {
+/// The drive in the recordings, all together; where something may differ from one to the next each alone,
+/// with what its balances tell of that.
+fn as_recorded<'a>(
+    drive: &'a Drive,
+    evidence: &'a Evidence,
+) -> Vec<(Cow<'a, Drive>, Cow<'a, Evidence>)> {
     if drive.per_recording.is_empty() {
-        return drive.clone();
+        return vec![(Cow::Borrowed(drive), Cow::Borrowed(evidence))];
     }
     let mut own = drive.clone();
     let shared = drive.fitted().into_iter().map(|it| it.name);
     own.fixed.extend(shared.filter(|name| !drive.per_recording.contains(name)));
-    begin(&own, recording).drive
+    let alone = |k| {
+        let alone = evidence.alone(k);
+        (Cow::Owned(begin(&own, &alone).drive), Cow::Owned(alone))
+    };
+    (0..evidence.recordings.len()).map(alone).collect()
 }
 
 /// Share of what drives that the drive leaves unexplained: by the current or, for want of one, by the voltage,

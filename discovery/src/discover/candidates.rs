@@ -24,6 +24,7 @@ pub(crate) fn candidates(
 ) -> (Vec<Candidate>, Vec<NotJudged>) {
     let is_in = |one: &EffectData| drive.effects.iter().any(|effect| effect.id == one.id);
     let remainder = typed.iter().filter(|one| !is_in(one));
+    let constant = is_constant(drive, evidence);
     let (mut found, mut not) = (remainder.map(typed::candidate).collect::<Vec<_>>(), Vec::new());
     for entry in REGISTRY {
         let own = |reason: String, worth_saying| NotJudged {
@@ -35,7 +36,7 @@ pub(crate) fn candidates(
             not.push(own(format!("impossible in this drive: {refusal}"), false));
         } else if let Some(reason) = needless(entry, drive) {
             not.push(own(reason.to_owned(), false));
-        } else if let Some(reason) = unseen(entry, drive, evidence, spans) {
+        } else if let Some(reason) = unseen(entry, constant, evidence, spans) {
             not.push(own(reason, true));
         } else {
             found.push(candidate(entry, drive, spans));
@@ -81,14 +82,14 @@ fn needless(entry: &Entry, drive: &Drive) -> Option<&'static str> {
         .then_some("the drive has it")
 }
 
-/// Why these recordings cannot show the effect.
-fn unseen(entry: &Entry, drive: &Drive, evidence: &Evidence, spans: &Spans) -> Option<String> {
+/// Why these recordings, whose current may be constant, cannot show the effect.
+fn unseen(entry: &Entry, constant: bool, evidence: &Evidence, spans: &Spans) -> Option<String> {
     let has = |one: &Measured, output| one.output(output).is_some();
     let any = |wanted: &[Output]| {
         evidence.recordings.iter().all(|one| wanted.iter().any(|output| has(one, *output)))
     };
     let info = entry.info;
-    if info.fails_over.first() == Some(&Variable::Current) && is_constant(drive, evidence) {
+    if info.fails_over.first() == Some(&Variable::Current) && constant {
         return Some("the current is the same throughout but for its noise".to_owned());
     }
     if info.fails_over.contains(&Variable::Theta) && !any(&[Output::Speed, Output::Position]) {

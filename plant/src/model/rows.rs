@@ -3,14 +3,15 @@
 //! A vector of eight numbers that lies across two cache lines costs two loads or stores, and one that
 //! was just stored has to be waited for: lanes of the exact step take a quarter longer then.
 
-use aligned_vec::{AVec, ConstAlign};
+use aligned_vec::{AVec, RuntimeAlign};
 use drivescope_numerics::Real;
 
 /// Length of a cache line, bytes.
 const LINE: usize = 64;
 
-/// A number of rows `[R; N]` from the start of a cache line on.
-pub type Rows<R, const N: usize> = AVec<[R; N], ConstAlign<LINE>>;
+/// A number of rows `[R; N]`, from the start of a cache line on where a row fills one: memory that is
+/// aligned costs more to take.
+pub type Rows<R, const N: usize> = AVec<[R; N], RuntimeAlign>;
 
 /// So many rows of zeros.
 pub(crate) fn zeros<R: Real, const N: usize>(count: usize) -> Rows<R, N> {
@@ -19,5 +20,6 @@ pub(crate) fn zeros<R: Real, const N: usize>(count: usize) -> Rows<R, N> {
 
 /// Those rows.
 pub(crate) fn rows<R, const N: usize>(of: impl IntoIterator<Item = [R; N]>) -> Rows<R, N> {
-    Rows::from_iter(LINE, of)
+    let align = if size_of::<[R; N]>() >= LINE { LINE } else { align_of::<R>() };
+    Rows::from_iter(align, of)
 }

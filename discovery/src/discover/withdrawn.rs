@@ -17,7 +17,7 @@ const LEAVES_MOST: &str = "most of the torque stays unexplained with it";
 const OVERWHELMED: &str = "beside it what is random must be greater than all that drives";
 /// Share of the applied torque that is much to leave unexplained behind an observer.
 const MUCH: f64 = 1.0 / 3.0;
-/// Share of the squared torque that was unexplained which is most of it.
+/// Share of the squared torque that was unexplained which is most of it: right names took 40 % and more.
 const MOST: f64 = 0.6;
 
 /// Why everything that was named is taken back; nothing where it stands.

@@ -23,3 +23,27 @@ pub(crate) fn rows<R, const N: usize>(of: impl IntoIterator<Item = [R; N]>) -> R
     let align = if size_of::<[R; N]>() >= LINE { LINE } else { align_of::<R>() };
     Rows::from_iter(align, of)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use drivescope_numerics::Dual;
+
+    #[test]
+    fn rows_start_at_a_line_and_keep_their_values_through_a_copy() {
+        let source: Vec<[f64; 16]> = (0..5).map(|k| [f64::from(k); 16]).collect();
+        let made = rows(source.clone());
+        for made in [&made, &made.clone()] {
+            assert_eq!(**made, *source);
+            assert_eq!(made.as_ptr() as usize % LINE, 0);
+        }
+    }
+
+    #[test]
+    fn rows_shorter_than_a_line_take_no_more_than_they_need() {
+        let short: Rows<f64, 1> = zeros(3);
+        assert_eq!((short.len(), short.alignment()), (3, align_of::<f64>()));
+        assert_eq!(zeros::<Dual<8>, 4>(2).len(), 2);
+        assert!(zeros::<f64, 32>(0).is_empty());
+    }
+}
